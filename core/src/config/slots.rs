@@ -6,7 +6,8 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS, Width, Wires, Word,
+    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS, Width,
+    Wires, Word,
 };
 use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};

@@ -150,6 +150,14 @@ fn pace(words: Words<'_>, call_ns: u64) -> Pace {
     Pace::new(rate, [at("accel"), at("accel2")].map(|place| words.get(place).max(0)), call_ns)
 }
 
+fn limits(words: Words<'_>) -> [i64; LIMITS] {
+    std::array::from_fn(|nth| words.get(at("pos_limit") + nth))
+}
+
+fn is_sequence(words: Words<'_>) -> bool {
+    words.get(at("ba")) & 2 != 0
+}
+
 fn rate(words: Words<'_>) -> Rate {
     Rate { increments: words.get(at("cycle_increments")), half_ms: words.get(at("cycle_time")) }
 }
@@ -306,9 +314,9 @@ impl Program for Fgen {
     }
 
     fn renew(&mut self, words: Words<'_>) {
-        self.limits = std::array::from_fn(|nth| words.get(at("pos_limit") + nth));
+        self.limits = limits(words);
         self.motion.renew(pace(words, self.call_ns));
-        let is_sequence = words.get(at("ba")) & 2 != 0;
+        let is_sequence = is_sequence(words);
         if is_sequence && !self.is_sequence {
             self.fold();
         }
@@ -336,11 +344,15 @@ impl Program for Fgen {
     }
 
     fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
-        self.mode == Mode::of(words) && self.call_ns == call_ns && self.motion.is_of(pace(words, call_ns))
+        let live = (self.is_sequence, self.limits);
+        self.mode == Mode::of(words)
+            && live == (is_sequence(words), limits(words))
+            && self.call_ns == call_ns
+            && self.motion.is_of(pace(words, call_ns))
     }
 
     fn is_sound(&self) -> bool {
-        self.motion.is_sound() && self.limits.iter().all(|limit| *limit >= 0)
+        self.motion.is_sound() && self.mode.cycle_increments > 0
     }
 }
 

@@ -361,7 +361,10 @@ mod tests {
         assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
         let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
         assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt", "fgen", "regl"]);
-        assert_eq!((Kind::Binea.description().words, Kind::Cam.description().words), (&["mw_offset_addr"][..], &[][..]));
+        assert_eq!(
+            (Kind::Binea.description().words, Kind::Cam.description().words),
+            (&["mw_offset_addr"][..], &[][..])
+        );
     }
 
     #[test]

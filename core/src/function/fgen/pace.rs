@@ -52,9 +52,10 @@ impl Pace {
         let [square, seconds] = reduced(call * call, SECOND_SQUARED);
         let full = i128::from(FULL);
         let [way, time] = match rate {
-            Some(rate) => {
-                reduced(call * i128::from(rate.increments), i128::from(rate.half_ms.max(1)) * i128::from(HALF_MS) * full)
-            }
+            Some(rate) => reduced(
+                call * i128::from(rate.increments),
+                i128::from(rate.half_ms.max(1)) * i128::from(HALF_MS) * full,
+            ),
             None => [1, full],
         };
         let [_, more] = reduced(seconds, time);

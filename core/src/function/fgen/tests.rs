@@ -23,8 +23,14 @@ struct Bench {
 }
 
 /// The manual's example, without zeroing: 20000 inc in 2 s, ramps of 1 inc a call, a sequence.
-const EXAMPLE: [(&str, i64); 6] =
-    [("fct", 1), ("ba", 2), ("cycle_time", 4000), ("sf_cycle_time", 2), ("cycle_increments", 20_000), ("accel", 1_000_000)];
+const EXAMPLE: [(&str, i64); 6] = [
+    ("fct", 1),
+    ("ba", 2),
+    ("cycle_time", 4000),
+    ("sf_cycle_time", 2),
+    ("cycle_increments", 20_000),
+    ("accel", 1_000_000),
+];
 
 fn example(more: &[(&'static str, i64)]) -> Bench {
     let mut bench = Bench {

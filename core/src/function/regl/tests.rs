@@ -137,7 +137,10 @@ fn the_manuals_example() {
     // x is 90, then 95, of an A/D converter.
     assert_eq!(bench.start(90 + 2048, 0), (5_025_000, 0));
     assert_eq!(bench.step(95 + 2048, 0), (5_016_250, 0));
-    assert_eq!(example(&[("kp", 0), ("ki", 0), ("kd", 256), ("gain_v", 1)]).controls([2148, 2147]), [5_000_000, 5_000_001]);
+    assert_eq!(
+        example(&[("kp", 0), ("ki", 0), ("kd", 256), ("gain_v", 1)]).controls([2148, 2147]),
+        [5_000_000, 5_000_001]
+    );
     // Tn = kp / ki = 4 ms: with an error that stays, I is as large as P in the fourth call. P 20, I 5, 10, 15, 20.
     let mut bench = example(&[("cmd2", 0), ("kd", 0)]);
     assert_eq!(bench.controls([2138; 4]), [25_000, 30_000, 35_000, 40_000]);
@@ -152,9 +155,8 @@ fn the_manuals_example() {
 #[test]
 fn limits_behind_the_sum_hold_its_side() {
     // P and I are 62.5 * 24000 each: u = 3000000 for x = -24000.
-    let one_sided = |ba: i64| {
-        plain(&[("ba", ba), ("kp", 16_000), ("ki", 16_000), ("i_max", 2_000_000), ("cmd2", 2_000_000)])
-    };
+    let one_sided =
+        |ba: i64| plain(&[("ba", ba), ("kp", 16_000), ("ki", 16_000), ("i_max", 2_000_000), ("cmd2", 2_000_000)]);
     assert_eq!(one_sided(24).start(24_000, 0), (0, A2));
     assert_eq!(one_sided(24).start(-24_000, 0), (5_000_000, 0));
     assert_eq!(one_sided(20).start(-24_000, 0), (0, A1));
@@ -200,7 +202,11 @@ fn a_source_is_converted_filtered_and_negated() {
     assert_eq!(converter, [-2048, 0, 2047, 100, 2047], "offset binary of 12 bits (R5)");
     assert_eq!([40_000, -40_000, 12_345].map(|raw| x(&[], raw)), [32_767, -32_768, 12_345], "16 bits, saturated (I7)");
     assert_eq!([7, -1, -6].map(|raw| x(&[("filter_type", 1)], raw)), [4, -4, -8]);
-    assert_eq!([7, -6].map(|raw| x(&[("filter_type", 1), ("source_assess", 3)], raw)), [-4, 8], "negated behind the filter");
+    assert_eq!(
+        [7, -6].map(|raw| x(&[("filter_type", 1), ("source_assess", 3)], raw)),
+        [-4, 8],
+        "negated behind the filter"
+    );
     assert_eq!(x(&[("source_assess", 3)], -32_768), 32_768);
     let mut bench = plain(&[("filter_type", 2)]);
     // (90 * 4), (95 + 90 * 3) / 4 = 91.25, (7 + 95 + 180) / 4 = 70.5, (-500 + 7 + 95 + 90) / 4 = -77, -475 / 4 = -118.75.

@@ -96,7 +96,10 @@ fn what_the_source_does_not_address_is_refused_where_it_stands() {
             "{slot: 0, type: regl, source: w, gain_v: 1, src2_addr: ^w}",
             "src2_addr is `w`, of type i16; preset amkasyn allows i32",
         ),
-        ("{slot: 0, type: regl, source: w, gain_v: 1, sink: ^w}", "sink is `w`, of type i16; preset amkasyn allows i32"),
+        (
+            "{slot: 0, type: regl, source: w, gain_v: 1, sink: ^w}",
+            "sink is `w`, of type i16; preset amkasyn allows i32",
+        ),
         (
             "{slot: 0, type: fgen, cycle_increments: 1, accel: 1, cycle_factor: ^66}",
             "cycle_factor is 66; preset amkasyn allows 1..65 for type fgen",

@@ -80,6 +80,23 @@ fn zeroing_leaves_the_axis_its_zero() {
     assert_eq!((rig.int("gen.feedback2"), rig.int("x.actual.position")), (1, 501));
 }
 
+/// Proves: AMK-FGEN-22, AMK-BCOM-26
+#[test]
+fn it_counts_round_in_a_sink_of_16_bits() {
+    let mut config = generates().machine.config().clone();
+    (config.slots[0].sink, config.slots[0].sink_width) = (SinkConfig::Memory(1), Width::W16);
+    config.slots[0].values[usize::from(field(Type::Fgen, "ba"))] = 2;
+    let mut rig = Rig::of(config);
+    rig.give(Action::set_memory(0, 1024.0));
+    rig.give(Action::set_memory(1, 32_760.0));
+    rig.give(order(0, Order::Start));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!((rig.int("gen.sink"), rig.int("d")), (-32_766, -32_766));
+    rig.run(1999);
+    assert_eq!((rig.int("d"), rig.int("lamp")), (-12_776, 1), "20000 behind 32760, round");
+}
+
 /// Proves: AMK-FGEN-31, AMK-BCOM-35, AMK-BCOM-36
 #[test]
 fn value_new_takes_the_sequence_and_no_other_bit() {
@@ -95,7 +112,9 @@ fn value_new_takes_the_sequence_and_no_other_bit() {
     rig.run(1);
     assert_eq!(rig.int("gen.sink"), 510, "a sequence begins with its velocity");
     let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Fgen, "cycle_time"), 2)]));
-    assert!(rig.refusal(refused).ends_with("a call would go 40000 inc at the largest override; up to 32767 is possible"));
+    assert!(
+        rig.refusal(refused).ends_with("a call would go 40000 inc at the largest override; up to 32767 is possible")
+    );
     let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Fgen, "cycle_time"), 0)]));
     assert!(rig.refusal(refused).ends_with("0 is no value of it in this `ba`; 1 to 32767 is possible"));
 }
@@ -107,8 +126,7 @@ fn a_regulator_runs_a_rotary_axis_and_reset_ends_it() {
     (held.source, held.sink) = (SourceConfig::Signal("w".into()), SinkConfig::Axis(DISC));
     held.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });
     held.words[1] = Some("d".into());
-    for (name, value) in
-        [("switch_mask", 7), ("source_assess", 2), ("kp", 256), ("gain_v", -1000), ("y_max", 400_000)]
+    for (name, value) in [("switch_mask", 7), ("source_assess", 2), ("kp", 256), ("gain_v", -1000), ("y_max", 400_000)]
     {
         held.values[usize::from(field(Type::Regl, name))] = value;
     }
@@ -129,7 +147,9 @@ fn a_regulator_runs_a_rotary_axis_and_reset_ends_it() {
     rig.mirror();
     rig.run(3);
     let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Regl, "gain_v"), 0)]));
-    assert!(rig.refusal(refused).ends_with("a gain of 0 lets nothing through; -32768 to -1 and 1 to 32767 are possible"));
+    assert!(
+        rig.refusal(refused).ends_with("a gain of 0 lets nothing through; -32768 to -1 and 1 to 32767 are possible")
+    );
     rig.give(with(0, Order::ValueNew, &[(field(Type::Regl, "switch_mask"), 4)]));
     assert_eq!((rig.int("held.sink"), rig.int("lamp")), (100_000, 0), "w2 alone");
     rig.give(order(0, Order::Reset));
