@@ -22,6 +22,8 @@ pub(super) struct Port {
     pub is_output: bool,
     /// What is read is the last cycle's.
     pub is_late: bool,
+    /// It switches outputs alone: no way leads from it to the sink.
+    pub is_watched: bool,
 }
 
 /// All that a slot reads and writes, in the order of its keys; what it reads comes first.
@@ -36,10 +38,11 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
         object,
         is_output: false,
         is_late,
+        is_watched: false,
     }));
     let mut read = |label: String, name: &str, object| {
         let is_late = is_late(machine, slot, object);
-        ports.push(Port { label, name: name.to_owned(), object, is_output: false, is_late });
+        ports.push(Port { label, name: name.to_owned(), object, is_output: false, is_late, is_watched: false });
     };
     for (label, line) in lines('E', &config.inputs) {
         read(label, &line_name(machine, line), line.object);
@@ -49,7 +52,9 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
         // Differences are those of the last cycle, positions that drives have told are not.
         let is_late = config.kind == Kind::Sidiff || !is_told(machine, Leader::AxisActual(axis));
         let (label, name) = (format!("AW{}", axis + 1), machine.name(object).to_owned());
-        ports.push(Port { label, name, object, is_output: false, is_late });
+        // The mean of a difference may be a sink, a position is none.
+        let is_watched = config.kind != Kind::Sidiff;
+        ports.push(Port { label, name, object, is_output: false, is_late, is_watched });
     }
     let sink = match config.sink {
         SinkConfig::None => None,
@@ -60,7 +65,14 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let sink = sink.map(|object| ("sink".to_owned(), machine.name(object).to_owned(), object));
     let outputs = lines('A', &config.outputs).map(|(label, line)| (label, line_name(machine, line), line.object));
     let written = sink.into_iter().chain(outputs);
-    ports.extend(written.map(|(label, name, object)| Port { label, name, object, is_output: true, is_late: false }));
+    ports.extend(written.map(|(label, name, object)| Port {
+        label,
+        name,
+        object,
+        is_output: true,
+        is_late: false,
+        is_watched: false,
+    }));
     ports
 }
 

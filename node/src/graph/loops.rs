@@ -26,7 +26,8 @@ fn links(machine: &MachineConfig) -> Links {
     let mirrored = mirrors(machine).map(|(from, to)| Link { from, to, is_late: true });
     let slots = (0..machine.slots.len() as u16).flat_map(|slot| {
         let own = Object::Function(slot);
-        ports(machine, slot).into_iter().map(move |Port { object, is_output, is_late, .. }| {
+        let moves = ports(machine, slot).into_iter().filter(|port| !port.is_watched);
+        moves.map(move |Port { object, is_output, is_late, .. }| {
             let (from, to) = if is_output { (own, object) } else { (object, own) };
             Link { from, to, is_late }
         })

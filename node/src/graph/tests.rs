@@ -86,6 +86,9 @@ fn positions_that_are_watched_are_this_cycles_and_each_word_is_a_link() {
     assert_eq!(said(&machine, 0), ["AW2 <- y"]);
     assert_eq!(said(&machine, 1), [""; 0], "without bits 1 and 2 of fct it watches none");
     assert_eq!(said(&machine, 2), ["source <- feed", "word <- a.sink", "word <- c.sink (late)"]);
+    // A generator that watches what it moves reads itself nowhere.
+    let moved = "  a: {slot: 0, type: fgen, sink: x, fct: 7, aw_mask: 1, cycle_increments: 1, accel: 1}\n";
+    assert_eq!(circles(&self::machine(moved)), [""; 0]);
 }
 
 /// Each member is a link of its own: an encoder is this cycle's, a command the last one's. What a master shows is the last cycle's.
