@@ -1,0 +1,168 @@
+//! The state of a program: its memory and what of its globals changes, as plain data.
+//!
+//! Law      a copy goes on as the original does; copying into one of the same room takes no memory
+//! Reads    the module that it belongs to, at each call
+
+use crate::image::{self, Image};
+use crate::module::{MOST_GLOBALS, Module, PAGE};
+use crate::run::{self, Stack};
+use crate::trap::Trap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A program with its state.
+#[derive(Debug)]
+pub struct Instance {
+    memory: Vec<u8>,
+    globals: Vec<u64>,
+    /// Pages that it has room for.
+    room: usize,
+    /// Nothing in it outlives a call.
+    stack: Stack,
+}
+
+impl Instance {
+    /// One that begins, with room for modules of so many pages.
+    pub fn new(module: &Module, pages: usize) -> Self {
+        let mut instance = Self::with_room(pages.max(module.pages));
+        instance.restart(module);
+        instance
+    }
+
+    /// One without a module, which cannot be called, with room for one of so many pages.
+    pub fn with_room(pages: usize) -> Self {
+        let globals = Vec::with_capacity(MOST_GLOBALS);
+        Self { memory: Vec::with_capacity(pages * PAGE), globals, room: pages, stack: Stack::default() }
+    }
+
+    /// Has it room for that module?
+    pub fn has_room(&self, module: &Module) -> bool {
+        module.pages <= self.room
+    }
+
+    /// Begins anew; takes no memory where it has room.
+    pub fn restart(&mut self, module: &Module) {
+        self.memory.resize(module.pages * PAGE, 0);
+        module.fill(&mut self.memory);
+        self.globals.clear();
+        self.globals.extend(module.globals.iter().map(|(value, _)| *value));
+    }
+
+    /// Begins anew with another module. What the slot has written in the image stays; so does the program's own part, where it `keeps` it.
+    /// False where the module has another length of that than the one before, or where there is no room for it: then nothing changes.
+    pub fn exchange(&mut self, (module, before): (&Module, &Module), keeps: bool) -> bool {
+        if keeps && !image::is_as_long(module, before) || !self.has_room(module) {
+            return false;
+        }
+        let kept = self.memory.get(image::kept(before, keeps)).unwrap_or_default();
+        let length = kept.len();
+        let Some(beside) = self.stack.beside.get_mut(..length) else { return false };
+        beside.copy_from_slice(kept);
+        self.restart(module);
+        let to = image::kept(module, keeps);
+        // A memory that was read from outside may have been shorter than its module's.
+        if let (Some(beside), Some(to)) = (self.stack.beside.get(..length), self.memory.get_mut(to))
+            && beside.len() == to.len()
+        {
+            to.copy_from_slice(beside);
+        }
+        true
+    }
+
+    /// Its image.
+    pub fn image<'a>(&'a mut self, module: &Module) -> Image<'a> {
+        Image::new(self.memory.get_mut(module.image.clone()).unwrap_or_default())
+    }
+
+    /// One call, with at most so many instructions; how many it took.
+    ///
+    /// # Errors
+    /// Why it did not come to its end, and how many instructions that took.
+    pub fn call(&mut self, module: &Module, fuel: u32) -> Result<u32, (Trap, u32)> {
+        let mut left = fuel;
+        let result = run::call(module, &mut self.memory, &mut self.globals, &mut self.stack, &mut left);
+        let used = fuel - left;
+        match result {
+            Ok(()) if self.is_of(module) => Ok(used),
+            Ok(()) => Err((Trap::ImageOverwritten, used)),
+            Err(trap) => Err((trap, used)),
+        }
+    }
+
+    /// Pages that it has room for.
+    pub fn room(&self) -> usize {
+        self.room
+    }
+
+    /// Could it have come about by calls of that module?
+    pub fn is_of(&self, module: &Module) -> bool {
+        let fits = |(value, (_, is_long)): (&u64, &(u64, bool))| *is_long || u32::try_from(*value).is_ok();
+        self.memory.len() == module.pages * PAGE
+            && self.globals.len() == module.globals.len()
+            && self.globals.iter().zip(&module.globals).all(fits)
+            && image::has_size(&self.memory, module.image.clone())
+    }
+}
+
+impl PartialEq for Instance {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.memory, &self.globals, self.room) == (&other.memory, &other.globals, other.room)
+    }
+}
+
+impl Clone for Instance {
+    fn clone(&self) -> Self {
+        let mut copy = Self::with_room(self.room);
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Takes no memory where there is room.
+    fn clone_from(&mut self, other: &Self) {
+        self.room = other.room;
+        self.memory.clear();
+        self.memory.extend_from_slice(&other.memory);
+        self.globals.clear();
+        self.globals.extend_from_slice(&other.globals);
+    }
+}
+
+/// As it is written: memory up to the last byte that is not 0.
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Instance")]
+struct Written<M> {
+    /// Pages that it has room for.
+    room: u8,
+    pages: u8,
+    memory: M,
+    globals: Vec<u64>,
+}
+
+impl Serialize for Instance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let used = self.memory.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+        let count = |pages: usize| u8::try_from(pages).unwrap_or(u8::MAX);
+        let memory = self.memory.get(..used).unwrap_or_default();
+        let (room, pages) = (count(self.room), count(self.memory.len() / PAGE));
+        Written { room, pages, memory, globals: self.globals.clone() }.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Instance {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let written = Written::<Vec<u8>>::deserialize(deserializer)?;
+        let (room, pages) = (usize::from(written.room), usize::from(written.pages));
+        let most = crate::module::MOST_PAGES;
+        let is_good = pages <= room
+            && room <= most
+            && written.memory.len() <= pages * PAGE
+            && written.globals.len() <= MOST_GLOBALS;
+        if !is_good {
+            return Err(serde::de::Error::custom("a program's memory is larger than its pages"));
+        }
+        let mut instance = Self::with_room(room);
+        instance.memory.extend_from_slice(&written.memory);
+        instance.memory.resize(pages * PAGE, 0);
+        instance.globals.extend_from_slice(&written.globals);
+        Ok(instance)
+    }
+}
