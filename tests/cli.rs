@@ -202,7 +202,6 @@ fn types_of_functions_are_listed_and_explained() {
     assert!(markdown.lines().count() > 60 && markdown.lines().all(|line| page.contains(line)), "{markdown}");
     for (name, sentence) in [
         ("imse", "error: no function type `imse`; did you mean `imes`? `lineshaft functions` lists all\n"),
-        ("regl", "error: function type regl does not exist yet; `lineshaft functions` lists those there are\n"),
         ("sak", "error: sak needs --cycle and --gain\n"),
     ] {
         let unknown = functions(&[name]);

@@ -50,6 +50,8 @@ functions:
     {slot: 11, type: dfkt, source: given, mult: 1, div: 1, in_final: 2000, out_max: 4000, out_min: -4000, ratio_max: 9, ratio_min: -9,
      ratio_div: 1}
   made: {slot: 12, type: fgen, sink: none, inputs: [go], fct: 1, cycle_time: 1000, cycle_increments: 500, accel: 1000}
+  moved:
+    {slot: 14, type: epos, inputs: [go], travel: 100, velocity: 1000000, acceleration: 200000, stop_decel: 800000, drive_resolution: 20000}
   held: {slot: 13, type: regl, source: given, source_assess: 2, y_max: 1000, gain_v: -3, switch_mask: 2}
 ";
 
@@ -69,7 +71,7 @@ struct Case {
     rest: u8,
 }
 
-fn cases() -> [Case; 13] {
+fn cases() -> [Case; 14] {
     [
         Case {
             function: "copy",
@@ -180,6 +182,16 @@ fn cases() -> [Case; 13] {
             shows: (0, 1),
             // The length of a sequence counts from the next START on.
             renew: Some(("ba=2 cycle_increments=9", json!({"ba": 2, "cycle_increments": 500}), (0, 1))),
+            rest: 1,
+        },
+        Case {
+            function: "moved",
+            kind: "epos",
+            start: ("travel=-5 ba=8", json!({"travel": -5, "ba": 8, "stop_decel": 800_000})),
+            bad: ("acceleration=0", "acceleration is 0; 1 to 100000000 is allowed (unit: 0.001 rev/s^2)"),
+            shows: (0, 1),
+            // The mode counts from the next START on.
+            renew: Some(("travel=7 ba=0", json!({"ba": 8, "travel": 7}), (0, 1))),
             rest: 1,
         },
         Case {

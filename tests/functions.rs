@@ -7,7 +7,11 @@ use std::thread;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
+use support::{
+    domain::Domain,
+    peer::{Observations, Peer},
+    program::Program,
+};
 
 const OUT_OF_RANGE: u32 = 3004;
 
@@ -234,4 +238,50 @@ fn memory_cells_are_set_from_outside_and_outputs_of_functions_are_events() {
         let positions: Vec<_> = std::iter::repeat_with(seen).take(3).collect();
         assert_eq!(positions.last(), Some(&json!(position)), "{positions:?}");
     }
+}
+
+/// The dial of launch-configs/functions/16_indexer.yaml: 20 inc a cycle, a stop within 20 + 16 + 12 + 8 + 4.
+#[test]
+fn an_order_of_a_function_is_a_goal() {
+    let mut bench = Bench::of("functions/16_indexer.yaml", &[]);
+    let result = |seen: &Observations| (seen["result"]["code"].clone(), seen["result"]["message"].clone());
+    let off = bench.cyclone.run("run-function /lineshaft index --expect ABORTED");
+    assert_eq!(result(&off), (json!(10_007), json!("dial: the axis is not enabled; enable it first")));
+    bench.cyclone.run("axes /lineshaft enable dial");
+    let rejected = bench.refused("run-function /lineshaft dial");
+    assert_eq!(rejected, "the goal was rejected");
+    let done = bench.cyclone.run("run-function /lineshaft index travel=2500 --expect SUCCEEDED");
+    assert_eq!((&done["result"]["code"], &done["result"]["sink"]), (&json!(0), &json!(2500)));
+    assert_eq!(done["statuses"].as_array().and_then(|all| all.last()), Some(&json!("SUCCEEDED")));
+    // 144 cycles, and a message each 50 ms.
+    assert!(done["feedback"]["count"].as_u64() >= Some(1), "{done:?}");
+    let position = |bench: &mut Bench| {
+        bench.cyclone.run("axis-states /lineshaft")["axes"]["dial"]["command_increments"].as_i64().expect("a number")
+    };
+    assert_eq!(position(&mut bench), 2500);
+
+    let canceled =
+        bench.cyclone.run("run-function /lineshaft index travel=2000000 --cancel-after 0.3 --expect CANCELED");
+    assert_eq!(canceled["result"]["code"], json!(10_103));
+    let here = position(&mut bench);
+    assert!((2500 + 1000..2500 + 60_000).contains(&here), "{here}");
+    assert_eq!(canceled["result"]["sink"], json!(here));
+
+    // What is left of it was dropped: the next one is a whole order.
+    let goal = bench.cyclone.run("run-function /lineshaft index travel=40000");
+    let goal = goal["goal"].as_str().expect("an identity").to_owned();
+    let busy = bench.cyclone.run("run-function /lineshaft index travel=1 --expect ABORTED");
+    let sentence = "index: an order is under way; it has to end first, or its goal to be cancelled";
+    assert_eq!(result(&busy), (json!(3086), json!(sentence)));
+    let moved = bench.cyclone.run(&format!("result /lineshaft run_function {goal}"));
+    assert_eq!(moved["result"]["sink"], json!(here + 40_000));
+
+    let goal = bench.cyclone.run("run-function /lineshaft index travel=2000000");
+    let goal = goal["goal"].as_str().expect("an identity").to_owned();
+    bench.function("index reset");
+    let reset = bench.cyclone.run(&format!("result /lineshaft run_function {goal} --expect ABORTED"));
+    assert_eq!(reset["result"]["code"], json!(3089));
+    let range = bench.cyclone.run("run-function /lineshaft index acceleration=0 --expect ABORTED");
+    let sentence = "index: acceleration is 0; 1 to 100000000 is allowed (unit: 0.001 rev/s^2)";
+    assert_eq!(result(&range), (json!(3004), json!(sentence)));
 }

@@ -62,6 +62,11 @@ fn slots(c: &mut Criterion) {
             group.bench_function(BenchmarkId::new(row.name, count), |b| b.iter(|| shop.cycle(Commands::default())));
         }
     }
+    for (name, _) in shop::slots::PROGRAMS.iter().skip(1) {
+        let mut shop = shop::slots::named(name, 64, true).expect("a row");
+        group.throughput(Throughput::Elements(64));
+        group.bench_function(BenchmarkId::new(*name, 64), |b| b.iter(|| shop.cycle(Commands::default())));
+    }
     group.finish();
 }
 

@@ -123,10 +123,11 @@ fn run(case: Case, axes: u16, cycles: usize) {
 
 /// The same of slots of a type, or of a type at rest.
 fn run_slots(name: &str, slots: u16, cycles: usize) {
-    let row = TYPES.iter().find(|row| row.name == name);
-    let mut shop = shop::slots::slots(row.unwrap_or(&TYPES[0]), slots, row.is_some());
+    let named = shop::slots::named(name, slots, true);
+    let runs = named.is_some();
+    let mut shop = named.unwrap_or_else(|| shop::slots::slots(&TYPES[0], slots, false));
     (0..SETTLING + cycles).for_each(|_| shop.cycle(Commands::default()));
-    assert!(shop.machine.slots().iter().all(|slot| slot.is_active() == row.is_some()), "{name}");
+    assert!(shop.machine.slots().iter().all(|slot| slot.is_active() == runs), "{name}");
 }
 
 /// Instructions of the cycles of a process that runs so many behind its set-up.
@@ -185,10 +186,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut exceeded = 0;
     let of_axes = CASES.iter().flat_map(|(name, _)| AXES.map(|axes| (*name, axes)));
     let of_slots = std::iter::once(AT_REST).chain(TYPES.iter().map(|row| row.name));
+    let of_slots = of_slots.chain(shop::slots::PROGRAMS.iter().skip(1).map(|(name, _)| *name));
     let of_slots = of_slots.flat_map(|name| SLOTS.map(|slots| (name, slots)));
     for (name, axes) in of_axes.chain(of_slots) {
         let figure = measure(name, axes)?;
-        writeln!(text, "{name:8} {axes:3} {figure:5}")?;
+        writeln!(text, "{name:10} {axes:3} {figure:5}")?;
         let limit = stored(&before, name, axes);
         let is_too_much = limit.is_none_or(|limit| figure * 100 > limit * 105) && !renews;
         exceeded += usize::from(is_too_much);

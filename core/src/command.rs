@@ -17,6 +17,7 @@ use crate::table::Table;
 use crate::trajectory::Trajectory;
 use crate::unit::{Amount, Scale};
 use crate::vocabulary::Request;
+use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -124,6 +125,8 @@ pub enum Action {
     SetMemory(Box<[MemoryValue]>),
     /// Stages values of a function and gives it an order, or changes nothing.
     CommandFunction(CommandFunction),
+    /// Gives a function an order that ends: a goal.
+    RunFunction(RunFunction),
     /// Gives a table new numbers. Who gives it keeps a reference for as long as the machine may have one, so that none is freed in a
     /// cycle.
     LoadTable {
@@ -131,6 +134,16 @@ pub enum Action {
         index: u16,
         /// The numbers, of the form that it has.
         table: Arc<Table>,
+    },
+    /// Exchanges a program in the functions that run it. Who gives it keeps a reference for as long as the machine may have one, so that none
+    /// is freed in a cycle.
+    LoadProgram {
+        /// Place in section `programs`.
+        index: u16,
+        /// The module.
+        module: Arc<Module>,
+        /// Its functions go on with their state; else they begin anew.
+        keeps: bool,
     },
     /// Sets outputs for good, all of them or none (OUT, OUTB, OUTAN; MACS-IO-03): also one that has a function, which sets it
     /// again with its next change.
@@ -155,6 +168,15 @@ pub struct CommandFunction {
     pub slot: u16,
     /// What is done.
     pub order: Order,
+    /// Values by their places in the set.
+    pub values: Box<[(u16, i64)]>,
+}
+
+/// An order that ends, with values that the function takes first: by START where it is in RESET, else by VALUE_NEW.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RunFunction {
+    /// Place among the slots.
+    pub slot: u16,
     /// Values by their places in the set.
     pub values: Box<[(u16, i64)]>,
 }
@@ -209,6 +231,7 @@ impl Action {
                 | Self::HomeAxis(_)
                 | Self::Synchronize(_)
                 | Self::Phase(_)
+                | Self::RunFunction(_)
                 | Self::Vocabulary(_)
         )
     }

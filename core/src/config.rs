@@ -12,7 +12,8 @@ pub use functions::{Function, OutputShared, Switcher};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
 pub use slots::{
-    Line, MAX_FACTOR, MAX_SLOTS, MAX_WINDOW, SinkConfig, SlotConfig, SlotProblem, SourceConfig, TableConfig,
+    FUEL, Line, MAX_FACTOR, MAX_FUEL, MAX_SLOTS, MAX_WINDOW, ProgramConfig, SinkConfig, SlotConfig, SlotProblem,
+    SourceConfig, TableConfig,
 };
 
 use crate::axis::{
@@ -231,6 +232,8 @@ pub struct MachineConfig {
     pub encoders: Vec<EncoderConfig>,
     /// Tables.
     pub tables: Vec<TableConfig>,
+    /// Programs of the user.
+    pub programs: Vec<ProgramConfig>,
     /// Function slots, by their numbers.
     pub slots: Vec<SlotConfig>,
     /// Masters of several.
@@ -261,6 +264,7 @@ impl MachineConfig {
             ("memory cells", self.memory.len(), most),
             ("encoders", self.encoders.len(), most),
             ("tables", self.tables.len(), most),
+            ("programs", self.programs.len(), MAX_SLOTS),
             ("functions", self.slots.len(), MAX_SLOTS),
             ("masters", self.masters.len(), MAX_MASTERS),
         ];
@@ -425,6 +429,7 @@ impl MachineConfig {
             Object::Axis(index) => self.axes.get(usize::from(index)).map(|entry| &entry.name),
             Object::Function(index) => self.slots.get(usize::from(index)).map(|entry| &entry.name),
             Object::Table(index) => self.tables.get(usize::from(index)).map(|entry| &entry.name),
+            Object::Program(index) => self.programs.get(usize::from(index)).map(|entry| &entry.name),
         };
         name.map_or("machine", String::as_str)
     }

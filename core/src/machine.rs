@@ -34,6 +34,7 @@ use crate::profile::Motion;
 use crate::signal::{Board, Directory};
 use crate::sync::{Leads, OfAxis, VirtualMaster, VirtualSource};
 use crate::vocabulary::Latched;
+use lineshaft_program::Module;
 use order::Ways;
 use panel::Panel;
 use signals::Signals;
@@ -84,6 +85,8 @@ pub struct Machine {
     room: Vec<i64>,
     /// Slots that an error of the axis ends which they move, and that axis.
     ended_by_errors: Vec<(u16, u16)>,
+    /// Slots that have failed in this cycle, the axis of each, and why.
+    failed: Vec<(u16, u16, Code)>,
     /// The first axes that slots move, and those slots.
     movers: Vec<(usize, u16)>,
     /// It passes over nothing: what others are compared with.
@@ -110,7 +113,11 @@ impl Machine {
             config.encoders.iter().map(|encoder| Encoder::new(encoder.form, encoder.check)).collect();
         let set_by = vec![0; encoders.len()];
         let wires = config.wires(&directory, &signals.slots)?;
-        let new_slot = |(wires, slot): (&Wires, &SlotConfig)| Slot::new(wires, &slot.values, slot.room);
+        let programs: Vec<Arc<Module>> = config.programs.iter().map(|entry| Arc::clone(&entry.module)).collect();
+        let new_slot = |(wires, slot): (&Wires, &SlotConfig)| {
+            let module = wires.program.and_then(|place| programs.get(usize::from(place)));
+            Slot::new(wires, &slot.values, slot.room, module.map(|module| &**module))
+        };
         let slots: Vec<Slot> = wires.iter().zip(&config.slots).map(new_slot).collect();
         let widest = config.slots.iter().map(|slot| slot.values.len()).max();
         let command = Lead { valid: true, ..Lead::default() };
@@ -144,13 +151,14 @@ impl Machine {
             encoders,
             slots,
             tables: config.tables.iter().map(|entry| Arc::clone(&entry.table)).collect(),
+            programs,
         };
         let axes = &state.axes;
         let mut machine = Self {
             // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more;
-            // each slot may tell how it stands.
+            // each slot may tell how it stands, and that it failed.
             events: EventQueue::new(
-                MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len() + state.slots.len(),
+                MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len() + 2 * state.slots.len(),
             ),
             candidates: axes.iter().map(|axis| *axis.parameters).collect(),
             latched: Vec::with_capacity(MAX_LATCHES),
@@ -160,6 +168,7 @@ impl Machine {
             seen: Inputs::default(),
             joined: Inputs::default(),
             ended_by_errors: functions::ended_by_errors(&wires),
+            failed: Vec::with_capacity(wires.len()),
             movers: functions::movers(&wires),
             ways: Ways::of(&config),
             wires,
@@ -229,6 +238,9 @@ impl Machine {
     fn run_cycle(&mut self, told: Told<'_>, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
         self.read_inputs(told.inputs, commands, admitted);
         let (is_calm, is_shown) = self.begin_axes(told);
+        if !self.failed.is_empty() {
+            self.fail_moved(told);
+        }
         for command in live(commands, admitted) {
             self.carry_out(told, command);
         }

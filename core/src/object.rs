@@ -22,6 +22,8 @@ pub enum Object {
     Function(u16),
     /// An entry of `tables`.
     Table(u16),
+    /// An entry of `programs`.
+    Program(u16),
 }
 
 /// The name of [`Leader::Virtual`]; no object is called `machine`.

@@ -35,6 +35,7 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         }
         Kind::Reset => format!("reset after: {}", reason(event, config)),
         Kind::Done if event.code.is_none() => "done".to_owned(),
+        Kind::Done if function::is_axis_error(event) => function::axis_error(event),
         Kind::Warning if row(event).is_some_and(|row| row.key == STREAM) => {
             format!("streamed setpoints are not followed: {}", reason(event, config))
         }

@@ -5,9 +5,9 @@ mod actions;
 #[path = "no_alloc/cell.rs"]
 mod cell;
 
-use actions::{Numbers, action, command, leaving, trajectory};
+use actions::{Numbers, action, command, leaving, run, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use cell::{absolute, config, long_table, models, slots, table};
+use cell::{absolute, config, long_table, models, slots, table, wild};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     Action, Command, CommandFunction, Commands, HomeAxis, HomingMethod, SetPosition, Setpoint, Setpoints, Source,
@@ -50,7 +50,7 @@ macro_rules! kinds {
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
     SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, Cancel, SetParameters, SaveParameters,
-    ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, LoadTable, SetOutputs, Refuse, Note,
+    ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
 }
 
 /// How often each kind of action was given, and accepted.
@@ -107,11 +107,11 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     // Those of functions come beside the others, which stay as they were without them.
-    let (mut numbers, mut orders) = (Numbers(7), Numbers(11));
+    let (mut numbers, mut orders, mut goals) = (Numbers(7), Numbers(11), Numbers(13));
     let mut stream = Setpoints::none(usize::from(AXES));
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     // As whoever gives them does: kept for as long as the machine may have them.
-    let (mut trajectories, mut tables, mut runs) = (Vec::new(), Vec::new(), 0);
+    let (mut trajectories, mut tables, mut programs, mut runs) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let mut tally = Tally::default();
     let mut started = [0; TYPES.len()];
     let (mut positions, mut moved) = (actual_positions(&machine), [0; AXES as usize]);
@@ -143,6 +143,10 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
             sequence += 1;
             commands.push(Command { sequence, source: Source::Scenario, action: command(&mut orders) });
         }
+        if pause.is_none() && goals.below(40) == 0 {
+            sequence += 1;
+            commands.push(Command { sequence, source: Source::Scenario, action: run(&mut goals) });
+        }
         // A coupling is to be left as soon as it is asked for: later it is seldom there.
         let coupled = commands.iter().find_map(|command| match &command.action {
             Action::Synchronize(request) => Some(request.axis),
@@ -158,6 +162,13 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
             tables.push(Arc::clone(&table));
             sequence += 1;
             let action = Action::LoadTable { index: 0, table };
+            commands.push(Command { sequence, source: Source::Scenario, action });
+        }
+        if pause.is_none() && orders.below(200) == 0 {
+            let module = wild();
+            programs.push(Arc::clone(&module));
+            sequence += 1;
+            let action = Action::LoadProgram { index: 0, module, keeps: orders.below(2) == 0 };
             commands.push(Command { sequence, source: Source::Scenario, action });
         }
         if numbers.below(500) == 0
@@ -231,6 +242,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     drop(kept);
     assert!(trajectories.iter().all(|trajectory| Arc::strong_count(trajectory) == 1));
     assert!(tables.iter().all(|table| Arc::strong_count(table) == 1));
+    assert!(programs.iter().all(|program| Arc::strong_count(program) == 1));
     assert!(started.iter().all(|starts| *starts > 0), "STARTs of each type: {started:?}");
     substituted
 }

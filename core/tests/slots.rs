@@ -3,8 +3,8 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::command::{Action, Command, CommandFunction, Commands, Source};
 use lineshaft_core::config::{
-    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig, MemoryKind, SinkConfig, SlotConfig,
-    SourceConfig, TableConfig,
+    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig, MemoryKind, ProgramConfig, SinkConfig,
+    SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::encoder::Form;
@@ -13,6 +13,7 @@ use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::unit::Scale;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 #[global_allocator]
@@ -73,6 +74,8 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
         (0..64).map(|word| [3, 0, 0, 0, 2500, 0, 1, 0, 20_000, 0, 2].get(word).copied().unwrap_or(0)).collect();
     let table = Table::new(Numbering::Words, &[], &table).expect("words");
     let curve = Table::new(Numbering::Y, &[], &[0, 300, -200, 1700]).expect("points");
+    let wild = wat::parse_str(include_str!("programs/wild.wat")).expect("a module");
+    let wild = Module::load(&wild).expect("it is taken");
     let (mut free_words, mut free_bits) = ((0..WORDS).collect::<Vec<_>>(), (0..BITS).collect::<Vec<_>>());
     let slots = (0..SLOTS).map(|number| {
         let row = &TYPES[usize::from(number) % TYPES.len()];
@@ -102,6 +105,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             *line = bit.map(|bit| Line { object: Object::Memory(WORDS + bit), inverted: numbers.below(2) == 0 });
         }
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
+        slot.program = (row.kind == Kind::Apsf).then_some(0);
         slot.room = Room { mean: 64, cams: 0 };
         for (name, value) in [
             ("m1", 12_345),
@@ -134,6 +138,16 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
         let more: &[(&str, i64)] = match row.kind {
             Kind::Fgen => &[("fct", 7), ("cycle_increments", 900), ("accel", 90_000_000), ("aw_mask", 3)],
             Kind::Regl => &[("kp", 300), ("ki", 20), ("kd", 9), ("y_max", 900_000), ("gain_v", -30), ("i_max", 5000)],
+            // By the way of its source, added to.
+            Kind::Epos => &[
+                ("ba", 9),
+                ("travel", 9000),
+                ("velocity", 9_000_000),
+                ("acceleration", 900_000),
+                ("stop_decel", 9_000_000),
+                ("drive_resolution", 1000),
+                ("master_resolution", 900),
+            ],
             _ => &[],
         };
         for (name, value) in more {
@@ -146,6 +160,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
     MachineConfig {
         cycle_ns: 1_000_000,
         slots: slots.collect(),
+        programs: vec![ProgramConfig { name: "wild".into(), module: Arc::new(wild) }],
         io: (0..4).map(io).collect(),
         memory: words.chain(bits).collect(),
         encoders: vec![EncoderConfig {

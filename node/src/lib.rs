@@ -11,6 +11,7 @@ pub mod interfaces;
 #[cfg(test)]
 mod page;
 pub mod parameters;
+mod program;
 pub mod recording;
 pub mod run;
 pub mod scenario;

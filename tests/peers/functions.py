@@ -52,6 +52,13 @@ class LoadRequest(IdlStruct, typename="LoadTableRequest"):
 
 
 @dataclass
+class ProgramRequest(IdlStruct, typename="LoadProgramRequest"):
+    program: str = ""
+    module: t.sequence[t.uint8] = field(default_factory=list)
+    keep_state: bool = False
+
+
+@dataclass
 class GetRequest(IdlStruct, typename="GetTableRequest"):
     table: str = ""
 
@@ -79,6 +86,13 @@ def load(peer, a):
     numbers = lambda text: [int(number) for number in text.split(",") if number]
     client = peer.service(a.node, "load_table", "LoadTable", LoadRequest, Answer)
     told(client.call(LoadRequest(a.table, numbers(a.x), numbers(a.y))))
+
+
+def load_program(peer, a):
+    client = peer.service(a.node, "load_program", "LoadProgram", ProgramRequest, Answer)
+    with open(a.wasm, "rb") as file:
+        module = list(file.read())
+    told(client.call(ProgramRequest(a.program, module, a.keep == "keep")))
 
 
 def load_long(peer, a):
@@ -123,6 +137,10 @@ def add_commands(command):
     p.add_argument("values", nargs="*", metavar="FIELD=VALUE")
     p = command("load-table", load, x="", y="")
     p.add_argument("table")
+    p = command("load-program", load_program)
+    p.add_argument("program")
+    p.add_argument("wasm")
+    p.add_argument("keep", choices=["keep", "reset"])
     p = command("load-long-table", load_long, count=65536)
     p.add_argument("table")
     p = command("get-table", get)

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 
 from cyclonedds.idl import IdlStruct, types as t
 
-from ros2wire import Header
+from ros2wire import Header, Parameter
 
 AXIS_STATES = ("DISABLED", "STANDSTILL", "DISCRETE_MOTION", "CONTINUOUS_MOTION", "HOMING", "SYNCHRONIZED_MOTION",
                "STOPPING", "ERROR_STOP")
@@ -201,6 +201,26 @@ class PhaseFeedback(IdlStruct, typename="PhaseFeedback"):
 
 
 @dataclass
+class RunGoal(IdlStruct, typename="RunFunctionGoal"):
+    function: str = ""
+    parameters: t.sequence[Parameter] = field(default_factory=list)
+
+
+@dataclass
+class RunResult(IdlStruct, typename="RunFunctionResult"):
+    code: t.uint32 = 0
+    message: str = ""
+    sink: t.int64 = 0
+
+
+@dataclass
+class RunFeedback(IdlStruct, typename="RunFunctionFeedback"):
+    sink: t.int64 = 0
+    inputs: t.uint8 = 0
+    outputs: t.uint8 = 0
+
+
+@dataclass
 class ProbeGoal(IdlStruct, typename="ProbeGoal"):
     axis: str = ""
     mode: t.uint8 = 0
@@ -273,6 +293,7 @@ class RecordResponse(IdlStruct, typename="RecordResponse"):
 ACTIONS = {
     "move_axis": ("lineshaft_msgs/MoveAxis", MoveGoal, MoveResult, MoveFeedback),
     "probe_axis": ("lineshaft_msgs/ProbeAxis", ProbeGoal, ProbeResult, ProbeFeedback),
+    "run_function": ("lineshaft_msgs/RunFunction", RunGoal, RunResult, RunFeedback),
     "phase": ("lineshaft_msgs/Phase", PhaseGoal, PhaseResult, PhaseFeedback),
     "synchronize": ("lineshaft_msgs/Synchronize", SyncGoal, SyncResult, SyncFeedback),
 }

@@ -30,7 +30,7 @@ import streams
 import trajectories
 import watch
 from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
-                            AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest,
+                            AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest, RunGoal,
                             RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
 from report import Failure, plain, show, told
 
@@ -269,6 +269,17 @@ def phase(peer, a):
     show(remaining=[f.remaining for f in client.feedback(gid)])
 
 
+def run_function(peer, a):
+    client = peer.action(a.node, "run_function")
+    pairs = [given.split("=", 1) for given in a.values]
+    gid = send(client, RunGoal(a.function, [rw.Parameter(name, rw.ParameterValue.of(rw.parsed(value))) for name, value in pairs]))
+    if a.cancel_after is not None:
+        time.sleep(a.cancel_after)
+        cancel_goal(client, gid)
+    if a.expect:
+        finish(client, gid, a.expect)
+
+
 def result(peer, a):
     finish(peer.action(a.node, a.action), rw.UUID.of_hex(a.goal), a.expect)
 
@@ -355,6 +366,10 @@ def parser():
     p = command("phase", phase, shift=0.0, velocity=0.0, acceleration=0.0, expect="")
     p.add_argument("--axis", required=True)
     p.add_argument("--side", choices=SIDES, default="slave")
+    p.add_argument("--cancel-after", type=float)
+    p = command("run-function", run_function, expect="")
+    p.add_argument("function")
+    p.add_argument("values", nargs="*", metavar="FIELD=VALUE")
     p.add_argument("--cancel-after", type=float)
     p = command("result", result, expect="SUCCEEDED")
     p.add_argument("action", choices=ACTIONS)

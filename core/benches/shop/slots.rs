@@ -3,17 +3,19 @@
 use super::Shop;
 use lineshaft_core::command::{Action, CommandFunction};
 use lineshaft_core::config::{
-    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig,
+    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, ProgramConfig, SinkConfig, SlotConfig, SourceConfig,
+    TableConfig,
 };
 use lineshaft_core::encoder::Form;
 use lineshaft_core::function::{Description, Kind, Need, Order, Room};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::unit::Scale;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// Values that an ordinary set gives, by the names of their fields.
-const VALUES: [(&str, i64); 29] = [
+const VALUES: [(&str, i64); 34] = [
     ("m1", 12_345),
     ("sak", 4032),
     ("spacing", 10_000),
@@ -43,6 +45,11 @@ const VALUES: [(&str, i64); 29] = [
     ("y_max", 10_000_000),
     ("gain_v", 1000),
     ("i_max", 1_000_000),
+    ("travel", 2_000_000_000),
+    ("velocity", 1_000_000),
+    ("acceleration", 200_000),
+    ("stop_decel", 800_000),
+    ("drive_resolution", 20_000),
 ];
 
 /// Sets of interpolators, which read a curve.
@@ -52,8 +59,36 @@ const CURVES: [(Kind, [(&str, i64); 4]); 3] = [
     (Kind::Xfipw, [("ba", 2), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 20_000)]),
 ];
 
+/// Programs by the names of their rows: speed from a foreign encoder (AMK-APSF-46), a filter of 200 taps; what does nothing else.
+pub(crate) const PROGRAMS: [(&str, Option<&[u8]>); 3] = [
+    ("apsf", Some(include_bytes!("../../../launch-configs/functions/programs/fb10.wasm"))),
+    ("apsf_fir", Some(include_bytes!("../../../launch-configs/functions/programs/fir.wasm"))),
+    ("apsf_empty", None),
+];
+
+const EMPTY: &str = "(module (memory 1) (global (export \"image\") i32 (i32.const 16)) \
+                     (data (i32.const 16) \"\\b0\\03\") (func (export \"cycle\")))";
+
+/// The program of that row, FB10 for any other type.
+fn program(name: &str) -> Module {
+    let found = PROGRAMS.iter().find(|(known, _)| *known == name).unwrap_or(&PROGRAMS[0]).1;
+    let empty = || wat::parse_str(EMPTY).expect("a module");
+    Module::load(&found.map_or_else(empty, <[u8]>::to_vec)).expect("it is taken")
+}
+
+/// Slots of that type, or of type apsf with a program of that name.
+pub(crate) fn named(name: &str, count: u16, is_started: bool) -> Option<Shop> {
+    let kind = if name.starts_with("apsf") { "apsf" } else { name };
+    let row = Kind::find(kind)?.description();
+    Some(with(row, count, is_started, program(name)))
+}
+
 /// A machine of such slots, each with one input where it has some, and without outputs; started where that is asked for.
 pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
+    with(row, count, is_started, program(row.name))
+}
+
+fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop {
     // Points of a binea, or cams: 2500 and 10000..11000.
     let words: Vec<i64> =
         (0..48).map(|word| [3, 0, 0, 0, 2500, 0, 1, 0, 20_000].get(word).copied().unwrap_or(0)).collect();
@@ -68,6 +103,7 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         slot.sink = SinkConfig::None;
         slot.inputs[0] = (row.inputs > 0).then_some(Line { object: Object::Io(0), inverted: false });
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
+        slot.program = (row.kind == Kind::Apsf).then_some(0);
         slot.room = Room { mean: 64, cams: 0 };
         for (name, value) in VALUES {
             if let Some((_, place)) = row.find(name) {
@@ -97,6 +133,7 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         tables: [("t", table), ("c", curve)]
             .map(|(name, table)| TableConfig { name: name.into(), table: Arc::new(table) })
             .into(),
+        programs: vec![ProgramConfig { name: "fb10".into(), module: Arc::new(module) }],
         slots: (0..count).map(slot).collect(),
         ..MachineConfig::default()
     };
@@ -105,7 +142,7 @@ pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
         let start = |slot| Action::CommandFunction(CommandFunction { slot, order: Order::Start, values: [].into() });
         shop.give(&(0..count).map(start).collect::<Vec<_>>());
         assert!(shop.machine.slots().iter().all(|slot| slot.is_active()), "{} refuses its START", row.name);
-        if row.kind == Kind::Fgen {
+        if matches!(row.kind, Kind::Fgen | Kind::Epos) {
             // Its input rises: it runs.
             shop.set_input();
         }

@@ -81,6 +81,45 @@ impl Axis {
         }
     }
 
+    /// May a goal move it? `by`: the sink that moves it already, of a function that is started.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn check_goal(&self, by: Option<Leader>) -> Result<(), Refusal> {
+        match by.map_or(self.goal_failure(), |sink| self.function_failure(sink)) {
+            None => Ok(()),
+            Some(_) if !self.error().is_none() => Err(self.refuse(Code::IN_ERROR)),
+            Some(code) => Err(self.refuse(code)),
+        }
+    }
+
+    /// Why no goal of a function can move it; its error, if it has one.
+    fn goal_failure(&self) -> Option<Code> {
+        match self.state {
+            _ if !self.error().is_none() => Some(self.error()),
+            AxisState::Disabled => Some(Code::NOT_ENABLED),
+            _ => None,
+        }
+    }
+
+    /// Why a function does not move it that has.
+    pub fn function_failure(&self, sink: Leader) -> Option<Code> {
+        let is_moved = self.reference == Reference::Function && self.function.is_some_and(|by| by.sink == sink);
+        self.goal_failure().or((!is_moved).then_some(Code::FUNCTION_LEFT))
+    }
+
+    /// How far the index pulse of this cycle lies behind its command, where its encoder was then.
+    pub fn mark_behind_command(&self) -> Option<Position> {
+        Some(self.command.position - self.index_of_cycle()?)
+    }
+
+    /// The function cannot go on: the axis has its error, and is nobody's.
+    pub fn fail_function(&mut self, cx: &mut Context<'_>, sink: Leader, code: Code, limit: Number) {
+        if self.function.take_if(|by| by.sink == sink).is_some() && self.reference == Reference::Function {
+            self.raise(cx, Failure::of(code).with(Number::None, limit));
+        }
+    }
+
     /// Follows on once it is on again, and a speed whenever that changes.
     pub(super) fn follow_function(&mut self, cx: &mut Context<'_>) {
         let Some(by) = self.function else { return };

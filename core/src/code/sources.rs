@@ -468,7 +468,8 @@ codes! {
         says: "{asked} lies beyond {limit}, which is the bound here",
         cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
         remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
-            dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767.",
+            dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767. \
+            epos: stop_decel no less than acceleration, sf_cycle 2 to 18 with bit 1 of `ba`.",
     }
 
     /// Fewer tables than a set counts.
@@ -620,8 +621,9 @@ codes! {
     /// A value that is not optional where it is used.
     AMK_NOT_ZERO = 3070, NoError {
         says: "{asked} is no value of it in this `ba`; 1 to {limit} is possible",
-        cause: "A field of a fgen that its `ba` uses is 0 or was left out.",
-        remedy: "Give cycle_time where bit 0 of `ba` is 0, accel2 where bit 2 is 1.",
+        cause: "A field of a fgen or an epos that its `ba` uses is 0 or was left out, or is a negative velocity.",
+        remedy: "fgen: give cycle_time where bit 0 of `ba` is 0, accel2 where bit 2 is 1. epos: give velocity, the sense of a relative order is \
+            the sign of travel; with bit 0 master_resolution.",
     }
 
     /// A gain that lets nothing through.
@@ -643,5 +645,173 @@ codes! {
         says: "a call would go {asked} inc at the largest override; up to {limit} is possible",
         cause: "cycle_increments in cycle_time are 32768 inc or more between two calls of a fgen, with an override at its 200 %.",
         remedy: "Choose a longer cycle_time or fewer cycle_increments; counters of 16 bits would lose count.",
+    }
+
+    /// Two ways of positioning at once.
+    AMK_MODULO_SUBSTITUTIONAL = 3080, NoError {
+        says: "{asked} is substitutional and modulo at once, bits 1 and 4",
+        cause: "Bits 1 and 4 of `ba` of an epos are both 1.",
+        remedy: "Choose one of them.",
+    }
+
+    /// A reference that nothing gives.
+    AMK_NO_REFERENCE = 3081, NoError {
+        says: "{asked} runs to a zero pulse, bit 1; the sink is no axis with a drive, which alone has one",
+        cause: "Bit 1 of `ba` of an epos is set, and its sink is memory, an output, an axis without a drive or none.",
+        remedy: "Give it an axis as sink, or position relatively.",
+    }
+
+    /// An order that would go nowhere.
+    AMK_NO_TRAVEL = 3082, NoError {
+        says: "{asked} is no travel with ba {limit}: a reference is left behind, and a multiple has a length",
+        cause: "travel of an epos is 0 with bit 1 or bit 4 of `ba`.",
+        remedy: "Give it another value; only a relative order may be 0.",
+    }
+
+    /// An approach without a sense.
+    AMK_NO_APPROACH = 3083, NoError {
+        says: "{asked} has no sense to approach in; -2147483648 to -1 and 1 to {limit} are possible",
+        cause: "velocity of an epos is 0 or was left out, with bit 1 of `ba`.",
+        remedy: "Give it; its sign is the sense of the approach, also where the source is the velocity.",
+    }
+
+    /// An end that is not ahead.
+    AMK_AGAINST_APPROACH = 3084, NoError {
+        says: "{asked} lies against the approach, whose velocity is {limit}; bit 2 of `ba` lets it turn round",
+        cause: "travel and velocity of an epos have opposite signs with bit 1 of `ba` and without bit 2.",
+        remedy: "Let it turn round with bit 2, or approach from the other side.",
+    }
+
+    /// A goal for a type whose orders do not end.
+    FUNCTION_NO_GOALS = 3085, NoError {
+        says: "run_function gives an order that ends; its type has none",
+        cause: "A goal was given to a function of another type than epos.",
+        remedy: "Give it its inputs, and its orders by command_function.",
+    }
+
+    /// A goal beside an order that is under way.
+    FUNCTION_BUSY = 3086, NoError {
+        says: "an order is under way; it has to end first, or its goal to be cancelled",
+        cause: "A goal was given to a function that moves: by another goal, or by its inputs.",
+        remedy: "Wait until its A1 is 1, cancel its goal, or stop it by E2.",
+    }
+
+    /// A goal without its axis.
+    FUNCTION_LEFT = 3087, NoError {
+        says: "something else moves or stops its axis, or has switched it off; RESET and START give it back",
+        cause: "A function was given a goal, or had one, and the axis that it moves has left it: by a move, a halt, a stop, a loss of power.",
+        remedy: "Free and enable the axis, then RESET and START, or a new goal behind RESET.",
+    }
+
+    /// A goal whose order an input has stopped.
+    FUNCTION_STOPPED = 3088, NoError {
+        says: "E2 has stopped its order, with {asked} left",
+        cause: "E2 rose while a goal of run_function was under way.",
+        remedy: "Give a new goal, or continue the order by E1.",
+    }
+
+    /// A goal whose function went.
+    FUNCTION_RESET = 3089, NoError {
+        says: "it was reset, with {asked} left",
+        cause: "RESET was given to a function while a goal of run_function was under way.",
+        remedy: "Give the goal again: it starts the function.",
+    }
+
+    /// More words than the image of a program has places for.
+    AMK_DB_LONG = 3090, NoError {
+        says: "its table has {asked} words; the image of a program takes {limit}",
+        cause: "A function of type apsf was started with a longer table than a program can read.",
+        remedy: "Give a shorter table, or several functions one each.",
+    }
+
+    /// A program that does not come to its end.
+    AMK_OUT_OF_FUEL = 3091, Ends {
+        says: "the program took more than {limit} instructions in a call",
+        cause: "A program of the user has a loop without an end, or does more in a call than `fuel` of its function lets it.",
+        remedy: "Mend the loop, do less in a call, or raise `fuel`; START begins the program anew.",
+    }
+
+    /// A program that calls too deep.
+    AMK_STACK = 3092, Ends {
+        says: "the program calls itself too deep: 256 calls within each other and 8192 values are possible",
+        cause: "A program of the user calls itself without an end, or has very large frames.",
+        remedy: "Mend the recursion; START begins the program anew.",
+    }
+
+    /// A program that gives up.
+    AMK_UNREACHABLE = 3093, Ends {
+        says: "the program came to what it says is never reached: a panic of its own",
+        cause: "A program of the user panicked: an index beyond an array, an overflow, an `unwrap` of nothing, an abort.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+    }
+
+    /// A program that leaves its memory.
+    AMK_MEMORY_BOUNDS = 3094, Ends {
+        says: "the program read or wrote beside its memory",
+        cause: "A program of the user has a wrong address.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+    }
+
+    /// A program that calls nothing.
+    AMK_NO_FUNCTION = 3095, Ends {
+        says: "the program called what is no function, or one of another signature",
+        cause: "A program of the user has a wrong pointer to a function.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+    }
+
+    /// A program that divides by 0.
+    AMK_DIVISION_BY_ZERO = 3096, Ends {
+        says: "the program divided a whole number by 0",
+        cause: "A program of the user divides by something that became 0.",
+        remedy: "Look for 0 before it divides; START begins the program anew.",
+    }
+
+    /// A program that leaves the range of a whole number.
+    AMK_INTEGER_OVERFLOW = 3097, Ends {
+        says: "the program got a whole number that does not fit: a quotient, or a float that it converted",
+        cause: "A program of the user converts a float that is too large, or divides the least number by -1.",
+        remedy: "Limit the value before it is converted; START begins the program anew.",
+    }
+
+    /// A program that makes a whole number of NaN.
+    AMK_NOT_A_NUMBER = 3098, Ends {
+        says: "the program converted NaN to a whole number",
+        cause: "A program of the user calculates 0 / 0, the root of something below 0, or the like.",
+        remedy: "Look for it before the value is converted; START begins the program anew.",
+    }
+
+    /// A program that writes over its image.
+    AMK_IMAGE = 3099, Ends {
+        says: "the program wrote over the first word of its image, which says how long that is",
+        cause: "A program of the user writes beside what it means to.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+    }
+
+    /// A real that is none.
+    AMK_NOT_FINITE = 3100, Ends {
+        says: "the program left a memory cell NaN or infinite",
+        cause: "A program of the user wrote a real number that is not finite into `writes` of its image.",
+        remedy: "Limit the value before it is written; START begins the program anew.",
+    }
+
+    /// State that no other program can keep.
+    AMK_OTHER_LENGTH = 3101, NoError {
+        says: "its image has {asked} bytes, that of the program which runs has {limit}: its state cannot be kept",
+        cause: "A program was to be exchanged with its state, and its own part of the image has another length.",
+        remedy: "Exchange it with `state: reset`, or leave the structure of the state as it is.",
+    }
+
+    /// A program that is too large for its slot.
+    AMK_PROGRAM_LARGE = 3102, NoError {
+        says: "it needs {asked} pages of memory; its functions have room for {limit}",
+        cause: "A program was to be exchanged for one with more memory than its functions have room for: 4 pages, or as many as the first had.",
+        remedy: "Link it with less memory, or begin with it.",
+    }
+
+    /// More outputs than there are behind the first.
+    AMK_OUTPUTS_BEHIND = 3103, NoError {
+        says: "{asked} outputs do not fit behind the first one; {limit} do",
+        cause: "The first output of an apsf and `out_bits` from there on go beyond A8 (A-32).",
+        remedy: "Wire the first output further in front, or let the program write fewer.",
     }
 }

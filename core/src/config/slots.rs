@@ -6,14 +6,15 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS, Width,
-    Wires, Word,
+    self, Bit, Cell, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS,
+    Width, Wires, Word,
 };
 use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};
 use crate::signal::{Directory, Measure, Signal};
 use crate::table::Table;
 use crate::unit::{Dimension, Quantity, Scale};
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// Most slots of one machine.
@@ -31,6 +32,20 @@ pub struct TableConfig {
     /// Its numbers at the start.
     pub table: Arc<Table>,
 }
+
+/// An entry of `programs`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProgramConfig {
+    /// Name.
+    pub name: String,
+    /// The module at the start.
+    pub module: Arc<Module>,
+}
+
+/// Instructions of a call where the cell does not say.
+pub const FUEL: u32 = 50_000;
+/// Most instructions of a call.
+pub const MAX_FUEL: u32 = 10_000_000;
 
 /// What a slot reads.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,6 +107,16 @@ pub struct SlotConfig {
     pub tables: [Option<u16>; LINES],
     /// The signals of the words that it reads beside its source, in the order of its type.
     pub words: [Option<String>; WORDS],
+    /// Place in `programs`; type apsf has one.
+    pub program: Option<u16>,
+    /// Instructions of a call of it, at most.
+    pub fuel: u32,
+    /// The signals that it reads.
+    pub reads: Vec<String>,
+    /// The memory cells that it writes.
+    pub writes: Vec<u16>,
+    /// What its sink carries.
+    pub quantity: function::Quantity,
     /// It is called in each n-th cycle.
     pub factor: u32,
     /// What an error of the axis that it moves does.
@@ -117,6 +142,11 @@ impl SlotConfig {
             outputs: [None; LINES],
             tables: [None; LINES],
             words: [const { None }; WORDS],
+            program: None,
+            fuel: FUEL,
+            reads: Vec::new(),
+            writes: Vec::new(),
+            quantity: kind.description().quantity,
             factor: 1,
             on_axis_error: OnAxisError::Run,
             values: kind.description().defaults(),
@@ -215,6 +245,7 @@ impl MachineConfig {
         if slot.words.iter().skip(row.words.len()).any(Option::is_some) {
             return Err(SlotProblem::Place("word"));
         }
+        self.check_program(slot)?;
         for (nth, object) in slot.writes().enumerate() {
             let earlier = self.slots.iter().take(place).flat_map(SlotConfig::writes);
             let is_axis_output = matches!(object, Object::Io(entry) if self.owner_of_output(entry).is_some());
@@ -232,6 +263,26 @@ impl MachineConfig {
         }
         if slot.values.len() != row.width() || slot.room.mean > MAX_WINDOW {
             return Err(SlotProblem::Place("its set"));
+        }
+        Ok(())
+    }
+
+    fn check_program(&self, slot: &SlotConfig) -> Result<(), SlotProblem> {
+        let has_program = slot.program.is_some_and(|place| usize::from(place) < self.programs.len());
+        if slot.kind != Kind::Apsf {
+            let has_none = slot.program.is_none() && slot.reads.is_empty() && slot.writes.is_empty();
+            let has_own = slot.quantity == slot.kind.description().quantity;
+            return if has_none && has_own { Ok(()) } else { Err(SlotProblem::Place("program")) };
+        }
+        if !has_program || !(1..=MAX_FUEL).contains(&slot.fuel) {
+            return Err(SlotProblem::Place(if has_program { "fuel" } else { "program" }));
+        }
+        if slot.reads.len() > lineshaft_program::WORDS {
+            return Err(SlotProblem::Place("reads"));
+        }
+        let exists = |place: &u16| usize::from(*place) < self.memory.len();
+        if slot.writes.len() > lineshaft_program::WORDS || !slot.writes.iter().all(exists) {
+            return Err(SlotProblem::Place("writes"));
         }
         Ok(())
     }
@@ -261,7 +312,7 @@ impl MachineConfig {
             SinkConfig::Axis(axis) => {
                 let axis = self.axes.get(usize::from(axis)).filter(|_| row.moves_axes);
                 if let Some(axis) = axis
-                    && row.quantity == function::Quantity::Speed
+                    && slot.quantity == function::Quantity::Speed
                     && self.rpm(axis.scale).is_none()
                 {
                     return Err(SlotProblem::Linear(axis.name.clone()));
@@ -317,7 +368,7 @@ impl MachineConfig {
             SinkConfig::None => Sink::None,
             SinkConfig::Axis(axis) => {
                 let config = self.axes.get(usize::from(axis)).ok_or(SlotProblem::Place("sink"))?;
-                if slot.kind.description().quantity == function::Quantity::Speed {
+                if slot.quantity == function::Quantity::Speed {
                     // Of 0.0001 rpm.
                     speed = self.rpm(config.scale).map(|rpm| rpm / 10_000.0);
                 }
@@ -359,6 +410,8 @@ impl MachineConfig {
                 *to = Some(word(name).ok_or(SlotProblem::Place("word"))?);
             }
         }
+        let reads: Option<Box<[Word]>> = slot.reads.iter().map(|name| word(name)).collect();
+        let writes = slot.writes.iter().map(|place| self.cell(*place, directory)).collect::<Result<_, _>>()?;
         Ok(Wires {
             kind: slot.kind,
             first,
@@ -373,10 +426,27 @@ impl MachineConfig {
             tables: slot.tables,
             shows: slot.kind.description().shows.len(),
             words,
+            program: slot.program,
+            fuel: slot.fuel,
+            reads: reads.ok_or(SlotProblem::Place("reads"))?,
+            writes,
+            quantity: slot.quantity,
             mark: self.mark(slot),
             factor: slot.factor,
             call_ns: slot.call_ns(self.cycle_ns),
             on_axis_error: slot.on_axis_error,
+        })
+    }
+
+    /// A memory cell that a program writes.
+    fn cell(&self, place: u16, directory: &Directory) -> Result<Cell, SlotProblem> {
+        let signal = directory.find(self.name(Object::Memory(place))).ok_or(SlotProblem::Place("writes"))?;
+        Ok(match self.memory.get(usize::from(place)).map(|memory| memory.kind) {
+            Some(MemoryKind::Bit) => Cell::Bit(signal),
+            Some(MemoryKind::F64) => Cell::Real(signal),
+            Some(MemoryKind::I16) => Cell::Int(signal, Width::W16),
+            Some(MemoryKind::I32) => Cell::Int(signal, Width::W32),
+            _ => Cell::Int(signal, Width::W64),
         })
     }
 
@@ -388,6 +458,12 @@ impl MachineConfig {
             Kind::Fipw | Kind::Xfipw => {
                 return match slot.source {
                     SourceConfig::Lead(Leader::Encoder(place)) => Mark::Encoder(place),
+                    _ => Mark::None,
+                };
+            }
+            Kind::Epos => {
+                return match slot.sink {
+                    SinkConfig::Axis(place) if self.has_drive(place) => Mark::Axis(place),
                     _ => Mark::None,
                 };
             }
@@ -403,6 +479,10 @@ impl MachineConfig {
             (None, SourceConfig::Lead(Leader::Encoder(place))) => Mark::Encoder(*place),
             (None, _) => Mark::None,
         }
+    }
+
+    fn has_drive(&self, axis: u16) -> bool {
+        self.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
     }
 
     /// The scale of what leads, of a sum that of all of its members; increments where it has no other.
@@ -474,6 +554,7 @@ impl SlotConfig {
             SinkConfig::Memory(place) => Some(Object::Memory(place)),
             SinkConfig::Output(place) => Some(Object::Io(place)),
         };
-        sink.into_iter().chain(self.outputs.iter().flatten().map(|line| line.object))
+        let cells = self.writes.iter().map(|place| Object::Memory(*place));
+        sink.into_iter().chain(self.outputs.iter().flatten().map(|line| line.object)).chain(cells)
     }
 }

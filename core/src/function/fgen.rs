@@ -165,7 +165,8 @@ fn rate(words: Words<'_>) -> Rate {
 impl Fgen {
     /// One that has a word for its override, or has none.
     pub(super) fn new(has_word: bool) -> Self {
-        Self { has_word, ..Self::default() }
+        // VALUE_NEW may come before the first call, which folds a way by the turn.
+        Self { has_word, mode: Mode { cycle_increments: 1, ..Mode::default() }, ..Self::default() }
     }
 
     /// Has it been made the same?

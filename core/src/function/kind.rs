@@ -36,6 +36,10 @@ pub enum Kind {
     Fgen,
     /// Controls by proportion, integral and differential.
     Regl,
+    /// Moves by so many increments at each edge of an input.
+    Epos,
+    /// Runs a program of the user.
+    Apsf,
 }
 
 /// May a type have a source or a sink?
@@ -50,11 +54,12 @@ pub enum Need {
 }
 
 /// What its sink carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quantity {
     /// A position, a copied or a measured value: RESET holds it.
+    #[default]
     Position,
-    /// A speed (0.0001 rpm): RESET makes it 0.
+    /// A speed (0.0001 rpm): RESET makes it 0, of apsf its program does.
     Speed,
 }
 
@@ -73,7 +78,7 @@ pub struct Description {
     pub source: Need,
     /// It may be an axis, too.
     pub sink: Need,
-    /// What its sink carries.
+    /// What its sink carries; of apsf the cell says it.
     pub quantity: Quantity,
     /// An axis may be its sink.
     pub moves_axes: bool,
@@ -95,10 +100,14 @@ pub struct Description {
     pub renews: bool,
     /// READ_VALUE finds a value, at rest alone.
     pub reads_at_rest: bool,
+    /// Its orders end, so that goals may give them.
+    pub takes_goals: bool,
 }
 
 /// The name of a value that a slot publishes beside its lines, with what it is (inc).
 pub type Shown = (&'static str, &'static str);
+
+const OF_PROGRAMS: &[Shown] = &[("fuel", "instructions that the last call of its program took")];
 
 const OF_MARKS: &[Shown] = &[
     SAK_SHARE,
@@ -273,6 +282,30 @@ pub const TYPES: &[Description] = &[
         renews: true,
         ..Description::of(Kind::Regl, "regl", "controls a speed by what a source tells (PID)", types::REGL)
     },
+    Description {
+        moves_axes: true,
+        inputs: 2,
+        outputs: 2,
+        rests: 1,
+        words: &["vel_override_mw", "acc_override_mw"],
+        shows: &[("remaining", "what is left of its order")],
+        renews: true,
+        takes_goals: true,
+        ..Description::of(
+            Kind::Epos,
+            "epos",
+            "moves by a travel at each edge of an input: relative, over multiples of it, or from a zero pulse on",
+            types::EPOS,
+        )
+    },
+    Description {
+        moves_axes: true,
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        shows: OF_PROGRAMS,
+        ..Description::of(Kind::Apsf, "apsf", "runs a program of yours, a WebAssembly module", types::APSF)
+    },
 ];
 
 impl Description {
@@ -295,6 +328,7 @@ impl Description {
             shows: &[],
             renews: false,
             reads_at_rest: false,
+            takes_goals: false,
         }
     }
 
@@ -360,7 +394,7 @@ mod tests {
         let names = |kind: Kind| kind.description().fields.iter().map(|field| field.name).collect::<Vec<_>>();
         assert_eq!(names(Kind::Imes), ["ba", "sf_cycle_time", "spacing", "window", "blocked"]);
         let renews: Vec<_> = TYPES.iter().filter(|row| row.renews).map(|row| row.name).collect();
-        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt", "fgen", "regl"]);
+        assert_eq!(renews, ["ecopy", "sidiff", "imes", "binea", "xfipw", "dfkt", "fgen", "regl", "epos"]);
         assert_eq!(
             (Kind::Binea.description().words, Kind::Cam.description().words),
             (&["mw_offset_addr"][..], &[][..])

@@ -7,13 +7,16 @@
 //! Refuses  sets and commands, each with the field, its value and its range; the cycle of a slot cannot fail
 //! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
 
+mod apsf;
 mod binea;
 mod cam;
 mod copy;
 mod dfkt;
 mod digdreh;
+mod epos;
 mod fgen;
 mod field;
+mod goal;
 mod imes;
 mod interpolator;
 mod kind;
@@ -39,4 +42,4 @@ pub use program::{Drive, Fault, LINES, NO_DRIVES, WORDS};
 pub use sak::{Origin, factor as sak_factor};
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
-pub use wires::{Bit, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};
+pub use wires::{Bit, Cell, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};

@@ -1,5 +1,6 @@
 //! What a type of function is to its slot: the interface that all of them share.
 
+use super::apsf::Host;
 use super::field::Words;
 use crate::code::Code;
 use crate::event::Number;
@@ -19,14 +20,14 @@ pub(super) struct Reading {
     pub value: i64,
     /// Its way since anything, unwrapped: differences count. A new coordinate of an axis or encoder is no way.
     pub travel: i64,
-    /// Where a mark of this call was, as `travel`; of several the last one.
+    /// Where a mark of this call was, as `travel`, one of the axis that is the sink as that; of several the last one.
     pub mark: Option<i64>,
 }
 
 /// Where no drive is watched.
 pub const NO_DRIVES: &[Drive; LINES] = &[Drive { error: 0, sak_share: 0, actual: 0 }; LINES];
 
-/// What is told of a monitored drive.
+/// What is told of a monitored drive: to sidiff what it is behind by, to fgen where it is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drive {
     /// Position control difference (inc): command less actual position.
@@ -55,6 +56,31 @@ impl<'a> Tables<'a> {
     }
 }
 
+/// What a goal asks of its function in a call.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// There is none.
+    #[default]
+    Nothing,
+    /// It begins: E1 rises.
+    Begin,
+    /// It goes on: E1 stands.
+    Hold,
+    /// A controlled stop: E2 rises.
+    Stop,
+}
+
+/// How the order of a function stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// There is none, or it has come to its end.
+    Rests,
+    /// It is under way.
+    Moves,
+    /// It was stopped with something left.
+    Stopped,
+}
+
 /// What a function sees in one call.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen<'a> {
@@ -63,6 +89,8 @@ pub(super) struct Seen<'a> {
     pub source: Reading,
     /// E1 in bit 0 to E8 in bit 7, after inversion.
     pub inputs: u8,
+    /// Beside its inputs.
+    pub asked: Asked,
     /// What the sink holds: at START what its object has, then what the function gave it.
     pub sink: i64,
     /// What the words hold that the cell names (`word_addr`, `mw_offset_addr`..), in the order of their type; 0 without one.
@@ -70,6 +98,10 @@ pub(super) struct Seen<'a> {
     pub tables: Tables<'a>,
     /// The first eight axes.
     pub drives: &'a [Drive; LINES],
+    /// A1 in bit 0 to A8 in bit 7, as they are before.
+    pub outputs: u8,
+    /// What a program of the user runs with.
+    pub host: Option<Host<'a>>,
 }
 
 /// What a function gives in one call.
@@ -77,6 +109,8 @@ pub(super) struct Seen<'a> {
 pub(super) struct Outcome {
     /// What the sink gets; the slot cuts it to the width of the sink.
     pub sink: i64,
+    /// How much of its change is a new coordinate and no way; never at START.
+    pub anew: i64,
     /// A1 in bit 0 to A8 in bit 7, before inversion.
     pub outputs: u8,
     /// Which of them it writes; the others keep what they have.
@@ -86,6 +120,8 @@ pub(super) struct Outcome {
     /// What printing mark control adds (inc), and how far the last mark was off.
     pub correction: i64,
     pub deviation: i64,
+    /// Why it cannot go on; nothing else of it counts then.
+    pub failed: Option<Code>,
 }
 
 /// Why a set does not make a function.
@@ -125,6 +161,8 @@ pub(super) struct Setting<'a> {
     pub has_source: bool,
     /// Its source has marks.
     pub has_mark: bool,
+    /// The first output that is wired, from 0; 0 without one.
+    pub first_output: u8,
     pub occasion: Occasion,
     /// The function runs: what it has chosen since START counts, where that is its own to choose.
     pub runs: bool,
@@ -160,10 +198,23 @@ pub(super) trait Program {
         Ok(None)
     }
 
+    /// The call of RESET, where its type has one: what that gives stays.
+    fn leave(&mut self, _seen: &Seen<'_>) -> Option<Outcome> {
+        None
+    }
+
     /// Its outputs after RESET; `rests` are those of its type.
     fn rests(&self, rests: u8) -> u8 {
         rests
     }
+
+    /// How its order stands; asked of types that take goals.
+    fn progress(&self) -> Progress {
+        Progress::Rests
+    }
+
+    /// Drops what is left of its order, and stands.
+    fn drop_order(&mut self) {}
 
     /// Does it run by that set? Asked of one that is started.
     fn is_set(&self, _words: Words<'_>, _call_ns: u64) -> bool {

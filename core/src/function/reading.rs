@@ -2,7 +2,7 @@
 //!
 //! Law      a voltage is read in mV, to the nearest; any other real is cut towards zero; 16 and 32 bits are the low ones, sign-extended
 
-use super::wires::{Source, Wires, Word};
+use super::wires::{Cell, Source, Wires, Word};
 use crate::encoder::Lead;
 use crate::object::Leader;
 use crate::position::Position;
@@ -75,6 +75,14 @@ pub(super) fn millivolts(volts: f64) -> i64 {
 }
 
 impl Word {
+    /// The signal now as the image of a program has it: an i64, or of a real an f64.
+    pub(super) fn bits(self, board: &Board) -> u64 {
+        match self {
+            Self::Int(signal) => board.int(signal).cast_unsigned(),
+            Self::Real(signal) | Self::Volts(signal) => board.real(signal).to_bits(),
+        }
+    }
+
     /// The signal now.
     #[inline]
     pub(super) fn read(self, board: &Board) -> i64 {
@@ -83,6 +91,30 @@ impl Word {
             // The cast saturates, and makes 0 of NaN.
             Self::Real(signal) => board.real(signal) as i64,
             Self::Volts(signal) => millivolts(board.real(signal)),
+        }
+    }
+}
+
+impl Cell {
+    /// What it holds, as the image of a program has it.
+    pub(super) fn bits(self, board: &Board) -> u64 {
+        match self {
+            Self::Bit(signal) | Self::Int(signal, _) => board.int(signal).cast_unsigned(),
+            Self::Real(signal) => board.real(signal).to_bits(),
+        }
+    }
+
+    /// Can it hold what a program has left for it?
+    pub(super) fn takes(self, word: u64) -> bool {
+        !matches!(self, Self::Real(_)) || f64::from_bits(word).is_finite()
+    }
+
+    /// Takes what a program has left for it.
+    pub(super) fn set(self, board: &mut Board, word: u64) {
+        match self {
+            Self::Bit(signal) => board.set_int(signal, i64::from(word != 0)),
+            Self::Int(signal, width) => board.set_int(signal, width.cut(word.cast_signed())),
+            Self::Real(signal) => board.set_real(signal, f64::from_bits(word)),
         }
     }
 }

@@ -8,10 +8,12 @@
 //! Refuses  START while it is active, VALUE_NEW while it is not, a set that its type does not take, each with the field
 //! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
 
+use super::apsf::Host;
 use super::field::{Field, Words};
+use super::goal::{Goal, GoalEnd};
 use super::kind::{Description, Quantity};
 use super::notice::Notice;
-use super::program::{Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
+use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Progress, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
 use super::types::Any;
 use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
@@ -22,6 +24,7 @@ use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
 use crate::table::Table;
+use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -63,6 +66,8 @@ enum Phase {
     Starting,
     /// It runs.
     Active,
+    /// RESET and START were given in this cycle to one that ran and has a call of RESET.
+    Restarting,
 }
 
 /// What the cycle of a slot is given.
@@ -71,7 +76,8 @@ pub(crate) struct Cycle<'a> {
     pub cycle: u64,
     pub leads: &'a Leads,
     pub tables: &'a [Arc<Table>],
-    /// Where the mark of this cycle was: so far before the source's present position; none without one.
+    pub programs: &'a [Arc<Module>],
+    /// Where the mark of this cycle was: so far before the source's present position, of an axis before its command; none without one.
     pub mark: Option<Position>,
     /// The first eight axes, for a function that watches them.
     pub drives: &'a [Drive; LINES],
@@ -84,6 +90,8 @@ pub(crate) struct Written {
     /// Which of its outputs, A1 in bit 0.
     pub outputs: u8,
     pub sink: bool,
+    /// Why it cannot go on: it is at rest.
+    pub failed: Option<Code>,
 }
 
 /// A slot.
@@ -117,13 +125,16 @@ pub struct Slot {
     /// All of it is on the board, and its lead stands.
     is_shown: bool,
     notice: Notice,
+    goal: Option<Goal>,
+    /// How a goal has ended, until that is told.
+    ended: Option<GoalEnd>,
 }
 
 impl Slot {
     /// A function at rest, with these values.
-    pub(crate) fn new(wires: &Wires, values: &[i64], room: Room) -> Self {
+    pub(crate) fn new(wires: &Wires, values: &[i64], room: Room, module: Option<&Module>) -> Self {
         Self {
-            function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room),
+            function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room, module),
             phase: Phase::Reset,
             since: 0,
             staged: values.into(),
@@ -141,12 +152,14 @@ impl Slot {
             anew: Position::ZERO,
             is_shown: true,
             notice: Notice::default(),
+            goal: None,
+            ended: None,
         }
     }
 
     /// Is it started?
     pub fn is_active(&self) -> bool {
-        matches!(self.phase, Phase::Starting | Phase::Active)
+        matches!(self.phase, Phase::Starting | Phase::Active | Phase::Restarting)
     }
 
     /// Values for the next START or VALUE_NEW.
@@ -268,7 +281,8 @@ impl Slot {
                 check_ranges(row, tried)?;
                 self.function.check(Words(tried), &setting)?;
                 self.active.copy_from_slice(tried);
-                self.phase = Phase::Starting;
+                let is_left = self.phase == Phase::Leaving && self.function.has_leave();
+                self.phase = if is_left { Phase::Restarting } else { Phase::Starting };
             }
             Order::ValueNew => {
                 // Fields that are not live keep what they had at START.
@@ -293,10 +307,69 @@ impl Slot {
         Ok(())
     }
 
+    /// May a goal begin an order?
+    pub(crate) fn check_goal(&self, wires: &Wires) -> Result<(), Code> {
+        match () {
+            () if !wires.kind.description().takes_goals => Err(Code::FUNCTION_NO_GOALS),
+            () if self.goal.is_some() || self.is_active() && self.function.progress() == Progress::Moves => {
+                Err(Code::FUNCTION_BUSY)
+            }
+            () => Ok(()),
+        }
+    }
+
+    /// Takes a goal that was checked; what an order before it has left is dropped.
+    pub(crate) fn take_goal(&mut self, sequence: u64) {
+        self.function.drop_order();
+        self.goal = Some(Goal::new(sequence));
+    }
+
+    /// Is a goal of it under way, whose axis has heard of the START by now?
+    pub(crate) fn follows_goal(&self) -> bool {
+        self.goal.is_some() && self.phase == Phase::Active
+    }
+
+    /// Cancels its goal, if it is that one.
+    pub(crate) fn cancel_goal(&mut self, sequence: u64) -> bool {
+        let Some(goal) = self.goal.as_mut().filter(|goal| goal.sequence == sequence) else { return false };
+        if goal.cancel() {
+            self.end_goal(Code::CANCELLED);
+        }
+        true
+    }
+
+    /// Its goal ends by something else than its order, which is dropped.
+    pub(crate) fn fail_goal(&mut self, code: Code) {
+        if self.goal.is_some() {
+            self.end_goal(code);
+            self.function.drop_order();
+        }
+    }
+
+    fn end_goal(&mut self, code: Code) {
+        if let Some(Goal { sequence, .. }) = self.goal.take() {
+            let left = self.function.shown().and_then(|shown| shown.first().copied()).unwrap_or(0);
+            self.ended = Some(GoalEnd { sequence, code, left });
+        }
+    }
+
+    /// Has it a goal, or one that has ended?
+    #[inline]
+    pub(crate) fn has_goal(&self) -> bool {
+        self.goal.is_some() || self.ended.is_some()
+    }
+
+    /// How its goal has ended, once.
+    pub(crate) fn take_end(&mut self) -> Option<GoalEnd> {
+        self.ended.take()
+    }
+
     /// RESET: what it writes at the end it writes in its place of this cycle.
     pub(crate) fn reset(&mut self) {
         self.is_shown = false;
-        self.phase = if self.phase == Phase::Active { Phase::Leaving } else { Phase::Reset };
+        self.fail_goal(Code::FUNCTION_RESET);
+        let has_run = matches!(self.phase, Phase::Active | Phase::Restarting);
+        self.phase = if has_run { Phase::Leaving } else { Phase::Reset };
     }
 
     /// Its part of a cycle where it is at rest, which most slots of most cells are most of the time; true where that was all.
@@ -325,19 +398,35 @@ impl Slot {
         let back = match wires.mark {
             Mark::None => None,
             Mark::Edge => (before.0 & 1 == 0 && self.inputs & 1 == 1).then_some(Position::ZERO),
-            Mark::Latch(_) | Mark::Encoder(_) => cx.mark,
+            Mark::Latch(_) | Mark::Encoder(_) | Mark::Axis(_) => cx.mark,
         };
         if let Some(back) = back {
-            self.mark = Some((self.travel - back).floor());
+            self.mark = Some(match wires.mark {
+                Mark::Axis(_) => self.sink.wrapping_sub(back.nearest()),
+                _ => (self.travel - back).floor(),
+            });
         }
         let mut written = Written::default();
         if wires.factor == 1 || cx.cycle.wrapping_sub(self.since).checked_rem(wires.factor.into()) == Some(0) {
-            let seen = self.seen(wires, cx, board, self.sink);
-            self.mark = None;
-            let outcome = self.function.step(&seen);
-            self.move_sink(wires, outcome.sink);
-            self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
-            written = self.write(wires, outcome, board);
+            if wires.program.is_some() {
+                written = self.call_program(wires, cx, board);
+                if written.failed.is_some() {
+                    return written;
+                }
+            } else {
+                let seen = self.seen(wires, cx, board, self.sink);
+                self.mark = None;
+                let outcome = self.function.step(&seen);
+                if outcome.anew != 0 {
+                    self.set_anew(wires, outcome.anew);
+                }
+                self.move_sink(wires, outcome.sink);
+                if self.goal.is_some() {
+                    self.follow_goal();
+                }
+                self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
+                written = self.write(wires, outcome, board);
+            }
         }
         self.lead.valid = source.is_valid();
         if before != (self.inputs, self.outputs) || !self.is_shown {
@@ -346,8 +435,10 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        for (value, nth) in self.shows().iter().zip(0..wires.shows) {
-            board.set_int(wires.first.plus(signals(nth)), *value);
+        let mut show = |(value, nth): (&i64, usize)| board.set_int(wires.first.plus(signals(nth)), *value);
+        match self.function.shown() {
+            Some(kept) => kept.iter().zip(0..wires.shows).for_each(&mut show),
+            None => self.shown.iter().zip(0..wires.shows).for_each(&mut show),
         }
         written
     }
@@ -358,7 +449,11 @@ impl Slot {
         let rests = self.phase == Phase::Reset;
         let written = match self.phase {
             Phase::Starting => self.begin(wires, cx, source, board),
-            Phase::Leaving => self.leave(wires, board),
+            Phase::Leaving => self.leave(wires, cx, source, board),
+            Phase::Restarting => {
+                let written = self.leave(wires, cx, source, board);
+                if written.failed.is_some() { written } else { self.begin(wires, cx, source, board) }
+            }
             Phase::Reset | Phase::Active => Written::default(),
         };
         self.lead.valid = !self.is_active() || source.is_valid();
@@ -367,23 +462,52 @@ impl Slot {
         written
     }
 
+    /// What the call means to its goal.
+    #[cold]
+    fn follow_goal(&mut self) {
+        let Some(goal) = &mut self.goal else { return };
+        if let Some(code) = goal.take(self.function.progress()) {
+            self.end_goal(code);
+            if code == Code::CANCELLED {
+                self.function.drop_order();
+            }
+        }
+    }
+
+    /// The coordinate of the sink is another one from now on: that is no motion.
+    #[cold]
+    fn set_anew(&mut self, wires: &Wires, by: i64) {
+        self.sink = wires.sink_width.cut(self.sink.wrapping_add(by));
+        self.anew = Position::whole(by);
+        self.lead.position += self.anew;
+    }
+
     /// Its first call.
     fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
         (self.phase, self.since) = (Phase::Active, cx.cycle);
         (self.travel, self.mark, self.last) = (source.fraction(), None, source.value);
         let base = self.base(wires, board);
-        let seen = self.seen(wires, cx, board, base);
+        // What its sink begins with is no way: a goal begins with the next call.
+        let seen = Seen { asked: Asked::Nothing, ..self.hosted(wires, cx, board, base) };
         let outcome = self.function.start(Words(&self.active), &seen);
-        self.sink = wires.sink_width.cut(outcome.sink);
+        // What has failed leaves the sink as it is.
+        self.sink = if outcome.failed.is_some() { base } else { wires.sink_width.cut(outcome.sink) };
         self.anew = Position::whole(self.sink) - self.lead.position;
         self.lead.position = Position::whole(self.sink);
-        self.write(wires, outcome, board)
+        if let Some(code) = outcome.failed {
+            return self.fail(wires, code, board);
+        }
+        let written = self.write(wires, outcome, board);
+        self.write_cells(wires, cx, board);
+        written
     }
 
     /// What the sink begins with: what its object has.
     fn base(&self, wires: &Wires, board: &Board) -> i64 {
         let value = match wires.sink {
             Sink::None => self.sink,
+            // A position is no speed: the axis is taken as one that stands.
+            Sink::Axis(..) if wires.quantity == Quantity::Speed => 0,
             Sink::Axis(_, command) | Sink::Memory(command, _) => board.int(command),
             Sink::Real(signal) => board.real(signal) as i64,
             Sink::Analog(_, signal) => millivolts(board.real(signal)),
@@ -414,11 +538,47 @@ impl Slot {
             call_ns: wires.call_ns,
             source: Reading { value: self.last, travel: self.travel.floor(), mark: self.mark },
             inputs: self.inputs,
+            asked: self.goal.as_ref().map_or(Asked::Nothing, Goal::asks),
             sink,
             words: wires.words.map(|word| word.map_or(0, |word| word.read(board))),
             tables: Tables { all: cx.tables, places: &wires.tables },
             drives: cx.drives,
+            outputs: self.outputs,
+            host: None,
         }
+    }
+
+    /// The same with what a program runs with.
+    fn hosted<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> Seen<'a> {
+        let host = module(wires, cx.programs).map(|module| Host {
+            module,
+            fuel: wires.fuel,
+            board,
+            reads: &wires.reads,
+            writes: &wires.writes,
+            first_output: first_output(wires),
+        });
+        Seen { host, ..self.seen(wires, cx, board, sink) }
+    }
+
+    /// A call of a program; other types do not pay for it.
+    #[inline(never)]
+    fn call_program(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
+        let seen = self.hosted(wires, cx, board, self.sink);
+        let outcome = self.function.step(&seen);
+        self.take_program(wires, cx, outcome, board)
+    }
+
+    /// What a program has given, or its end.
+    fn take_program(&mut self, wires: &Wires, cx: &Cycle<'_>, outcome: Outcome, board: &mut Board) -> Written {
+        if let Some(code) = outcome.failed {
+            return self.fail(wires, code, board);
+        }
+        self.move_sink(wires, outcome.sink);
+        self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
+        let written = self.write(wires, outcome, board);
+        self.write_cells(wires, cx, board);
+        written
     }
 
     /// Writes what a call gave.
@@ -428,7 +588,7 @@ impl Slot {
         self.writes = outcome.writes;
         self.write_sink(wires, board);
         self.set_outputs(wires, outcome.outputs, outcome.writes, board);
-        Written { outputs: outcome.writes, sink: true }
+        Written { outputs: outcome.writes, sink: true, failed: None }
     }
 
     /// The sink goes to a value, and its lead by the way to it.
@@ -471,7 +631,8 @@ impl Slot {
         let (has_source, has_mark) = (wires.source != Source::None, wires.mark != Mark::None);
         // In the cycle of START its set has not become its state yet.
         let runs = self.phase == Phase::Active;
-        Setting { call_ns: wires.call_ns, tables, has_source, has_mark, occasion, runs }
+        let first_output = first_output(wires);
+        Setting { call_ns: wires.call_ns, tables, has_source, has_mark, first_output, occasion, runs }
     }
 
     /// Its sink as an analog output has it (V).
@@ -488,17 +649,67 @@ impl Slot {
     }
 
     /// The end of a function that ran.
-    fn leave(&mut self, wires: &Wires, board: &mut Board) -> Written {
-        let row = wires.kind.description();
+    fn leave(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+        let written = if wires.program.is_some() {
+            self.travel_on(wires, source);
+            let seen = self.hosted(wires, cx, board, self.sink);
+            match self.function.leave(&seen) {
+                Some(outcome) => self.take_program(wires, cx, outcome, board),
+                None => self.rest_sink(wires, board),
+            }
+        } else {
+            self.rest_sink(wires, board)
+        };
+        if written.failed.is_some() {
+            return written;
+        }
         self.phase = Phase::Reset;
-        let sink = row.quantity == Quantity::Speed;
+        (self.shown, self.mark) = ([0; 3], None);
+        written
+    }
+
+    /// What a type leaves that has no call of RESET.
+    fn rest_sink(&mut self, wires: &Wires, board: &mut Board) -> Written {
+        let sink = wires.quantity == Quantity::Speed;
         if sink {
             self.move_sink(wires, 0);
             self.write_sink(wires, board);
         }
+        let rests = wires.kind.description().rests;
+        self.set_outputs(wires, self.function.rests(rests), self.writes, board);
+        Written { outputs: self.writes, sink, failed: None }
+    }
+
+    /// The end of one that cannot go on.
+    #[cold]
+    fn fail(&mut self, wires: &Wires, code: Code, board: &mut Board) -> Written {
+        let written = self.rest_sink(wires, board);
+        (self.phase, self.error) = (Phase::Reset, code);
         (self.shown, self.mark) = ([0; 3], None);
-        self.set_outputs(wires, self.function.rests(row.rests), self.writes, board);
-        Written { outputs: self.writes, sink }
+        self.publish(wires, board);
+        self.is_shown = false;
+        Written { failed: Some(code), ..written }
+    }
+
+    /// Memory cells get what a program has left for them.
+    fn write_cells(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) {
+        if wires.writes.is_empty() {
+            return;
+        }
+        let Some(module) = module(wires, cx.programs) else { return };
+        for (place, cell) in wires.writes.iter().enumerate() {
+            cell.set(board, self.function.word(module, place));
+        }
+    }
+
+    /// Pages of memory that it has for its program.
+    pub(crate) fn room(&self) -> usize {
+        self.function.room()
+    }
+
+    /// Goes on with another program; false where it cannot keep its state, or has no room.
+    pub(crate) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
+        self.function.exchange(modules, keeps)
     }
 
     fn publish(&self, wires: &Wires, board: &mut Board) {
@@ -522,7 +733,7 @@ impl Slot {
     }
 
     /// Could its state have come about?
-    pub(crate) fn is_sound(&self, wires: &Wires, tables: &[Arc<Table>]) -> bool {
+    pub(crate) fn is_sound(&self, wires: &Wires, (tables, programs): (&[Arc<Table>], &[Arc<Module>])) -> bool {
         let row = wires.kind.description();
         let fits = |values: &[i64]| {
             let in_range = |(place, value): (u16, &i64)| {
@@ -539,7 +750,9 @@ impl Slot {
                 || check_ranges(row, &self.active).is_ok()
                     && self.function.check(Words(&self.active), &setting).is_ok())
             && (self.phase != Phase::Active || self.function.is_set(Words(&self.active), wires.call_ns))
+            && self.goal.is_none_or(|_| row.takes_goals && self.is_active())
             && self.lead.velocity.is_finite()
+            && module(wires, programs).is_none_or(|module| self.function.is_of(module, self.phase != Phase::Reset))
             && self.function.is_sound()
     }
 }
@@ -571,6 +784,8 @@ impl Clone for Slot {
             anew,
             is_shown,
             notice,
+            goal,
+            ended,
         } = other;
         self.function.clone_from(function);
         self.staged.clone_from(staged);
@@ -578,7 +793,7 @@ impl Clone for Slot {
         (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
         (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
         (self.sink, self.shown, self.error, self.lead, self.anew) = (*sink, *shown, *error, *lead, *anew);
-        (self.is_shown, self.notice) = (*is_shown, *notice);
+        (self.is_shown, self.notice, self.goal, self.ended) = (*is_shown, *notice, *goal, *ended);
     }
 }
 
@@ -627,6 +842,16 @@ fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
         *place = if live { *new } else { *active };
     }
+}
+
+/// The first output that is wired: the bit mask of A1 (AMK-APSF-11).
+fn first_output(wires: &Wires) -> u8 {
+    wires.outputs.iter().position(Option::is_some).map_or(0, |first| first as u8)
+}
+
+/// The program of a slot that has one.
+fn module<'a>(wires: &Wires, programs: &'a [Arc<Module>]) -> Option<&'a Module> {
+    programs.get(usize::from(wires.program?)).map(|module| &**module)
 }
 
 fn found<'a>(wires: &'a Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {

@@ -1,7 +1,7 @@
 //! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
 
 use super::field::Field;
-use super::program::{LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables, WORDS};
+use super::program::{Asked, LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables, WORDS};
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -20,7 +20,15 @@ pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
 
 /// What a set of START is checked against, with a source that has marks.
 pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<'_> {
-    Setting { call_ns, tables, has_source: true, has_mark: true, occasion: Occasion::Order, runs: false }
+    Setting {
+        call_ns,
+        tables,
+        has_source: true,
+        has_mark: true,
+        first_output: 0,
+        occasion: Occasion::Order,
+        runs: false,
+    }
 }
 
 /// No tables.
@@ -43,9 +51,12 @@ pub(super) fn at_rest<'a>() -> Seen<'a> {
         call_ns: CALL_NS,
         source: Reading::default(),
         inputs: 0,
+        asked: Asked::Nothing,
         sink: 0,
         words: [0; WORDS],
         tables: NO_TABLES,
         drives: NO_DRIVES,
+        outputs: 0,
+        host: None,
     }
 }

@@ -1,10 +1,12 @@
 //! All types behind one: what a slot holds.
 
+use super::apsf::{self, Apsf};
 use super::binea::{self, Binea};
 use super::cam::{self, Cam};
 use super::copy::{self, Dcopy, Ecopy};
 use super::dfkt::{self, Dfkt};
 use super::digdreh::{self, Digdreh};
+use super::epos::{self, Epos};
 use super::fgen::{self, Fgen};
 use super::field::{Field, Words};
 use super::imes::{self, Imes};
@@ -12,11 +14,12 @@ use super::interpolator::fipw::{self, Fipw};
 use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
 use super::kind::Kind;
-use super::program::{Fault, Outcome, Program, Seen, Setting, WORDS};
+use super::program::{Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
 use super::regl::{self, Regl};
 use super::sidiff::{self, Sidiff};
 use super::varsync::{self, Varsync};
 use super::wires::Room;
+use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 
 pub(super) const DCOPY: &[Field] = copy::DCOPY_FIELDS;
@@ -33,6 +36,8 @@ pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
 pub(super) const DFKT: &[Field] = dfkt::FIELDS;
 pub(super) const FGEN: &[Field] = fgen::FIELDS;
 pub(super) const REGL: &[Field] = regl::FIELDS;
+pub(super) const EPOS: &[Field] = epos::FIELDS;
+pub(super) const APSF: &[Field] = apsf::FIELDS;
 
 /// A function of any type.
 #[derive(Debug, Serialize, Deserialize)]
@@ -51,6 +56,8 @@ pub(super) enum Any {
     Dfkt(Dfkt),
     Fgen(Fgen),
     Regl(Regl),
+    Epos(Epos),
+    Apsf(Box<Apsf>),
 }
 
 /// Does the same with a function of any type.
@@ -71,13 +78,15 @@ macro_rules! each {
             Any::Dfkt($function) => $do,
             Any::Fgen($function) => $do,
             Any::Regl($function) => $do,
+            Any::Epos($function) => $do,
+            Any::Apsf($function) => $do,
         }
     };
 }
 
 impl Any {
     /// One at rest, with all memory that it will need.
-    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: Room) -> Self {
+    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: Room, module: Option<&Module>) -> Self {
         let [has_word, _] = has_words;
         match kind {
             Kind::Dcopy => Self::Dcopy(Dcopy::new()),
@@ -94,6 +103,8 @@ impl Any {
             Kind::Dfkt => Self::Dfkt(Dfkt::new()),
             Kind::Fgen => Self::Fgen(Fgen::new(has_word)),
             Kind::Regl => Self::Regl(Regl::new(has_words)),
+            Kind::Epos => Self::Epos(Epos::new(has_words)),
+            Kind::Apsf => Self::Apsf(Box::new(Apsf::new(module))),
         }
     }
 
@@ -113,6 +124,8 @@ impl Any {
             Self::Dfkt(_) => Kind::Dfkt,
             Self::Fgen(_) => Kind::Fgen,
             Self::Regl(_) => Kind::Regl,
+            Self::Epos(_) => Kind::Epos,
+            Self::Apsf(_) => Kind::Apsf,
         }
     }
 
@@ -137,6 +150,14 @@ impl Any {
         each!(self, function => function.read(words, setting))
     }
 
+    pub(super) fn progress(&self) -> Progress {
+        each!(self, function => function.progress())
+    }
+
+    pub(super) fn drop_order(&mut self) {
+        each!(self, function => function.drop_order());
+    }
+
     pub(super) fn rests(&self, rests: u8) -> u8 {
         each!(self, function => function.rests(rests))
     }
@@ -149,6 +170,8 @@ impl Any {
             (Self::Cam(mine), Self::Cam(other)) => mine.is_set_up_as(other),
             (Self::Fgen(mine), Self::Fgen(other)) => mine.is_set_up_as(other),
             (Self::Regl(mine), Self::Regl(other)) => mine.is_set_up_as(other),
+            (Self::Epos(mine), Self::Epos(other)) => mine.is_set_up_as(other),
+            (Self::Apsf(mine), Self::Apsf(other)) => mine.room() == other.room(),
             _ => self.kind() == other.kind(),
         }
     }
@@ -162,7 +185,50 @@ impl Any {
     pub(super) fn shown(&self) -> Option<&[i64]> {
         match self {
             Self::Fgen(function) => Some(function.shown()),
+            Self::Epos(function) => Some(function.shown()),
+            Self::Apsf(function) => Some(function.shown()),
             _ => None,
+        }
+    }
+
+    pub(super) fn leave(&mut self, seen: &Seen<'_>) -> Option<Outcome> {
+        each!(self, function => function.leave(seen))
+    }
+
+    /// Has it a call of RESET?
+    pub(super) fn has_leave(&self) -> bool {
+        matches!(self, Self::Apsf(_))
+    }
+
+    /// What it has left for a memory cell.
+    pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
+        match self {
+            Self::Apsf(function) => function.word(module, place),
+            _ => 0,
+        }
+    }
+
+    /// Goes on with another program; false where it cannot keep its state, or has no room.
+    pub(super) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
+        match self {
+            Self::Apsf(function) => function.exchange(modules, keeps),
+            _ => true,
+        }
+    }
+
+    /// Pages of memory that it has for its program.
+    pub(super) fn room(&self) -> usize {
+        match self {
+            Self::Apsf(function) => function.room(),
+            _ => 0,
+        }
+    }
+
+    /// Is its state one of that program?
+    pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
+        match self {
+            Self::Apsf(function) => function.is_of(module, runs),
+            _ => true,
         }
     }
 
@@ -188,6 +254,8 @@ impl Clone for Any {
             Self::Dfkt(function) => Self::Dfkt(function.clone()),
             Self::Fgen(function) => Self::Fgen(function.clone()),
             Self::Regl(function) => Self::Regl(function.clone()),
+            Self::Epos(function) => Self::Epos(function.clone()),
+            Self::Apsf(function) => Self::Apsf(function.clone()),
         }
     }
 
@@ -202,6 +270,7 @@ impl Clone for Any {
             (Self::Imes(mine), Self::Imes(other)) => mine.clone_from(other),
             (Self::Binea(mine), Self::Binea(other)) => mine.clone_from(other),
             (Self::Cam(mine), Self::Cam(other)) => mine.clone_from(other),
+            (Self::Apsf(mine), Self::Apsf(other)) => mine.clone_from(other),
             (mine, other) => *mine = other.clone(),
         }
     }

@@ -1,6 +1,6 @@
 //! What a slot is wired to: handles that stay the same as long as the cell does.
 
-use super::kind::Kind;
+use super::kind::{Kind, Quantity};
 use super::program::{LINES, WORDS};
 use crate::object::Leader;
 use crate::signal::{Signal, Type};
@@ -100,6 +100,17 @@ pub enum Sink {
     Analog(usize, Signal),
 }
 
+/// A memory cell that a program writes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cell {
+    /// A bit: whatever is not 0 sets it.
+    Bit(Signal),
+    /// A whole number.
+    Int(Signal, Width),
+    /// A real.
+    Real(Signal),
+}
+
 /// A binary input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
@@ -139,6 +150,8 @@ pub enum Mark {
     Latch(u16),
     /// Latches and index pulses of an encoder.
     Encoder(u16),
+    /// Index pulses of the axis that is the sink.
+    Axis(u16),
 }
 
 /// What happens to a function when the axis that it moves has an error.
@@ -189,6 +202,16 @@ pub struct Wires {
     pub shows: usize,
     /// The words that it reads beside its source.
     pub words: [Option<Word>; WORDS],
+    /// Its program, its place among them; type apsf has one.
+    pub program: Option<u16>,
+    /// Instructions of a call of it, at most.
+    pub fuel: u32,
+    /// Signals that it reads.
+    pub reads: Box<[Word]>,
+    /// Memory cells that it writes.
+    pub writes: Box<[Cell]>,
+    /// What its sink carries.
+    pub quantity: Quantity,
     /// What latches its marks.
     pub mark: Mark,
     /// It is called in each n-th cycle.

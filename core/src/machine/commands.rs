@@ -9,6 +9,7 @@ use crate::command::{
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::function::Order;
 use crate::object::{Leader, Object};
 use crate::parameter::Marker;
 
@@ -126,8 +127,13 @@ impl Machine {
                 Ok(false)
             }
             Action::CommandFunction(request) => self.command_function(command, request),
+            Action::RunFunction(request) => self.run_function(command, request),
             Action::LoadTable { index, table } => {
                 self.load_table(command, *index, table)?;
+                Ok(false)
+            }
+            Action::LoadProgram { index, module, keeps } => {
+                self.load_program(command, *index, (module, *keeps))?;
                 Ok(false)
             }
             // An output may let go what the axes are not to move.
@@ -224,7 +230,11 @@ impl Machine {
             Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::CommandFunction(request) => {
-                self.tell_moved(told, request);
+                self.tell_moved(told, request.slot, request.order);
+                Ok(())
+            }
+            Action::RunFunction(request) => {
+                self.tell_moved(told, request.slot, Order::Start);
                 Ok(())
             }
             Action::Trajectory(trajectory) => self.start_trajectory(told, command, trajectory),
@@ -271,6 +281,7 @@ impl Machine {
             let ended = self.act_on(index, told, |axis, cx| axis.cancel(cx, sequence, goal, is_told));
             is_told |= ended == Some(true);
         }
+        is_told = is_told || self.cancel_run(sequence, goal);
         let number = Number::Count(goal.cast_signed());
         let unknown = || Refusal::new(Code::UNKNOWN_GOAL, Object::Machine).with(number, Number::None);
         is_told.then_some(()).ok_or_else(unknown)

@@ -4,7 +4,7 @@ use super::signals::locate;
 use super::{Machine, State, Told};
 use crate::axis::{Axis, MovedBy, no_cam};
 use crate::code::Code;
-use crate::command::{Command, CommandFunction};
+use crate::command::{Command, CommandFunction, RunFunction};
 use crate::drive::{Edge, Inputs};
 use crate::event::{Event, Kind as EventKind, Number, Refusal, Severity};
 use crate::function::{
@@ -15,6 +15,7 @@ use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
 use crate::table::Table;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// A fault of a function as the refusal of its command.
@@ -47,6 +48,17 @@ fn count_on_sink(axes: &mut [Axis], leads: &Leads, slot: u16, by: Position) {
     axes.iter_mut().for_each(|axis| axis.count_on_sink(leads, slot, by));
 }
 
+/// A goal ends where the axis has left the function.
+#[cold]
+fn watch_goal(slot: &mut Slot, sink: Sink, axes: &[Axis], own: Leader) {
+    if slot.follows_goal()
+        && let Sink::Axis(axis, _) = sink
+        && let Some(code) = axes.get(usize::from(axis)).and_then(|axis| axis.function_failure(own))
+    {
+        slot.fail_goal(code);
+    }
+}
+
 impl Machine {
     /// The function slots, by their numbers.
     pub fn slots(&self) -> &[Slot] {
@@ -61,6 +73,15 @@ impl Machine {
     /// An order to a function; true where the axis that it moves has to hear of it.
     pub(super) fn command_function(&mut self, command: &Command, request: &CommandFunction) -> Result<bool, Refusal> {
         let CommandFunction { slot, order, ref values } = *request;
+        self.order_function(command, slot, (order, values))
+    }
+
+    fn order_function(
+        &mut self,
+        command: &Command,
+        slot: u16,
+        (order, values): (Order, &[(u16, i64)]),
+    ) -> Result<bool, Refusal> {
         let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let wires = self.wires.get(usize::from(slot)).ok_or_else(unknown)?;
         let moved = match wires.sink {
@@ -89,14 +110,45 @@ impl Machine {
         Ok(tells)
     }
 
+    /// A goal of a function, behind the order that it needs: START in RESET, else VALUE_NEW; true where the axis that it moves has to hear of that.
+    pub(super) fn run_function(&mut self, command: &Command, request: &RunFunction) -> Result<bool, Refusal> {
+        let (place, sink) = (usize::from(request.slot), Leader::Sink(request.slot));
+        let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
+        let (wires, slot) = self.wires.get(place).zip(self.state.slots.get(place)).ok_or_else(unknown)?;
+        slot.check_goal(wires).map_err(|code| Refusal::new(code, Object::Function(request.slot)))?;
+        let by = slot.is_active().then_some(sink);
+        if let Sink::Axis(axis, _) = wires.sink
+            && let Some(axis) = self.state.axes.get(usize::from(axis))
+        {
+            axis.check_goal(by)?;
+        }
+        let order = if by.is_some() { Order::ValueNew } else { Order::Start };
+        let tells = self.order_function(command, request.slot, (order, &request.values))?;
+        if let Some(slot) = self.state.slots.get_mut(place) {
+            slot.take_goal(command.sequence);
+        }
+        Ok(tells)
+    }
+
+    /// Cancels a goal of a function; true where it is one.
+    pub(super) fn cancel_run(&mut self, sequence: u64, goal: u64) -> bool {
+        let mut slots = (0_u16..).zip(&mut self.state.slots);
+        let Some((place, _)) = slots.find_map(|(place, slot)| slot.cancel_goal(goal).then_some((place, slot))) else {
+            return false;
+        };
+        let event = Event::new(Severity::Info, EventKind::Accepted, Object::Function(place), Code::NONE);
+        self.events.push(event.of_command(sequence));
+        true
+    }
+
     /// The axis of a function hears of its START or RESET.
-    pub(super) fn tell_moved(&mut self, told: Told<'_>, request: &CommandFunction) {
-        let Some(wires) = self.wires.get(usize::from(request.slot)) else { return };
+    pub(super) fn tell_moved(&mut self, told: Told<'_>, slot: u16, order: Order) {
+        let Some(wires) = self.wires.get(usize::from(slot)) else { return };
         let Sink::Axis(axis, _) = wires.sink else { return };
-        let (sink, speed) = (Leader::Sink(request.slot), wires.speed);
+        let (sink, speed) = (Leader::Sink(slot), wires.speed);
         // A later command of this cycle may have ended it again.
-        let runs = self.state.slots.get(usize::from(request.slot)).is_some_and(Slot::is_active);
-        self.act_on(axis.into(), told, |axis, cx| match request.order {
+        let runs = self.state.slots.get(usize::from(slot)).is_some_and(Slot::is_active);
+        self.act_on(axis.into(), told, |axis, cx| match order {
             Order::Start if runs => axis.take_function(cx, MovedBy { sink, speed }),
             Order::Reset if !runs => axis.leave_function(cx, sink),
             _ => {}
@@ -146,6 +198,39 @@ impl Machine {
         Ok(())
     }
 
+    /// Another program in the functions that run it.
+    pub(super) fn load_program(
+        &mut self,
+        command: &Command,
+        index: u16,
+        (module, keeps): (&Arc<Module>, bool),
+    ) -> Result<(), Refusal> {
+        let refuse = |code| Refusal::new(code, Object::Program(index));
+        let State { programs, slots, .. } = &mut self.state;
+        let Some(present) = programs.get_mut(usize::from(index)) else {
+            return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        };
+        let runs_it = |wires: &Wires| wires.program == Some(index);
+        let rooms =
+            self.wires.iter().zip(slots.iter()).filter(|(wires, _)| runs_it(wires)).map(|(_, slot)| slot.room());
+        if let Some(room) = rooms.min().filter(|room| module.pages() > *room) {
+            let numbers = (Number::Count(module.pages() as i64), Number::Count(room as i64));
+            return Err(refuse(Code::AMK_PROGRAM_LARGE).with(numbers.0, numbers.1));
+        }
+        if keeps && !lineshaft_program::is_as_long(module, present) {
+            let length = |module: &Module| Number::Count(module.image().len() as i64);
+            return Err(refuse(Code::AMK_OTHER_LENGTH).with(length(module), length(present)));
+        }
+        for (_, slot) in self.wires.iter().zip(slots.iter_mut()).filter(|(wires, _)| runs_it(wires)) {
+            slot.exchange((module, present), keeps);
+        }
+        // Who gave the former one keeps a reference: none is freed here.
+        present.clone_from(module);
+        self.count_change();
+        self.accept(command, Object::Program(index));
+        Ok(())
+    }
+
     /// All slots in a cycle, ascending: behind the encoders and what drives tell, before the axes move.
     pub(super) fn step_slots(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
@@ -155,15 +240,39 @@ impl Machine {
             }
             let watched;
             let mut drives = NO_DRIVES;
-            if matches!(wires.kind, Kind::Sidiff | Kind::Fgen) {
-                watched = self.drives();
-                drives = &watched;
+            match wires.kind {
+                Kind::Sidiff => {
+                    watched = self.drive_errors();
+                    drives = &watched;
+                }
+                Kind::Fgen => {
+                    watched = self.drive_positions();
+                    drives = &watched;
+                }
+                _ => {}
             }
             let mark = self.mark(wires.mark, wires.source, inputs);
-            let State { slots, board, leads, tables, panel, axes, cycle: now, .. } = &mut self.state;
+            let State { slots, board, leads, tables, programs, panel, axes, cycle: now, .. } = &mut self.state;
             let Some(slot) = slots.get_mut(place) else { continue };
-            let cycle = Cycle { cycle: *now, leads, tables, mark, drives, cycle_s };
+            let cycle = Cycle { cycle: *now, leads, tables, programs, mark, drives, cycle_s };
+            let has_goal = slot.has_goal();
+            if has_goal {
+                watch_goal(slot, wires.sink, axes, Leader::Sink(place as u16));
+            }
             let written = slot.step(wires, &cycle, board);
+            if let Some(code) = written.failed {
+                let event = Event::new(Severity::Error, EventKind::Error, Object::Function(place as u16), code);
+                self.events.push(event.with(Number::None, Number::Count(wires.fuel.into())));
+                if let Sink::Axis(axis, _) = wires.sink {
+                    self.failed.push((place as u16, axis, code));
+                    if let Some(axis) = axes.get_mut(usize::from(axis)) {
+                        axis.disturb();
+                    }
+                }
+            }
+            if has_goal && let Some(end) = slot.take_end() {
+                self.events.push(end.event(place as u16, slot.sink()));
+            }
             if let Some(of) = leads.sinks.get_mut(place) {
                 *of = *slot.lead();
             }
@@ -212,11 +321,25 @@ impl Machine {
         }
     }
 
-    /// Where the mark of this cycle was, so far before the source's present position; of several the last one.
+    /// The axes of functions whose program cannot go on have its error: they hold in this cycle already, as the sink does.
+    #[cold]
+    pub(super) fn fail_moved(&mut self, told: Told<'_>) {
+        while let Some((place, axis, code)) = self.failed.pop() {
+            let fuel = self.wires.get(usize::from(place)).map_or(0, |wires| wires.fuel);
+            self.act_on(axis.into(), told, |axis, cx| {
+                axis.fail_function(cx, Leader::Sink(place), code, Number::Count(fuel.into()));
+            });
+        }
+    }
+
+    /// Where the mark of this cycle was, so far before the source's present position, of an axis before its command; of several the last one.
     fn mark(&self, mark: Mark, source: Source, inputs: &Inputs) -> Option<Position> {
+        if let Mark::Axis(place) = mark {
+            return self.state.axes.get(usize::from(place))?.mark_behind_command();
+        }
         let Source::Lead(leader, _) = source else { return None };
         let (object, index) = match mark {
-            Mark::None | Mark::Edge => return None,
+            Mark::None | Mark::Edge | Mark::Axis(_) => return None,
             Mark::Latch(entry) => (Object::Io(entry), None),
             Mark::Encoder(place) => {
                 let index = inputs.encoder.get(usize::from(place)).and_then(|input| input.index);
@@ -235,19 +358,25 @@ impl Machine {
         Some(lead.position - position)
     }
 
-    /// What functions that watch drives see of the first axes.
-    fn drives(&self) -> [Drive; LINES] {
+    /// What sidiff sees of the first axes.
+    fn drive_errors(&self) -> [Drive; LINES] {
         let mut drives = [Drive::default(); LINES];
         for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
             drive.error = self.state.board.int(AxisSignal::RegulatorError.of(*first));
-        }
-        for (drive, axis) in drives.iter_mut().zip(&self.state.leads.of_axes) {
-            drive.actual = axis.actual.position.floor();
         }
         for &(axis, slot) in &self.movers {
             if let (Some(drive), Some(slot)) = (drives.get_mut(axis), self.state.slots.get(usize::from(slot))) {
                 drive.sak_share = slot.sak_share();
             }
+        }
+        drives
+    }
+
+    /// What fgen sees of them.
+    fn drive_positions(&self) -> [Drive; LINES] {
+        let mut drives = [Drive::default(); LINES];
+        for (drive, axis) in drives.iter_mut().zip(&self.state.leads.of_axes) {
+            drive.actual = axis.actual.position.floor();
         }
         drives
     }

@@ -262,7 +262,7 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
         let name = format!("{}.{text}", slot.name);
         directory.add(Entry { name, kind, measure, drivable: false, help })
     };
-    let carried = if row.quantity == Quantity::Speed { Measure::None } else { Measure::Position };
+    let carried = if slot.quantity == Quantity::Speed { Measure::None } else { Measure::Position };
     let first = add("sink", Type::Int, carried, "what the function gives its sink");
     add("active", Type::Bit, Measure::None, "the function is started");
     add("error", Type::Int, Measure::None, "why its last command was refused, 0 for nothing");
@@ -274,8 +274,9 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
         let help = "binary output of the function, before inversion";
         add(&format!("out{line}"), Type::Bit, Measure::None, help);
     }
+    let shown = if slot.kind == crate::function::Kind::Apsf { Measure::None } else { Measure::Position };
     for (name, help) in row.shows {
-        add(name, Type::Int, Measure::Position, help);
+        add(name, Type::Int, shown, help);
     }
     first
 }

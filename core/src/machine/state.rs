@@ -14,6 +14,7 @@ use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
 use crate::sync::{Leads, VirtualMaster};
 use crate::table::Table;
+use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -30,6 +31,9 @@ pub struct State {
     /// Tables as they were loaded last.
     #[serde(with = "crate::table::shared")]
     pub(super) tables: Vec<Arc<Table>>,
+    /// Programs as they were exchanged last.
+    #[serde(with = "lineshaft_program::shared")]
+    pub(super) programs: Vec<Arc<Module>>,
     /// Axes, a leader before its followers.
     pub(super) order: Vec<u16>,
     pub(super) leads: Leads,
@@ -136,6 +140,7 @@ impl State {
             encoders,
             slots,
             tables,
+            programs,
             order,
             leads,
             runs,
@@ -154,8 +159,9 @@ impl State {
         self.gantries.clone_from(gantries);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
-        // Who gave a table frees it: here only counts change.
+        // Who gave a table or program frees it: here only counts change.
         self.tables.clone_from(tables);
+        self.programs.clone_from(programs);
         self.order.clone_from(order);
         self.leads.copy_from(leads);
         self.runs.clone_from(runs);
@@ -180,6 +186,7 @@ impl State {
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
         shape("functions", self.slots.len(), fresh.slots.len())?;
         shape("tables", self.tables.len(), fresh.tables.len())?;
+        shape("programs", self.programs.len(), fresh.programs.len())?;
         shape("places for trajectories", self.runs.len(), fresh.runs.len())?;
         if !self.leads.has_shape_of(&fresh.leads) {
             return Err(StateError::Leads);
@@ -203,7 +210,7 @@ impl State {
             return Err(StateError::Tables);
         }
         for ((mine, fresh), wires) in std::iter::zip(&self.slots, &fresh.slots).zip(&machine.wires) {
-            if !(mine.is_set_up_as(fresh) && mine.is_sound(wires, &self.tables)) {
+            if !(mine.is_set_up_as(fresh) && mine.is_sound(wires, (&self.tables, &self.programs))) {
                 return Err(StateError::Functions);
             }
         }
@@ -283,6 +290,7 @@ impl Clone for State {
             encoders: self.encoders.clone(),
             slots: self.slots.clone(),
             tables: self.tables.clone(),
+            programs: self.programs.clone(),
             order: self.order.clone(),
             leads: self.leads.clone(),
             user: self.user.clone(),
@@ -302,6 +310,7 @@ impl Clone for State {
             encoders,
             slots,
             tables,
+            programs,
             order,
             leads,
             cycle,
@@ -320,8 +329,9 @@ impl Clone for State {
         self.gantries.clone_from(gantries);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
-        // Who gave a table frees it: here only counts change.
+        // Who gave a table or program frees it: here only counts change.
         self.tables.clone_from(tables);
+        self.programs.clone_from(programs);
         self.order.clone_from(order);
         self.leads.copy_from(leads);
         self.user.clone_from(user);

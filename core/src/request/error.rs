@@ -37,6 +37,14 @@ pub enum RequestError {
         /// The names there are.
         known: String,
     },
+    /// A name that no program has.
+    #[error("no program is called `{name}`; {known} are known")]
+    UnknownProgram {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
     /// A name that no field of a function has.
     #[error("{function}: type {kind} has no field `{field}`; it has {known}")]
     UnknownField {
@@ -61,6 +69,14 @@ pub enum RequestError {
         /// How many are possible.
         most: usize,
     },
+    /// A value of a form that no field takes.
+    #[error("{function}: {sentence}")]
+    FieldForm {
+        /// The function.
+        function: String,
+        /// What is wrong with it, with the name of the field.
+        sentence: String,
+    },
     /// Two values for one place of a set.
     #[error("{function}: {field} is given twice")]
     FieldTwice {
@@ -73,6 +89,14 @@ pub enum RequestError {
     #[error("{name}: {sentence}")]
     BadTable {
         /// The table.
+        name: String,
+        /// What is wrong.
+        sentence: String,
+    },
+    /// A module that is not taken.
+    #[error("{name}: {sentence}")]
+    BadProgram {
+        /// The program.
         name: String,
         /// What is wrong.
         sentence: String,

@@ -1,11 +1,12 @@
 //! Requests to functions and tables: names to places.
 
 use super::{RequestError, list};
-use crate::command::{Action, CommandFunction};
+use crate::command::{Action, CommandFunction, RunFunction};
 use crate::config::{MachineConfig, SlotConfig};
 use crate::function::Order;
 use crate::table::Table;
 use crate::unit::excerpt;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// Values of one field.
@@ -53,31 +54,46 @@ impl MachineConfig {
         })
     }
 
+    /// The program of that name, by its place.
+    ///
+    /// # Errors
+    /// None has it.
+    pub fn find_program(&self, name: &str) -> Result<u16, RequestError> {
+        let found = (0..).zip(&self.programs).find(|(_, program)| program.name == name).map(|(place, _)| place);
+        found.ok_or_else(|| RequestError::UnknownProgram {
+            name: excerpt(name),
+            known: list(self.programs.iter().map(|program| program.name.clone())),
+        })
+    }
+
+    /// Another module for a program as a command; its functions go on with their state where it `keeps` it.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_load_program(&self, name: &str, module: &[u8], keeps: bool) -> Result<Action, RequestError> {
+        let index = self.find_program(name)?;
+        let module = Module::load(module)
+            .map_err(|refused| RequestError::BadProgram { name: excerpt(name), sentence: refused.to_string() })?;
+        Ok(Action::LoadProgram { index, module: Arc::new(module), keeps })
+    }
+
     /// An order to a function as a command.
     ///
     /// # Errors
     /// What is wrong in the request itself. Ranges are the machine's to judge: the error of the function shows what it refused.
     pub fn resolve_function(&self, request: &FunctionRequest) -> Result<Action, RequestError> {
         let (slot, config) = self.find_function(&request.function)?;
-        let mut values: Vec<(u16, i64)> = Vec::new();
-        for (name, value) in &request.values {
-            let (first, count) = place(config, name)?;
-            let given: &[i64] = match value {
-                FieldValue::One(value) => std::slice::from_ref(value),
-                FieldValue::List(values) => values,
-            };
-            if given.is_empty() || given.len() > count {
-                let (field, given) = (excerpt(name), given.len());
-                return Err(RequestError::FieldCount { function: config.name.clone(), field, given, most: count });
-            }
-            for (place, value) in (first..).zip(given) {
-                if values.iter().any(|(known, _)| *known == place) {
-                    return Err(RequestError::FieldTwice { function: config.name.clone(), field: excerpt(name) });
-                }
-                values.push((place, *value));
-            }
-        }
-        Ok(Action::CommandFunction(CommandFunction { slot, order: request.order, values: values.into() }))
+        let values = placed(config, &request.values)?;
+        Ok(Action::CommandFunction(CommandFunction { slot, order: request.order, values }))
+    }
+
+    /// A goal of a function as a command; values as those of an order.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_run(&self, function: &str, values: &[(String, FieldValue)]) -> Result<Action, RequestError> {
+        let (slot, config) = self.find_function(function)?;
+        Ok(Action::RunFunction(RunFunction { slot, values: placed(config, values)? }))
     }
 
     /// New numbers of a table as a command; `x` is empty but of form xy.
@@ -93,6 +109,29 @@ impl MachineConfig {
             .map_err(|error| RequestError::BadTable { name: excerpt(name), sentence: error.to_string() })?;
         Ok(Action::LoadTable { index, table: Arc::new(table.with_cam(setting)) })
     }
+}
+
+/// Values by their places in the set.
+fn placed(config: &SlotConfig, given: &[(String, FieldValue)]) -> Result<Box<[(u16, i64)]>, RequestError> {
+    let mut values: Vec<(u16, i64)> = Vec::new();
+    for (name, value) in given {
+        let (first, count) = place(config, name)?;
+        let given: &[i64] = match value {
+            FieldValue::One(value) => std::slice::from_ref(value),
+            FieldValue::List(values) => values,
+        };
+        if given.is_empty() || given.len() > count {
+            let (field, given) = (excerpt(name), given.len());
+            return Err(RequestError::FieldCount { function: config.name.clone(), field, given, most: count });
+        }
+        for (place, value) in (first..).zip(given) {
+            if values.iter().any(|(known, _)| *known == place) {
+                return Err(RequestError::FieldTwice { function: config.name.clone(), field: excerpt(name) });
+            }
+            values.push((place, *value));
+        }
+    }
+    Ok(values.into())
 }
 
 /// Where the values of a field begin in the set, and how many there are from there on.

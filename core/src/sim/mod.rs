@@ -205,7 +205,7 @@ impl Plant {
             Object::Io(entry) => self.latching.iter().position(|latching| *latching == Some(entry)),
             Object::Encoder(place) => Some(usize::from(place)),
             Object::Axis(axis) => self.axes.iter().position(|driven| *driven == axis),
-            Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => None,
+            Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) | Object::Program(_) => None,
         };
         self.buses.iter().filter(|bus| bus.is_off).any(|bus| {
             let all = match object {

@@ -39,6 +39,17 @@ fn slot(number: Number, config: &MachineConfig) -> Option<&SlotConfig> {
     config.slots.get(usize::try_from(slot).ok()?)
 }
 
+/// Was a goal ended by an error of the axis that its function moves?
+pub(super) fn is_axis_error(event: &Event) -> bool {
+    matches!(event.source, Object::Function(_)) && event.asked == Number::None
+}
+
+/// That error.
+pub(super) fn axis_error(event: &Event) -> String {
+    let cause = event.code.row().map_or("", |row| row.cause);
+    format!("its axis has error {}: {cause}", event.code.0)
+}
+
 /// How it stands: does it run, which of its outputs are set?
 pub(super) fn state(event: &Event, config: &MachineConfig) -> String {
     let (Number::Count(state), Object::Function(slot)) = (event.asked, event.source) else { return "?".to_owned() };

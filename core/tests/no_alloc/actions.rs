@@ -3,8 +3,8 @@
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, Move,
-    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition,
-    Synchronize,
+    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, RunFunction, SetEncoderPosition, SetMasterPosition,
+    SetPosition, Synchronize,
 };
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
@@ -70,6 +70,15 @@ pub(super) fn command(numbers: &mut Numbers) -> Action {
         values.push((cams as u16, 2));
     }
     Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
+}
+
+/// A goal of a function, mostly of one that takes goals.
+pub(super) fn run(numbers: &mut Numbers) -> Action {
+    let taking = TYPES.iter().position(|row| row.takes_goals).expect("a type that takes goals") as u16;
+    let slot = if numbers.below(8) == 0 { numbers.below(TYPES.len() as u64) as u16 } else { taking };
+    let travel = TYPES[usize::from(taking)].find("travel").expect("a field").1 as u16;
+    let values = if slot == taking { vec![(travel, numbers.below(2000) as i64 - 1000)] } else { vec![] };
+    Action::RunFunction(RunFunction { slot, values: values.into() })
 }
 
 /// A small generator of numbers that are the same in every run.

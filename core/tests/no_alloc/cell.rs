@@ -3,7 +3,7 @@
 use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
-    MemoryKind, SinkConfig, SlotConfig, SourceConfig, SumConfig, TableConfig,
+    MemoryKind, ProgramConfig, SinkConfig, SlotConfig, SourceConfig, SumConfig, TableConfig,
 };
 use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
@@ -16,6 +16,7 @@ use lineshaft_core::sim::{Model, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::{Wiring, amc};
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 use super::AXES;
@@ -120,6 +121,7 @@ pub(super) fn config() -> MachineConfig {
         tables: [("t", table(3)), ("c", cam_table(Interpolation::Linear)), ("s", cam_table(Interpolation::Quintic))]
             .map(|(name, table)| TableConfig { name: name.into(), table })
             .into(),
+        programs: vec![ProgramConfig { name: "wild".into(), module: wild() }],
         slots: slots(),
         encoders: vec![EncoderConfig {
             name: "belt".into(),
@@ -165,6 +167,12 @@ pub(super) fn long_table(turn: i64, count: usize) -> Arc<Table> {
     Arc::new(Table::new(Numbering::Words, &[], &words).expect("words"))
 }
 
+/// A program that traps, loops for ever and counts, as its source says.
+pub(super) fn wild() -> Arc<Module> {
+    let bytes = wat::parse_str(include_str!("../programs/wild.wat")).expect("a module");
+    Arc::new(Module::load(&bytes).expect("it is taken"))
+}
+
 /// One slot of each type, two of them with an axis, linked with each other.
 pub(super) fn slots() -> Vec<SlotConfig> {
     let slots = TYPES.iter().enumerate().map(|(place, row)| {
@@ -174,6 +182,7 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             | function::Kind::Dcopy
             | function::Kind::Cam
             | function::Kind::Dfkt
+            | function::Kind::Apsf
             | function::Kind::Regl => SourceConfig::Lead(Leader::Encoder(0)),
             function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
             function::Kind::Ecopy => SourceConfig::Lead(Leader::Sink(5)),
@@ -185,6 +194,7 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             function::Kind::Ecopy => SinkConfig::Memory(2),
             _ => SinkConfig::None,
         };
+        slot.program = (row.kind == function::Kind::Apsf).then_some(0);
         slot.tables[0] = (row.tables > 0).then_some(0);
         let values: &[(&str, i64)] = match row.kind {
             function::Kind::Fipw => &[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
@@ -211,6 +221,18 @@ pub(super) fn slots() -> Vec<SlotConfig> {
         };
         for name in values {
             slot.values[row.find(name).expect("a field").1] = 7;
+        }
+        if row.kind == function::Kind::Epos {
+            let rates = [
+                ("ba", 8),
+                ("travel", 900),
+                ("velocity", 9_000_000),
+                ("acceleration", 1_000_000),
+                ("stop_decel", 2_000_000),
+            ];
+            for (name, value) in rates.into_iter().chain([("drive_resolution", 1000)]) {
+                slot.values[row.find(name).expect("a field").1] = value;
+            }
         }
         for line in slot.inputs.iter_mut().take(row.inputs) {
             *line = Some(Line { object: Object::Memory(1), inverted: false });

@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 32] = [
+const OWN_INTERFACES: [(&str, &str); 34] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -137,6 +137,18 @@ const OWN_INTERFACES: [(&str, &str); 32] = [
         uint8 SEARCHING=0 PROBED=1
         uint8 phase
         float64 position velocity distance_to_go",
+    ),
+    (
+        "action/RunFunction",
+        "string function
+        rcl_interfaces/Parameter[] parameters
+        ---
+        uint32 code
+        string message
+        int64 sink
+        ---
+        int64 sink
+        uint8 inputs outputs",
     ),
     (
         "action/HomeAxis",
@@ -337,6 +349,15 @@ const OWN_INTERFACES: [(&str, &str); 32] = [
         bool success
         string message
         rcl_interfaces/Parameter[] active",
+    ),
+    (
+        "srv/LoadProgram",
+        "string program
+        uint8[] module
+        bool keep_state
+        ---
+        bool success
+        string message",
     ),
     (
         "srv/LoadTable",

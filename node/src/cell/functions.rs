@@ -9,17 +9,14 @@ use super::names::{Entry, Once, Section, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{
-    IoConfig, IoKind, Line, MAX_FACTOR, MAX_SLOTS, MAX_WINDOW, MachineConfig, MemoryConfig, MemoryKind, SinkConfig,
-    SlotConfig, SourceConfig, TableConfig,
+    IoConfig, IoKind, Line, MAX_FACTOR, MAX_FUEL, MAX_SLOTS, MAX_WINDOW, MachineConfig, MemoryConfig, MemoryKind,
+    SinkConfig, SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::Interface;
 use lineshaft_core::function::{Description, Kind, LINES, Need, OnAxisError, Quantity, Room, TYPES, Width};
 use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
-
-/// Types of the contract that are not built.
-pub(crate) const LATER: [&str; 2] = ["apsf", "epos"];
 
 /// What has signals.
 const READABLE: [Section; 6] =
@@ -134,7 +131,7 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
         let Some(axis) = machine.axes.get(usize::from(place)) else { continue };
         let entry = cx.names.section(Section::Functions).iter().find(|entry| entry.name() == slot.name);
         let Some(entry) = entry else { continue };
-        let is_speed = slot.kind.description().quantity == Quantity::Speed;
+        let is_speed = slot.quantity == Quantity::Speed;
         if is_speed && axis.scale.kind() != ScaleKind::Rotary {
             let (kind, axis) = (slot.kind.name(), quote(&axis.name));
             entry.key.refuse(format!("type {kind} gives a speed in rpm; its sink {axis} is no rotary axis"), None);
@@ -190,11 +187,7 @@ fn kind(value: &Value<'_>) -> Option<Kind> {
         return Some(kind);
     }
     let names = || TYPES.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
-    if LATER.contains(&text) {
-        value.refuse(format!("function type {text} does not exist yet"), Some(format!("there are {}", names())));
-    } else {
-        value.refuse(format!("type is {}; {} is allowed", quote(text), names()), None);
-    }
+    value.refuse(format!("type is {}; {} is allowed", quote(text), names()), None);
     None
 }
 
@@ -278,6 +271,9 @@ fn slot<'d>(
             *word = reader.word(&value, open);
             note(word.is_some());
         }
+    }
+    if kind == Kind::Apsf {
+        note(reader.program(map, entry, &mut slot, (taken, open)));
     }
     note(fields(map, row, &mut slot.values));
     slot.room = reader.room(&slot);
@@ -529,6 +525,55 @@ impl<'d> Reader<'_, 'd> {
             mean: usize::try_from(asked).unwrap_or(MEAN).clamp(MEAN, MAX_WINDOW),
             cams: words.saturating_sub(HEAD) / WORDS_PER_CAM,
         }
+    }
+
+    /// What a program has: its module, what it reads and writes, its bounds.
+    fn program(
+        &self,
+        map: &mut Map<'d>,
+        entry: &Entry<'d>,
+        slot: &mut SlotConfig,
+        (taken, open): (&mut Claims<'_>, &mut Vec<Open<'d>>),
+    ) -> bool {
+        let mut is_good = true;
+        match map.optional("program") {
+            Some(value) => {
+                let found = value.text().and_then(|text| self.cx.names.find(&value, text, &[Section::Programs]));
+                slot.program = found.and_then(|(_, place)| u16::try_from(place).ok());
+                is_good &= slot.program.is_some();
+            }
+            None => {
+                let hint = Some("name an entry of section `programs`".to_owned());
+                map.refuse(format!("function {} has no program; type apsf runs one", entry.quoted()), hint);
+                is_good = false;
+            }
+        }
+        if let Some(value) = map.optional("fuel") {
+            let fuel = value.integer(1..=MAX_FUEL);
+            is_good &= fuel.is_some();
+            slot.fuel = fuel.unwrap_or(slot.fuel);
+        }
+        if let Some(value) = map.optional("quantity") {
+            let quantity = value.choice(&[("position", Quantity::Position), ("speed", Quantity::Speed)]);
+            is_good &= quantity.is_some();
+            slot.quantity = quantity.unwrap_or_default();
+        }
+        if let Some(value) = map.optional("reads") {
+            for item in list(&value, lineshaft_program::WORDS, "reads").into_iter().flatten() {
+                let word = self.word(&item, open);
+                is_good &= word.is_some();
+                slot.reads.extend(word);
+            }
+        }
+        if let Some(value) = map.optional("writes") {
+            for item in list(&value, lineshaft_program::WORDS, "writes").into_iter().flatten() {
+                let found = item.text().and_then(|text| self.cx.names.find(&item, text, &[Section::Memory]));
+                let place = found.and_then(|(_, place)| u16::try_from(place).ok());
+                is_good &= place.is_some_and(|place| taken.written.take(Object::Memory(place), &item));
+                slot.writes.extend(place);
+            }
+        }
+        is_good
     }
 
     fn tables(&self, value: &Value<'d>, row: &Description, to: &mut [Option<u16>; LINES]) -> bool {

@@ -36,6 +36,7 @@ mod models;
 mod names;
 mod parameters;
 mod preset;
+mod programs;
 mod robot;
 mod ros;
 mod row;
@@ -52,12 +53,11 @@ pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::{device_file, load_of};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
-pub(crate) use functions::LATER as FUNCTIONS_TO_COME;
 use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::Dictionary;
 use lineshaft_core::axis::Safety;
-use lineshaft_core::config::{GlobalConfig, MachineConfig};
+use lineshaft_core::config::{GlobalConfig, MachineConfig, ProgramConfig};
 use lineshaft_core::drive::Objects;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
@@ -107,7 +107,7 @@ pub struct Cell {
     pub backends: Vec<CellBackend>,
     /// The file as it was read.
     pub text: String,
-    /// CSV files of its tables, by their names in it.
+    /// CSV files of its tables and modules of its programs, by their names in it; a module as a text.
     pub files: BTreeMap<String, String>,
     /// The description that `ros` names; none from a text, which has no files beside it.
     pub robot: Option<Robot>,
@@ -155,7 +155,13 @@ impl Cell {
         Ok(cell)
     }
 
-    /// The files of its tables as one text, to be attached to a recording; none where it has none.
+    /// Names of its programs, with the SHA-256 of each module.
+    pub fn programs(&self) -> Vec<(String, String)> {
+        let hash = |program: &ProgramConfig| (program.name.clone(), crate::recording::sha256(program.module.bytes()));
+        self.machine.programs.iter().map(hash).collect()
+    }
+
+    /// The files of its tables and programs as one text, to be attached to a recording; none where it has none.
     pub fn files_text(&self) -> Option<String> {
         (!self.files.is_empty()).then(|| tables::files_text(&self.files))
     }
@@ -261,6 +267,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let terminals_on_can = on_can;
     let mut outputs = names::Once::new();
     let tables = tables::read(&cx, files);
+    let programs = programs::read(&cx, files);
     let masters::Read { sums: mut masters, reads } = masters::read(&cx);
     let objects = functions::Objects { io: &io, memory: &memory, tables: &tables };
     let slots = functions::read(&cx, objects, &mut outputs, reads);
@@ -287,6 +294,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         memory: memory.into_iter().collect::<Option<_>>()?,
         encoders: encoders.into_iter().collect::<Option<_>>()?,
         tables: tables.into_iter().collect::<Option<_>>()?,
+        programs: programs.into_iter().collect::<Option<_>>()?,
         slots: slots.slots.into_iter().collect::<Option<_>>()?,
         masters: masters.into_iter().collect::<Option<_>>()?,
         axes: configs,

@@ -13,19 +13,21 @@ pub(super) enum Section {
     Encoders,
     Axes,
     Tables,
+    Programs,
     Functions,
     Masters,
     Groups,
 }
 
 impl Section {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Backends,
         Self::Io,
         Self::Memory,
         Self::Encoders,
         Self::Axes,
         Self::Tables,
+        Self::Programs,
         Self::Functions,
         Self::Masters,
         Self::Groups,
@@ -39,6 +41,7 @@ impl Section {
             Self::Encoders => "encoders",
             Self::Axes => "axes",
             Self::Tables => "tables",
+            Self::Programs => "programs",
             Self::Functions => "functions",
             Self::Masters => "masters",
             Self::Groups => "groups",
@@ -54,6 +57,7 @@ impl Section {
             Self::Encoders => "encoder",
             Self::Axes => "axis",
             Self::Tables => "table",
+            Self::Programs => "program",
             Self::Functions => "function",
             Self::Masters => "master",
             Self::Groups => "group",

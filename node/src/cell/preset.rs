@@ -3,7 +3,7 @@
 //! Refuses  in preset amkasyn: a cycle off its grid, calls too far apart, slots above 15, axes behind the eighth, more encoders, analog
 //!          outputs and words than it addresses, sinks and lines that its types do not have, tables longer than a data block, more cams
 //! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
-//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19
+//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19; AMK-EPOS-50, -57, -58
 
 use super::backends::{Backend, Context, Hardware, node_and_channel};
 use super::devices::memory_name;
@@ -120,6 +120,9 @@ impl Holder<'_, '_> {
         if let Some(value) = at(entry, "slot").filter(|_| slot.number > LAST_SLOT) {
             refuse(&value, &format!("slot is {}", slot.number), &format!("0..{LAST_SLOT}"));
         }
+        if let Some(value) = at(entry, "type").filter(|_| slot.kind == Kind::Apsf) {
+            refuse(&value, "type is apsf, a WebAssembly module", "programs of AWL, which run there alone");
+        }
         self.calls(entry, slot);
         if let Some(value) = at(entry, "source") {
             self.source(&value, &slot.source);
@@ -152,7 +155,7 @@ impl Holder<'_, '_> {
 
     /// The time between two calls, of the types whose set tells at most 131 units of it.
     fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
-        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl);
+        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl | Kind::Epos);
         let cycle_ns = self.machine.cycle_ns;
         if let Some(value) = at(entry, "cycle_factor")
             && tells

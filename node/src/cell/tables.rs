@@ -3,6 +3,7 @@
 use super::backends::Context;
 use super::names::{Section, quote};
 use crate::document::{Place, Problems, Value};
+use crate::program;
 use crate::table::csv::{self, Numbers, Refused};
 use lineshaft_core::config::TableConfig;
 use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST_LENGTH, Table};
@@ -12,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where the CSV files of tables are.
+/// Where the CSV files of tables and the modules of programs are.
 #[derive(Debug)]
 pub(crate) enum Files {
     /// Nowhere: the cell is a text.
@@ -34,6 +35,22 @@ impl Files {
             Self::None => BTreeMap::new(),
             Self::Beside(_, read) => read.into_inner(),
             Self::Known(read) => read,
+        }
+    }
+
+    /// A module.
+    pub(super) fn module(&self, name: &str) -> Result<Vec<u8>, String> {
+        match self {
+            Self::None => Err("a cell without a file has no files beside it".to_owned()),
+            Self::Known(known) => {
+                let text = known.get(name).ok_or("it was not recorded")?;
+                program::decode(text).ok_or_else(|| "it was recorded as no module".to_owned())
+            }
+            Self::Beside(folder, read) => {
+                let bytes = program::load(&folder.join(name))?;
+                read.borrow_mut().insert(name.to_owned(), program::encode(&bytes));
+                Ok(bytes)
+            }
         }
     }
 

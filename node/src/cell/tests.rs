@@ -10,6 +10,7 @@ mod interfaces;
 mod marks;
 mod masters;
 mod preset;
+mod programs;
 mod scale;
 mod sections;
 
@@ -122,7 +123,7 @@ axes:
     max_pos: 3 mm
   X2: {type: liner, drive: virtual}
 functions:
-  f: {slot: 256, type: epos}
+  f: {slot: 256, type: apsff}
 groups: {arm: [x, y]}
 ";
     assert_eq!(
@@ -144,7 +145,7 @@ groups: {arm: [x, y]}
          16:7: missing key `scale` in axis `X2`\n\
          16:14: type is `liner`; one of linear, rotary is allowed, did you mean `linear`?\n\
          18:13: slot is 256; 0..255 is allowed\n\
-         18:24: function type epos does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl\n\
+         18:24: type is `apsff`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed\n\
          19:19: arm[1] is `y`; no axis has that name, there are x, X2"
     );
 }

@@ -2,7 +2,6 @@
 
 use super::params::width;
 use super::{Exit, FunctionsArgs, say, say_all};
-use crate::cell::FUNCTIONS_TO_COME;
 use crate::functions::{details, listing, markdown};
 use crate::scenario::{did_you_mean, nearest};
 use lineshaft_core::function::{Kind, Origin, TYPES, sak_factor};
@@ -29,9 +28,6 @@ pub(super) fn functions(args: &FunctionsArgs) -> Exit {
 }
 
 fn unknown(name: &str) -> String {
-    if FUNCTIONS_TO_COME.contains(&name) {
-        return format!("function type {name} does not exist yet; `lineshaft functions` lists those there are");
-    }
     let names = TYPES.iter().map(|row| row.name).chain([SAK]);
     let meant = nearest(name, names).map_or(String::new(), |meant| format!("{} ", did_you_mean(meant)));
     format!("no function type `{}`; {meant}`lineshaft functions` lists all", excerpt(name))

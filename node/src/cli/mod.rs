@@ -8,6 +8,7 @@ mod interfaces;
 mod logging;
 mod params;
 mod plot;
+mod program;
 mod replay;
 mod run;
 mod signals;
@@ -118,6 +119,9 @@ enum Command {
     /// Make, check, draw and convert tables of cams
     #[command(subcommand)]
     Table(table::TableCommand),
+    /// Begin, check and try programs of function slots
+    #[command(subcommand)]
+    Program(program::ProgramCommand),
     /// Look into recordings
     #[command(subcommand)]
     Bag(BagCommand),
@@ -520,6 +524,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
         Some(Command::Table(command)) => table::table(&command),
+        Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
     };

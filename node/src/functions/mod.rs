@@ -29,6 +29,9 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
     }
     let value_new = if row.renews { "takes the live fields" } else { "is refused" };
     facts.push(("VALUE_NEW", value_new.to_owned()));
+    if row.takes_goals {
+        facts.push(("goals", "orders that end, by `~/run_function`".to_owned()));
+    }
     if !row.shows.is_empty() {
         facts.push(("shows", shown(row.shows)));
     }

@@ -83,6 +83,7 @@ fn a_type_tells_what_it_reads_and_writes() {
         assert!(fgen.lines().any(|there| there == line), "{line}\n{fgen}");
     }
     assert_eq!(text(Kind::Regl).matches("  word      src").count(), 2);
+    assert!(text(Kind::Epos).contains("  goals     orders that end, by ~/run_function\n") && !fgen.contains("  goals"));
     assert!(text(Kind::Dcopy).contains("an axis, a memory cell of numbers, an ao or none; it must be given\n"));
     assert!(text(Kind::Fipw).contains("  tables    up to 8, which keep their numbers while the function runs\n"));
     assert!(text(Kind::Cam).contains("  tables    1, which may get new numbers while the function runs\n"));

@@ -186,7 +186,7 @@ fn colour(object: Object) -> &'static str {
         Object::Axis(_) => 1,
         Object::Encoder(_) => 2,
         Object::Io(_) => 3,
-        Object::Memory(_) | Object::Machine | Object::Table(_) => 4,
+        Object::Memory(_) | Object::Machine | Object::Table(_) | Object::Program(_) => 4,
     };
     COLOURS.get(place).map_or("#fff", |(_, colour)| colour)
 }

@@ -31,9 +31,13 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
     let mut ports = Vec::new();
     let words = config.words.iter().flatten().flat_map(|name| signal(machine, slot, name)).map(|read| ("word", read));
+    let reads = (1..).zip(&config.reads).flat_map(|(nth, name)| {
+        signal(machine, slot, name).into_iter().map(move |read| (format!("reads {nth}"), read))
+    });
     let read = sources(machine, slot, config).into_iter().map(|read| ("source", read)).chain(words);
+    let read = read.map(|(label, read)| (label.to_owned(), read)).chain(reads);
     ports.extend(read.map(|(label, (name, object, is_late))| Port {
-        label: label.to_owned(),
+        label,
         name,
         object,
         is_output: false,
@@ -64,7 +68,11 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     };
     let sink = sink.map(|object| ("sink".to_owned(), machine.name(object).to_owned(), object));
     let outputs = lines('A', &config.outputs).map(|(label, line)| (label, line_name(machine, line), line.object));
-    let written = sink.into_iter().chain(outputs);
+    let cell = |(nth, place): (usize, &u16)| {
+        let object = Object::Memory(*place);
+        (format!("writes {}", nth + 1), machine.name(object).to_owned(), object)
+    };
+    let written = sink.into_iter().chain(outputs).chain(config.writes.iter().enumerate().map(cell));
     ports.extend(written.map(|(label, name, object)| Port {
         label,
         name,
@@ -193,6 +201,6 @@ fn is_late(machine: &MachineConfig, slot: u16, object: Object) -> bool {
             machine.io.get(usize::from(place)).is_some_and(|io| is_output(io.kind)) && writer()
         }
         Object::Memory(_) => writer(),
-        Object::Encoder(_) | Object::Table(_) => false,
+        Object::Encoder(_) | Object::Table(_) | Object::Program(_) => false,
     }
 }

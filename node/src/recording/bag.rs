@@ -52,8 +52,10 @@ pub struct Subject {
     pub cell: String,
     /// Parameters in force before cycle 0, of [`parameters_text`]; a later file has those of its first cycle.
     pub parameters: String,
-    /// CSV files of its tables, of [`Cell::files_text`]; nothing where it has none.
+    /// CSV files of its tables and modules of its programs, of [`Cell::files_text`]; nothing where it has none.
     pub files: Option<String>,
+    /// Names of its programs, with the SHA-256 of each module.
+    pub programs: Vec<(String, String)>,
     /// What was saved when the machine started, of [`store_text`]; nothing where nothing was.
     pub store: Option<String>,
     /// Whose topics they are.
@@ -149,7 +151,7 @@ impl Lost {
     }
 }
 
-/// Attachment with the CSV files of tables.
+/// Attachment with the CSV files of tables and the modules of programs.
 pub(crate) const TABLES: &str = "tables.json";
 
 impl Subject {
@@ -160,6 +162,7 @@ impl Subject {
             cell: cell.text.clone(),
             parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
             files: cell.files_text(),
+            programs: cell.programs(),
             store: store_text(&cell.machine),
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,
@@ -345,10 +348,11 @@ impl Bag {
             ("cycle_ns", subject.cycle_ns.to_string()),
             ("node", subject.node.to_string()),
         ];
+        let programs = subject.programs.iter().map(|(name, hash)| (format!("program_sha256.{name}"), hash.clone()));
         let opening = Opening {
             stamp_ns: first.map_or(0, |first| first.stamp_ns),
             attachments,
-            record: record.map(|(key, value)| (key.to_owned(), value)).into(),
+            record: record.map(|(key, value)| (key.to_owned(), value)).into_iter().chain(programs).collect(),
         };
         let topics = std::mem::take(&mut self.topics);
         let begun = self.on_file(|file| file.begin(opening, &topics));

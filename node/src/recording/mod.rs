@@ -166,8 +166,8 @@ pub fn key_cycles(cycle_ns: u64) -> u64 {
 }
 
 /// SHA-256 as 64 hexadecimal digits.
-fn sha256(text: &str) -> String {
-    Sha256::digest(text).iter().fold(String::new(), |mut digits, byte| {
+pub(crate) fn sha256(bytes: impl AsRef<[u8]>) -> String {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut digits, byte| {
         // Writing to a text cannot fail.
         let _ = write!(digits, "{byte:02x}");
         digits

@@ -4,6 +4,7 @@ use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, So
 use lineshaft_core::machine::MAX_COMMANDS;
 use lineshaft_core::table::Table;
 use lineshaft_core::trajectory::Trajectory;
+use lineshaft_program::Module;
 use lineshaft_ros::surface::host::{Busy, MOST_COMMANDS};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,6 +15,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 enum Kept {
     Trajectory(Arc<Trajectory>),
     Table(Arc<Table>),
+    Program(Arc<Module>),
 }
 
 impl Kept {
@@ -21,6 +23,7 @@ impl Kept {
         match action {
             Action::Trajectory(trajectory) => Some(Self::Trajectory(Arc::clone(trajectory))),
             Action::LoadTable { table, .. } => Some(Self::Table(Arc::clone(table))),
+            Action::LoadProgram { module, .. } => Some(Self::Program(Arc::clone(module))),
             _ => None,
         }
     }
@@ -30,6 +33,7 @@ impl Kept {
         let count = match self {
             Self::Trajectory(trajectory) => Arc::strong_count(trajectory),
             Self::Table(table) => Arc::strong_count(table),
+            Self::Program(module) => Arc::strong_count(module),
         };
         count > 1
     }
@@ -40,7 +44,7 @@ impl Kept {
 pub struct Commander {
     doors: Mutex<Doors>,
     numbers: Numbers,
-    /// A reference to each trajectory and table that the cycle thread may have: it never frees one.
+    /// A reference to each trajectory, table and program that the cycle thread may have: it never frees one.
     kept: Mutex<Vec<Kept>>,
 }
 

@@ -178,9 +178,22 @@ mod tests {
         failures: usize,
         diary: Diary,
         idled: Arc<AtomicUsize>,
+        /// Starting and stopping last until that one has been at work for a while, or for ten seconds.
+        beside: Option<Arc<AtomicUsize>>,
     }
 
     impl Fake {
+        fn take_time(&self) {
+            let Some(beside) = &self.beside else { return std::thread::sleep(Duration::from_millis(20)) };
+            let from = beside.load(Ordering::Relaxed);
+            for _ in 0..10_000 {
+                if beside.load(Ordering::Relaxed) > from + 2 {
+                    break;
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        }
+
         fn note(&self, what: &str) {
             self.diary.lock().unwrap().push(format!("{} {what}", self.name));
         }
@@ -194,7 +207,7 @@ mod tests {
                 return Err(ServiceError { backend: self.name.to_owned(), problem: "can0 is down".to_owned() });
             }
             // A drive that is not there takes its time.
-            std::thread::sleep(Duration::from_millis(20));
+            self.take_time();
             self.note("starts");
             Ok(())
         }
@@ -218,7 +231,7 @@ mod tests {
         }
 
         fn stop(&mut self) {
-            std::thread::sleep(Duration::from_millis(20));
+            self.take_time();
             self.note("stops");
         }
     }
@@ -228,7 +241,14 @@ mod tests {
     fn who_has_started_is_at_work_while_others_start_and_stop() {
         let idled = [Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0))];
         let fake = |place: usize| -> Box<dyn Service> {
-            Box::new(Fake { name: "one", failures: 0, diary: Diary::default(), idled: Arc::clone(&idled[place]) })
+            let beside = (place == 1).then(|| Arc::clone(&idled[0]));
+            Box::new(Fake {
+                name: "one",
+                failures: 0,
+                diary: Diary::default(),
+                idled: Arc::clone(&idled[place]),
+                beside,
+            })
         };
         let mut services = Services::new(vec![fake(0), fake(1)], Arc::new(Gate::opening()));
         let count = || idled.each_ref().map(|idled| idled.load(Ordering::Relaxed));
@@ -249,7 +269,7 @@ mod tests {
     fn cycles_run_between_the_last_start_and_the_first_stop() {
         let diary = Diary::default();
         let fake = |name, failures| -> Box<dyn Service> {
-            Box::new(Fake { name, failures, diary: Arc::clone(&diary), idled: Arc::default() })
+            Box::new(Fake { name, failures, diary: Arc::clone(&diary), idled: Arc::default(), beside: None })
         };
         let (gate, stop) = (Arc::new(Gate::opening()), Arc::new(AtomicBool::new(false)));
         let services = Services::new(vec![fake("a", 0), fake("b", 1)], Arc::clone(&gate));

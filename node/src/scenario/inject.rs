@@ -190,7 +190,9 @@ fn latching(value: &Value<'_>, names: &Names<'_>) -> Option<Object> {
         Object::Encoder(_) => return Some(object),
         Object::Axis(axis) if names.drive_of(axis).is_some() => return Some(object),
         Object::Axis(_) => format!("{name} has no drive"),
-        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => format!("{name} cannot latch"),
+        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) | Object::Program(_) => {
+            format!("{name} cannot latch")
+        }
     };
     value.refuse(format!("{sentence}; an input with `latch: true`, an encoder or an axis with a drive latches"), None);
     None

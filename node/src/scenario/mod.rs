@@ -114,7 +114,12 @@ impl Scenario {
         let folder = path.parent().unwrap_or(Path::new(""));
         let plan = match Machine::new(cell.machine.clone()) {
             Ok(machine) => {
-                let names = Names { config: &cell.machine, backends: &cell.backends, directory: machine.directory() };
+                let names = Names {
+                    config: &cell.machine,
+                    backends: &cell.backends,
+                    directory: machine.directory(),
+                    folder: Some(folder),
+                };
                 document.root("the scenario").and_then(|root| read(&root, &names, folder, &document))
             }
             Err(error) => {

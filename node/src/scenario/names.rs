@@ -8,6 +8,7 @@ use lineshaft_core::parameter::{Applies, ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
+use std::path::Path;
 
 /// The names of a cell.
 pub(super) struct Names<'c> {
@@ -15,6 +16,8 @@ pub(super) struct Names<'c> {
     /// Backends that can be named, in the order of the cell.
     pub backends: &'c [CellBackend],
     pub directory: &'c Directory,
+    /// Where files are that it names; nowhere for what was recorded.
+    pub folder: Option<&'c Path>,
 }
 
 impl Names<'_> {

@@ -34,7 +34,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 29] = [
+const VERBS: [&str; 31] = [
     "enable",
     "disable",
     "halt",
@@ -57,7 +57,9 @@ const VERBS: [&str; 29] = [
     "reset_parameters",
     "delete_parameters",
     "command_function",
+    "run_function",
     "load_table",
+    "load_program",
     "set_memory",
     "set_output",
     "setpoints",
@@ -227,7 +229,12 @@ impl Reader<'_> {
             "reset_parameters" => add(self.reset_parameters(arguments), None),
             "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
             "command_function" => add(self.command_function(arguments), None),
+            "run_function" => {
+                let (deed, id) = self.run_function(arguments);
+                add(deed, id);
+            }
             "load_table" => add(self.load_table(arguments), None),
+            "load_program" => add(self.load_program(arguments), None),
             "set_memory" => add(self.set_memory(arguments), None),
             "set_output" => add(self.set_output(arguments), None),
             "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),

@@ -1,4 +1,4 @@
-use super::super::trial::setting;
+use super::super::trial::{at_rest, setting};
 use super::*;
 use crate::event::Number;
 use crate::function::program::Reading;
@@ -52,7 +52,8 @@ impl Bench {
         let source = Reading { value, travel: value, mark: None };
         let drives = crate::function::NO_DRIVES;
         let Self { call_ns, word, inputs, .. } = *self;
-        let seen = Seen { call_ns, source, inputs, sink: 77, words: [word, 0], tables: tab0(&self.table), drives };
+        let tables = tab0(&self.table);
+        let seen = Seen { call_ns, source, inputs, sink: 77, words: [word, 0], tables, drives, ..at_rest() };
         let Some(words) = words else { return self.binea.step(&seen) };
         assert_eq!(self.refused(words), None);
         self.binea.start(Words(words), &seen)

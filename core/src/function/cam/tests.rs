@@ -1,4 +1,4 @@
-use super::super::trial::setting;
+use super::super::trial::{at_rest, setting};
 use super::*;
 use crate::event::Number;
 use crate::function::program::Reading;
@@ -67,7 +67,7 @@ impl Bench {
         let tables = tab0(&self.table);
         let source = Reading { value, travel: value, mark: None };
         let (call_ns, inputs, drives) = (self.call_ns, self.inputs, crate::function::NO_DRIVES);
-        let seen = Seen { call_ns, source, inputs, sink: 77, words: [0; 2], tables, drives };
+        let seen = Seen { call_ns, source, inputs, sink: 77, words: [0; 2], tables, drives, ..at_rest() };
         match words {
             Some(words) => self.cam.start(Words(words), &seen),
             None => self.cam.step(&seen),

@@ -111,7 +111,8 @@ impl Motion {
     /// The velocity that an override, or the override of a way of the source, asks for.
     #[inline]
     pub(super) fn target(&self, by: i64) -> i128 {
-        self.pace.step.saturating_mul(by.into())
+        // What was checked goes at most 2^15 inc in a call, a source 2^32: far from wrapping.
+        self.pace.step.wrapping_mul(by.into())
     }
 
     /// Takes a velocity at once.
@@ -133,7 +134,8 @@ impl Motion {
     pub(super) fn advance(&mut self) -> i64 {
         let sum = self.rest.saturating_add(self.velocity);
         let whole = floor_ratio(sum, self.pace.unit);
-        self.rest = sum.saturating_sub(self.pace.unit.saturating_mul(whole.into()));
+        // No sound velocity is beyond 2^44 inc: nothing wraps.
+        self.rest = sum.wrapping_sub(self.pace.unit.wrapping_mul(whole.into()));
         whole
     }
 

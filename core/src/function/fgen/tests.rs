@@ -1,9 +1,10 @@
-//! The oracles of the generator, its phases, zeroing and monitoring, its refusals, and its laws for all sets.
+//! The oracles of the generator, its phases, zeroing and monitoring, and its refusals.
 
 use super::super::program::{Occasion, Reading};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
-use proptest::prelude::*;
+
+mod laws;
 
 const MS: u64 = 1_000_000;
 const AT_REST: u8 = A1;
@@ -468,129 +469,22 @@ fn what_no_generator_has_is_refused_with_its_field() {
     assert_eq!(fault, Fault::new(Code::AMK_NO_SOURCE).of(1).with(1, 0));
 }
 
+/// In the cycle of START the set may be changed once more, before the first call; a state of it can be read at any time.
+#[test]
+fn one_that_was_never_started_is_sound_and_may_be_renewed() {
+    for has_word in [false, true] {
+        let mut fgen = Fgen::new(has_word);
+        assert!(fgen.is_sound());
+        fgen.renew(Words(&example(&[("ba", 2)]).words()));
+        assert!(fgen.is_sound());
+        assert_eq!(fgen.motion.advance(), 0);
+    }
+}
+
 #[test]
 fn it_begins_at_what_the_sink_has_and_counts_round_in_it() {
     let mut bench = example(&[("ba", 0), ("accel", 500_000_000)]);
     bench.sink = i64::MAX - 5;
     assert_eq!(bench.start(0), (i64::MAX - 5, AT_REST));
     assert_eq!(bench.step(E1).0, i64::MIN + 4, "64 bits wrap, as 16 and 32 do in the slot (FGEN-22)");
-}
-
-/// What comes: calls with these inputs and this override.
-fn course() -> impl Strategy<Value = Vec<(u8, i64, usize)>> {
-    prop::collection::vec((0_u8..4, prop_oneof![3 => Just(1024), 1 => 0_i64..=2048], 1_usize..40), 1..12)
-}
-
-proptest! {
-    /// Whatever E1, E2, override and accelerations do: a sequence is exactly its increments, and no call is faster than its rate.
-    #[test]
-    fn a_sequence_is_exact_and_never_beyond_its_rate(
-        increments in 1_i64..300_000,
-        time in 2_i64..3000,
-        accel in 1_i64..=500_000_000,
-        accel2 in 1_i64..=500_000_000,
-        call in prop::sample::select(vec![250_000_u64, 500_000, 750_000, 1_000_000, 333_333, 4_000_000]),
-        course in course(),
-        times in prop::collection::vec(2_i64..3000, 12),
-    ) {
-        let mut bench = example(&[
-            ("ba", 6), ("cycle_increments", increments), ("cycle_time", time), ("accel", accel), ("accel2", accel2), ("sf_cycle_time", 0),
-        ]);
-        bench.call_ns = call;
-        prop_assume!(bench.checked(&[], false).is_ok());
-        bench.start(0);
-        let mut fastest = 0.0_f64;
-        let mut go = |bench: &mut Bench, inputs: u8| {
-            let of_time = bench.values.iter().find(|(name, _)| *name == "cycle_time").expect("a time").1;
-            // A velocity is never above the largest target so far.
-            let rate = increments as f64 * call as f64 / (of_time as f64 * 500_000.0);
-            fastest = fastest.max(rate * bench.word as f64 / 1024.0);
-            let way = bench.ways(inputs, 1)[0];
-            assert!(way >= 0 && (way as f64) < fastest + 1.0 + 1e-6, "{way} in a call, {fastest} at most");
-        };
-        // The edge that begins it.
-        go(&mut bench, E1);
-        for ((inputs, percent, calls), time) in course.into_iter().zip(times) {
-            bench.word = percent;
-            if bench.checked(&[("cycle_time", time)], true).is_ok() {
-                bench.value_new(&[("cycle_time", time)]);
-            }
-            for _ in 0..calls {
-                // No second sequence.
-                if bench.fgen.phase == Phase::Idle {
-                    break;
-                }
-                go(&mut bench, inputs);
-                prop_assert!(bench.sink <= increments);
-            }
-        }
-        // To its end, however slow it is: by its times the rest is known to end.
-        bench.word = 2048;
-        bench.value_new(&[("accel", 500_000_000), ("accel2", 500_000_000)]);
-        let mut left = 3_000_000_u64;
-        while bench.fgen.phase != Phase::Idle && left > 0 {
-            let mut fgen = bench.fgen.clone();
-            let told = fgen.step(&bench.seen(E1));
-            bench.fgen = fgen;
-            bench.sink = told.sink;
-            left -= 1;
-        }
-        prop_assert_eq!((bench.sink, bench.fgen.phase), (increments, Phase::Idle));
-    }
-
-    /// From the moment in which the velocity is that of 100 %, k times the cycle time is k times the increments.
-    #[test]
-    fn a_continuous_way_does_not_drift(
-        increments in 1_i64..2_000_000,
-        time in 2_i64..1500,
-        accel in 1_000_i64..=500_000_000,
-        sign in prop::sample::select(vec![1_i64, -1]),
-        ramp in 1_usize..60,
-    ) {
-        // A call of 0.5 ms: the time is a number of calls.
-        let mut bench = example(&[
-            ("ba", 0), ("cycle_increments", increments), ("cycle_time", time), ("accel", accel), ("sf_cycle_time", 1),
-        ]);
-        bench.call_ns = 500_000;
-        prop_assume!(bench.checked(&[], false).is_ok());
-        bench.word = sign * 1024;
-        bench.start(0);
-        bench.run(E1, ramp);
-        bench.value_new(&[("accel", 500_000_000)]);
-        // At most 32767 inc a call, 125 more in each.
-        bench.run(E1, 300);
-        let from = bench.sink;
-        for turn in 1..=3 {
-            bench.run(E1, time as usize);
-            prop_assert!((bench.sink - from - sign * turn * increments).abs() < 1);
-        }
-    }
-
-    /// Nothing that a set, a source and drives can be makes it fail, and its state stays one that can be.
-    #[test]
-    fn nothing_overflows(
-        values in prop::collection::vec(any::<u64>(), 9),
-        call in prop_oneof![Just(1_u64), Just(1_000_000), Just(255_000_000_000), 1_u64..1_000_000_000],
-        steps in prop::collection::vec((any::<u8>(), any::<i64>(), any::<i64>(), any::<i64>()), 1..60),
-        has_word in any::<bool>(),
-    ) {
-        let mut bench = example(&[]);
-        bench.fgen = Fgen::new(has_word);
-        bench.call_ns = call;
-        bench.values.clear();
-        for (field, value) in FIELDS.iter().zip(values).filter(|(field, _)| field.name != "pos_limit") {
-            let width = field.max.abs_diff(field.min) + 1;
-            bench.values.push((field.name, field.min + (value % width) as i64));
-        }
-        bench.take(&[("sf_cycle_time", 0)]);
-        prop_assume!(bench.checked(&[], false).is_ok());
-        bench.sink = i64::MAX;
-        bench.start(0);
-        for (inputs, word, travel, actual) in steps {
-            (bench.word, bench.travel) = (word, travel);
-            bench.drives = [Drive { actual, ..Drive::default() }; LINES];
-            bench.step(inputs);
-            bench.is_sound();
-        }
-    }
 }

@@ -1,9 +1,10 @@
-//! The oracles of the regulator, its switches, limits, filters and synchronization, and its laws for all inputs.
+//! The oracles of the regulator, its switches, limits, filters and synchronization.
 
 use super::super::program::{LINES, Reading};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
-use proptest::prelude::*;
+
+mod laws;
 
 const E2: u8 = 1 << 1;
 const E3: u8 = 1 << 2;
@@ -328,114 +329,4 @@ fn value_new_takes_limits_gains_and_commands_and_no_other_bit_of_ba() {
         assert_eq!(bench.checked(&[("ba", refused)], false), Ok(()));
     }
     assert_eq!(bench.checked(&[("gain_v", 0)], true).map_err(|fault| fault.code), Err(Code::AMK_NO_GAIN));
-}
-
-/// A set, by random bits.
-fn random_set() -> impl Strategy<Value = Vec<(&'static str, i64)>> {
-    prop::collection::vec(any::<u64>(), FIELDS.len()).prop_map(|bits| {
-        let value = |field: &Field, bits: u64| field.min + (bits % (field.max.abs_diff(field.min) + 1)) as i64;
-        let values = FIELDS.iter().zip(bits).map(|(field, bits)| (field.name, value(field, bits)));
-        values.map(|(name, value)| (name, if name == "gain_v" && value == 0 { 1 } else { value })).collect()
-    })
-}
-
-/// The regulator as the spec has it, in 128 bits and from all of its past.
-struct Model {
-    set: Vec<i64>,
-    samples: Vec<i128>,
-    integral: i128,
-    error: Option<i128>,
-    share: i128,
-    before: u8,
-}
-
-impl Model {
-    fn step(&mut self, raw: i64, inputs: u8, is_start: bool) -> (i64, u8) {
-        let get = |name| i128::from(self.set[at(name)]);
-        let ba = self.set[at("ba")];
-        let switches = if ba & 1 != 0 { inputs } else { self.set[at("switch_mask")] as u8 };
-        let edge = if ba & 1 != 0 { E4 } else { E1 };
-        let is_edge = !is_start && inputs & !self.before & edge != 0;
-        self.before = inputs;
-        if switches & 2 == 0 {
-            (self.share, self.error) = (0, None);
-            if ba & 32 != 0 {
-                self.integral = 0;
-            }
-        }
-        if ba & 2 == 0 || is_edge {
-            let assess = self.set[at("source_assess")];
-            let x = if assess & 2 != 0 { raw.clamp(-32_768, 32_767) } else { raw.rem_euclid(4096) - 2048 };
-            self.samples.push(x.into());
-            let of = |back: usize| self.samples[self.samples.len().saturating_sub(1 + back)];
-            let filtered = match self.set[at("filter_type")] {
-                0 => of(0),
-                1 => of(0).div_euclid(4) * 4,
-                // Before the first sample are more of it.
-                _ => (0..4).map(of).sum::<i128>() / 4,
-            };
-            let x = if assess & 1 != 0 { -filtered } else { filtered };
-            if switches & 2 != 0 {
-                let error = if switches & 1 != 0 { get("cmd1") - x } else { -x };
-                let most = 256 * get("i_max");
-                self.integral = (self.integral + get("ki") * error).clamp(-most, most);
-                let change = error - self.error.unwrap_or(error);
-                self.error = Some(error);
-                self.share = get("kp") * error + self.integral + get("kd") * change;
-            }
-        }
-        let w2 = if switches & 4 != 0 { get("cmd2") } else { 0 };
-        let sums = ba & 16 != 0;
-        let y = get("gain_v") * (self.share + if sums { 256 * w2 } else { 0 }) / 256;
-        let most = if ba & 4 != 0 { 0 } else { get("y_max") };
-        let least = if ba & 8 != 0 { 0 } else { -get("y_max") };
-        let sum = y.clamp(least, most) + if sums { 0 } else { w2 };
-        let sink = sum.clamp(i32::MIN.into(), i32::MAX.into()) as i64;
-        (sink, u8::from(y > most) | u8::from(y < least) << 1)
-    }
-}
-
-proptest! {
-    /// Whatever comes: it is what the spec says in numbers that have room for all, and within its limits.
-    #[test]
-    fn it_is_the_law_of_the_spec(
-        values in random_set(),
-        steps in prop::collection::vec((prop_oneof![any::<i64>(), -40_000_i64..40_000], 0_u8..16), 1..60),
-    ) {
-        let mut bench = example(&[]);
-        bench.values = values;
-        let words = set(FIELDS, &bench.values);
-        let mut model =
-            Model { set: words.clone(), samples: Vec::new(), integral: 0, error: None, share: 0, before: 0 };
-        for (k, (raw, inputs)) in steps.into_iter().enumerate() {
-            let told = if k == 0 { bench.start(raw, inputs) } else { bench.step(raw, inputs) };
-            prop_assert_eq!(told, model.step(raw, inputs, k == 0));
-            prop_assert!(bench.regl.integral.abs() <= 256 * words[at("i_max")]);
-            let is_behind = words[at("ba")] & 16 != 0;
-            prop_assert!(!is_behind || told.0.abs() <= words[at("y_max")]);
-        }
-    }
-
-    /// S2 opens and closes without a bump: an error that stays gives what the integrator held, as if no time had passed.
-    #[test]
-    fn a_loop_that_was_open_goes_on_where_it_was(
-        kp in 0_i64..=16_383,
-        ki in 0_i64..=16_383,
-        kd in 0_i64..=16_383,
-        x in -2000_i64..2000,
-        before in 1_usize..20,
-        open in 1_usize..20,
-        between in -30_000_i64..30_000,
-    ) {
-        let set = [("ba", 1), ("kp", kp), ("ki", ki), ("kd", kd), ("y_max", (1 << 30) - 1), ("i_max", I_MAX)];
-        let mut bench = plain(&set);
-        let closed = E1 | E2;
-        bench.start(x, closed);
-        (0..before).for_each(|_| {
-        bench.step(x, closed);
-    });
-        let mut straight = bench.clone();
-        (0..open).for_each(|_| assert_eq!(bench.step(between, E1), (0, 0)));
-        prop_assert_eq!(bench.step(x, closed), straight.step(x, closed));
-    }
 }

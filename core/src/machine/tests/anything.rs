@@ -436,7 +436,7 @@ fn ends(action: &Action) -> usize {
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
         Action::Vocabulary(_) => 0,
-        Action::SetPosition(_) | Action::LoadTable { .. } => 0,
+        Action::SetPosition(_) | Action::LoadTable { .. } | Action::LoadProgram { .. } => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
         Action::DeleteParameters(_) | Action::PowerCycle | Action::Activate => 0,

@@ -19,9 +19,12 @@ use std::sync::Arc;
 
 mod events;
 mod generator;
+mod goals;
 mod integers;
 mod interpolators;
 mod links;
+mod positions;
+mod programs;
 mod random;
 mod speeds;
 

@@ -12,6 +12,7 @@ use lineshaft_core::event::{Event, Kind, Number};
 use lineshaft_core::position::Position;
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::signal::{Board, Directory};
 use lineshaft_core::text;
 use std::sync::Arc;
 use std::time::Duration;
@@ -43,40 +44,67 @@ pub(super) struct Ending {
     pub shift: Option<i64>,
 }
 
-/// An action of the interface that moves one axis, with what is its own.
-pub(super) trait AxisAction: lineshaft_msgs::Action + Sized {
+/// Where what a goal is about stands on the board.
+pub(super) trait View: Clone + Send + Sync + 'static {
+    /// Those of all objects of its kind, by their places.
+    fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self>;
+
+    /// Where it is commanded to be.
+    fn position(&self, board: &Board) -> Position;
+}
+
+impl View for AxisView {
+    fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
+        Self::all(config, directory)
+    }
+
+    fn position(&self, board: &Board) -> Position {
+        Position::whole(self.int(board, AxisSignal::CommandPosition))
+    }
+}
+
+/// An action of the interface that is about one object, with what is its own.
+pub(super) trait GoalAction: lineshaft_msgs::Action + Sized {
+    /// How it sees its object.
+    type View: View;
+
     /// Its row of the table.
     const SERVED_AS: Acted<Self>;
 
-    /// The axis and the command that a goal asks for.
+    /// The place of the object, and the command that a goal asks for.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
-    /// Feedback from the axis' signals, where there is something to tell.
-    fn feedback(view: &AxisView, snapshot: &Snapshot, goal: &Self::Goal, progress: Progress) -> Option<Self::Feedback>;
+    /// Feedback from its signals, where there is something to tell.
+    fn feedback(
+        view: &Self::View,
+        snapshot: &Snapshot,
+        goal: &Self::Goal,
+        progress: Progress,
+    ) -> Option<Self::Feedback>;
 
     /// The result of a goal.
-    fn result(view: &AxisView, ending: Ending) -> Self::Result;
+    fn result(view: &Self::View, ending: Ending) -> Self::Result;
 }
 
 /// Serves one action.
-pub(super) fn start<A: AxisAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+pub(super) fn start<A: GoalAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let server = A::SERVED_AS.server(node)?;
     tasks.spawn(serve(server, Arc::clone(hub)));
     Ok(())
 }
 
-async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
-    let views = AxisView::all(hub.host.config(), hub.host.directory());
+async fn serve<A: GoalAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
+    let views = A::View::all(hub.host.config(), hub.host.directory());
     // Goals that run end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
         match A::resolve(hub.host.config(), request.goal()) {
-            Ok((axis, command)) => {
-                // Every axis that resolves has a view; without one the goal could not be watched, and is not begun.
-                let Some(view) = views.get(usize::from(axis)) else { continue };
-                // Handed over here, one after the other: of two goals for an axis the later one is the later one.
+            Ok((place, command)) => {
+                // Every object that resolves has a view; without one the goal could not be watched, and is not begun.
+                let Some(view) = views.get(usize::from(place)) else { continue };
+                // Handed over here, one after the other: of two goals for one object the later one is the later one.
                 let handle = request.accept();
                 let given = hub.submit(command);
                 open.spawn(run(Arc::clone(&hub), handle, given, view.clone()));
@@ -90,10 +118,10 @@ async fn serve<A: AxisAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 }
 
 /// Works on an accepted goal until it ends.
-async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<Answers, Busy>, view: AxisView) {
+async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<Answers, Busy>, view: A::View) {
     let ending = match given {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
-        Err(busy) => view.stands(&hub.host.snapshot(), busy.code(), busy.to_string()),
+        Err(busy) => stands(&view, &hub.host.snapshot(), busy.code(), busy.to_string()),
     };
     let code = ending.code;
     let result = A::result(&view, ending);
@@ -104,12 +132,7 @@ async fn run<A: AxisAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<
     }
 }
 
-async fn follow<A: AxisAction>(
-    hub: &Arc<Hub>,
-    handle: &GoalHandle<A>,
-    mut answers: Answers,
-    view: &AxisView,
-) -> Ending {
+async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answers: Answers, view: &A::View) -> Ending {
     let mut ticks = tokio::time::interval(FEEDBACK);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
@@ -129,7 +152,7 @@ async fn follow<A: AxisAction>(
                 },
                 None => {
                     let message = "the machine has stopped".to_owned();
-                    return view.stands(&hub.host.snapshot(), Code::DISABLED, message);
+                    return stands(view, &hub.host.snapshot(), Code::DISABLED, message);
                 }
             },
             () = handle.cancel_requested(), if !cancelled => {
@@ -163,10 +186,7 @@ fn ending(hub: &Hub, event: &Event) -> Ending {
     Ending { code: event.code, message, position: event.position, mark: None, shift: new_zero(event) }
 }
 
-impl AxisView {
-    /// The end of a goal that the machine has not answered: where the axis stands now.
-    fn stands(&self, snapshot: &Snapshot, code: Code, message: String) -> Ending {
-        let position = Position::whole(self.int(&snapshot.board, AxisSignal::CommandPosition));
-        Ending { code, message, position, mark: None, shift: None }
-    }
+/// The end of a goal that the machine has not answered: where its object stands now.
+fn stands(view: &impl View, snapshot: &Snapshot, code: Code, message: String) -> Ending {
+    Ending { code, message, position: view.position(&snapshot.board), mark: None, shift: None }
 }

@@ -1,6 +1,6 @@
 //! `~/home_axis`: homing of one axis, with its phases.
 
-use super::goal::{AxisAction, Ending, Progress};
+use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -10,7 +10,9 @@ use lineshaft_core::request::{HomeRequest, RequestError};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisResult};
 
-impl AxisAction for HomeAxis {
+impl GoalAction for HomeAxis {
+    type View = AxisView;
+
     const SERVED_AS: Acted<Self> = table::HOME_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &HomeAxisGoal) -> Result<(u16, Action), RequestError> {

@@ -1,15 +1,16 @@
 //! What must hold for every goal, whatever stands in it: refused shortly, or a motion within the limits.
 
 use lineshaft_core::command::{Action, Command, Commands, Source};
-use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
-use lineshaft_core::event::Kind;
+use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig, SinkConfig, SlotConfig};
+use lineshaft_core::event::Kind as EventKind;
+use lineshaft_core::function::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, Synchronize, SynchronizeGoal};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, SynchronizeGoal};
 use lineshaft_msgs::cdr::{Endian, decode};
 
-use super::goal::AxisAction;
+use super::goal::GoalAction;
 use crate::fuzz::LONGEST_SENTENCE;
 
 /// Of both axes (inc/s, inc/s^2).
@@ -27,8 +28,23 @@ fn config() -> MachineConfig {
         cycle_ns: 1_000_000,
         io: vec![IoConfig { name: "mark".to_owned(), kind: IoKind::DigitalInput, latch: true }],
         axes: vec![axis("line"), axis("x")],
+        slots: vec![indexer()],
         ..MachineConfig::default()
     }
+}
+
+/// Moves x by orders.
+fn indexer() -> SlotConfig {
+    let mut slot = SlotConfig::new("index".to_owned(), 0, Kind::Epos);
+    slot.sink = SinkConfig::Axis(1);
+    let values = [("travel", 900), ("velocity", 1_000_000), ("acceleration", 20_000), ("stop_decel", 20_000)];
+    for (name, value) in values.into_iter().chain([("drive_resolution", 20_000)]) {
+        let place = slot.kind.description().find(name).map(|(_, place)| place);
+        if let Some(field) = place.and_then(|place| slot.values.get_mut(place)) {
+            *field = value;
+        }
+    }
+    slot
 }
 
 /// The first byte chooses the action; the others are the goal as it stands on the wire.
@@ -37,16 +53,17 @@ fn config() -> MachineConfig {
 /// When a law does not hold.
 pub fn any_goal(bytes: &[u8]) {
     let [kind, bytes @ ..] = bytes else { return };
-    match kind % 5 {
+    match kind % 6 {
         0 => law::<MoveAxis>(bytes),
         1 => law::<ProbeAxis>(bytes),
         2 => law::<Synchronize>(bytes),
         3 => law::<Phase>(bytes),
+        4 => law::<RunFunction>(bytes),
         _ => law::<HomeAxis>(bytes),
     }
 }
 
-fn law<A: AxisAction>(bytes: &[u8]) {
+fn law<A: GoalAction>(bytes: &[u8]) {
     let goal = match decode::<A::Goal>(bytes, Endian::Little) {
         Ok(goal) => goal,
         Err(error) => return assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
@@ -80,7 +97,7 @@ fn moved(action: Action) {
         inputs.cycle = cycle;
         machine.cycle(&inputs, commands, &mut outputs);
         commands = Commands::default();
-        refused |= machine.events().iter().any(|event| event.kind == Kind::Refused);
+        refused |= machine.events().iter().any(|event| event.kind == EventKind::Refused);
         for axis in ["line", "x"] {
             let find =
                 |name| machine.directory().find(&format!("{axis}.command.{name}")).expect("a signal of every axis");

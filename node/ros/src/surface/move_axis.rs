@@ -1,6 +1,6 @@
 //! `~/move_axis`.
 
-use super::goal::{AxisAction, Ending, Progress};
+use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -10,7 +10,9 @@ use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
 
-impl AxisAction for MoveAxis {
+impl GoalAction for MoveAxis {
+    type View = AxisView;
+
     const SERVED_AS: Acted<Self> = table::MOVE_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &MoveAxisGoal) -> Result<(u16, Action), RequestError> {

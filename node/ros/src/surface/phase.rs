@@ -1,6 +1,6 @@
 //! `~/phase`: a shift of an axis against its leader.
 
-use super::goal::{AxisAction, Ending, Progress};
+use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -10,7 +10,9 @@ use lineshaft_core::request::{Amount, PhaseRequest, RequestError};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Phase, PhaseFeedback, PhaseGoal, PhaseResult};
 
-impl AxisAction for Phase {
+impl GoalAction for Phase {
+    type View = AxisView;
+
     const SERVED_AS: Acted<Self> = table::PHASE;
 
     fn resolve(config: &MachineConfig, goal: &PhaseGoal) -> Result<(u16, Action), RequestError> {

@@ -1,6 +1,6 @@
 //! `~/probe_axis`: touch probe to position.
 
-use super::goal::{AxisAction, Ending, Progress};
+use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -11,7 +11,9 @@ use lineshaft_core::request::{Amount, MoveRequest, ProbeRequest, Rates, RequestE
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{ProbeAxis, ProbeAxisFeedback, ProbeAxisGoal, ProbeAxisResult};
 
-impl AxisAction for ProbeAxis {
+impl GoalAction for ProbeAxis {
+    type View = AxisView;
+
     const SERVED_AS: Acted<Self> = table::PROBE_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &ProbeAxisGoal) -> Result<(u16, Action), RequestError> {

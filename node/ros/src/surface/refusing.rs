@@ -8,10 +8,11 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
     AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, GearOutRequest,
-    GearOutResponse, ImportParametersRequest, ImportParametersResponse, LoadTableRequest, LoadTableResponse,
-    RecordRequest, RecordResponse, ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse,
-    SdoWriteRequest, SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse,
-    SetPositionRequest, SetPositionResponse, VocabularyRequest, VocabularyResponse,
+    GearOutResponse, ImportParametersRequest, ImportParametersResponse, LoadProgramRequest, LoadProgramResponse,
+    LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse, ResetParametersRequest,
+    ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse, SetMemoryRequest,
+    SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest, SetPositionResponse, VocabularyRequest,
+    VocabularyResponse,
 };
 
 /// An answer to requests of type `Q`.
@@ -34,6 +35,7 @@ with_a_message! {
     AxesCommandRequest, AxesCommandResponse;
     GearOutRequest, GearOutResponse;
     ImportParametersRequest, ImportParametersResponse;
+    LoadProgramRequest, LoadProgramResponse;
     LoadTableRequest, LoadTableResponse;
     ResetParametersRequest, ResetParametersResponse;
     SdoWriteRequest, SdoWriteResponse;

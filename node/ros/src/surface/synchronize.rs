@@ -1,6 +1,6 @@
 //! `~/synchronize`: open while the axis is coupled.
 
-use super::goal::{AxisAction, Ending, Progress};
+use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
 use super::table::{self, Acted};
@@ -11,7 +11,9 @@ use lineshaft_core::request::{Amount, CamRequest, RequestError, SynchronizeReque
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, SynchronizeResult};
 
-impl AxisAction for Synchronize {
+impl GoalAction for Synchronize {
+    type View = AxisView;
+
     const SERVED_AS: Acted<Self> = table::SYNCHRONIZE;
 
     fn resolve(config: &MachineConfig, goal: &SynchronizeGoal) -> Result<(u16, Action), RequestError> {

@@ -5,7 +5,7 @@ use super::refusing::Refusing;
 use crate::layer::{
     ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
 use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
@@ -25,8 +25,8 @@ use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints, ShaftStates};
 use lineshaft_msgs::srv::{
-    AxesCommand, CommandFunction, ExportParameters, GearOut, GetTable, ImportParameters, LoadTable, Record,
-    ResetParameters, SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
+    AxesCommand, CommandFunction, ExportParameters, GearOut, GetTable, ImportParameters, LoadProgram, LoadTable,
+    Record, ResetParameters, SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -257,6 +257,12 @@ pub(super) const COMMAND_FUNCTION: Served<CommandFunction> = Served::new(
     "stages values of a function's fields and commands it in the same cycle (RESET, START, VALUE_NEW, READ_VALUE), or changes nothing; answers with the set in force; see below",
 )
 .in_time();
+pub(super) const LOAD_PROGRAM: Served<LoadProgram> = Served::new(
+    "~/load_program",
+    Qos::SERVICE,
+    "another module for a program, in the functions that run it, which go on with their state or begin anew; refused where it is no program, or its state is not as long",
+)
+.in_time();
 pub(super) const LOAD_TABLE: Served<LoadTable> = Served::new(
     "~/load_table",
     Qos::SERVICE,
@@ -332,6 +338,10 @@ pub(super) const SYNCHRONIZE: Acted<Synchronize> =
     Acted::new("~/synchronize", "open while coupled; cancel and `~/gear_out` uncouple, a dead client does not");
 pub(super) const PHASE: Acted<Phase> =
     Acted::new("~/phase", "a shift of an axis against its leader in motion; see [cams.md](cams.md#phase)");
+pub(super) const RUN_FUNCTION: Acted<RunFunction> = Acted::new(
+    "~/run_function",
+    "an order of a function that ends (epos), with values of its fields; cancel stops it; see [functions.md](functions.md#as-a-goal)",
+);
 pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
     "~/follow_joint_trajectory",
     "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
@@ -448,6 +458,7 @@ pub const ROWS: &[Row] = &[
     SET_OUTPUT.0,
     SET_MEMORY.0,
     COMMAND_FUNCTION.0,
+    LOAD_PROGRAM.0,
     LOAD_TABLE.0,
     GET_TABLE.0,
     SDO_READ.0,
@@ -472,6 +483,7 @@ pub const ROWS: &[Row] = &[
     HOME_AXIS.0,
     SYNCHRONIZE.0,
     PHASE.0,
+    RUN_FUNCTION.0,
     FOLLOW_JOINT_TRAJECTORY.0,
     JOINT_TRAJECTORY.0,
 ];

@@ -38,16 +38,18 @@ fn a_slot_knows_what_it_is_wired_to() {
     assert_eq!(late.call_ns(cell.machine.cycle_ns), 4_000_000);
 }
 
-/// Proves: AMK-FGEN-12, AMK-FGEN-14, AMK-REGL-18, AMK-REGL-19
+/// Proves: AMK-FGEN-12, AMK-FGEN-14, AMK-REGL-18, AMK-REGL-19, AMK-EPOS-57, AMK-EPOS-58
 #[test]
 fn a_slot_knows_the_words_that_it_reads() {
     let cell = good(&cell(
         "  made: {slot: 1, type: fgen, override_addr: feed, cycle_increments: 9, accel: 1, pos_limit: [7, 8]}\n  \
-         held: {slot: 2, type: regl, source: x.actual, gain_v: 1, src2_addr: made.sink}\n",
+         held: {slot: 2, type: regl, source: x.actual, gain_v: 1, src2_addr: made.sink}\n  \
+         moved: {slot: 3, type: epos, acceleration: 1, stop_decel: 1, drive_resolution: 1, acc_override_mw: feed}\n",
     ));
-    let [made, held] = cell.machine.slots.as_slice() else { panic!("two slots") };
+    let [made, held, moved] = cell.machine.slots.as_slice() else { panic!("three slots") };
     assert_eq!(made.words, [Some("feed".into()), None]);
     assert_eq!(held.words, [None, Some("made.sink".into())]);
+    assert_eq!(moved.words, [None, Some("feed".into())]);
     assert_eq!(made.values[7..], [7, 8, 0, 0, 0, 0, 0, 0]);
 }
 
@@ -59,12 +61,8 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("^{type: dcopy, source: x, sink: none}", "missing key `slot` in function `f`"),
         ("^{slot: 1}", "missing key `type` in function `f`"),
         (
-            "{slot: 1, type: ^apsf}",
-            "function type apsf does not exist yet, there are dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl",
-        ),
-        (
             "{slot: 1, type: ^camm}",
-            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl is allowed",
+            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed",
         ),
         ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (

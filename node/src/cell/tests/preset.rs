@@ -105,6 +105,14 @@ fn what_the_source_does_not_address_is_refused_where_it_stands() {
             "cycle_factor is 66; preset amkasyn allows 1..65 for type fgen",
         ),
         (
+            "{slot: 0, type: epos, velocity: 1, acceleration: 1, stop_decel: 1, drive_resolution: 1, cycle_factor: ^66}",
+            "cycle_factor is 66; preset amkasyn allows 1..65 for type epos",
+        ),
+        (
+            "{slot: 0, type: epos, acceleration: 1, stop_decel: 1, drive_resolution: 1, acc_override_mw: ^d}",
+            "acc_override_mw is `d`, of type i32; preset amkasyn allows i16",
+        ),
+        (
             "{slot: 0, type: varsync, source: e1, sink: x1, on_axis_error: ^reset}",
             "on_axis_error is `reset`; preset amkasyn allows run",
         ),

@@ -26,6 +26,7 @@ fn subject() -> Subject {
         parameters: parameters_text(&cell.machine, &cell.machine.global.power_on(), &parameters),
         store: None,
         files: None,
+        programs: Vec::new(),
         cell: cell.text,
         node: NodeName::new("/", "lineshaft").unwrap(),
         cycle_ns: 1_000_000,

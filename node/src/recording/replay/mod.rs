@@ -138,7 +138,7 @@ fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
     let bytes = run.attachment("cell.yaml")?.ok_or(ReplayError::NoCell)?;
     let text = String::from_utf8_lossy(&bytes);
     if let Some(recorded) = run.metadata("lineshaft").and_then(|metadata| metadata.get("cell_sha256")) {
-        let found = super::sha256(&text);
+        let found = super::sha256(text.as_bytes());
         if found != *recorded {
             return Err(ReplayError::ChangedCell { found, recorded: recorded.clone() });
         }

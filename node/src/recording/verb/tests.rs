@@ -6,10 +6,11 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, MemoryValue, Move, MoveMode,
-    OutputValue, Probe, ProbeEdge, SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint,
-    Synchronize as Coupling,
+    BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, MemoryValue,
+    Move, MoveMode, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition, SetMasterPosition, SetPosition,
+    Setpoint, Synchronize as Coupling,
 };
+use lineshaft_core::function::Order;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader, Object};
@@ -39,6 +40,8 @@ tables:
   knife: {form: xy, points: [[0, 0], [5000, 1200], [20000, 20000]]}
 masters:
   sum: {add: [belt], subtract: [x]}
+functions:
+  index: {slot: 0, type: epos, acceleration: 1, stop_decel: 1, drive_resolution: 1}
 encoders:
   belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
 axes:
@@ -99,6 +102,22 @@ fn to(axis: u16, target: Length) -> Move {
 
 fn set(axis: u16, key: &str, value: Set) -> Change {
     Change { axis, row: Row::find(key).unwrap().0, value }
+}
+
+#[test]
+fn orders_and_goals_of_functions_name_their_fields() {
+    let desk = Desk::new();
+    let values = |values: &[(u16, i64)]| values.into();
+    let order = CommandFunction { slot: 0, order: Order::ValueNew, values: values(&[(2, -5)]) };
+    let text = r#"{"command_function":{"function":"index","command":"value_new","parameters":{"travel":-5}}}"#;
+    desk.is(&Action::CommandFunction(order), text);
+    let goal = RunFunction { slot: 0, values: values(&[]) };
+    desk.is(&Action::RunFunction(goal), r#"{"run_function":{"id":"17","function":"index"}}"#);
+    let goal = RunFunction { slot: 0, values: values(&[(2, i64::MIN), (0, 8)]) };
+    let text = r#"{"run_function":{"id":"17","function":"index","parameters":{"travel":-9223372036854775808,"ba":8}}}"#;
+    desk.is(&Action::RunFunction(goal), text);
+    let nobody = desk.read(r#"{"run_function":{"id":"17","function":"dial"}}"#).expect_err("no such function");
+    assert!(nobody.contains("no function is called `dial`"), "{nobody}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! From a command to its text.
 
 use super::{saia, trajectory, wf};
+use crate::program;
 use lineshaft_core::command::{
     Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt,
     MasterPosition, Move, MoveMode, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
@@ -113,9 +114,20 @@ enum Verb<'a> {
         #[serde(skip_serializing_if = "Entries::is_empty")]
         parameters: Entries,
     },
+    RunFunction {
+        id: String,
+        function: &'a str,
+        #[serde(skip_serializing_if = "Entries::is_empty")]
+        parameters: Entries,
+    },
     LoadTable {
         table: &'a str,
         points: Numbers<'a>,
+    },
+    LoadProgram {
+        program: &'a str,
+        module: String,
+        state: &'static str,
     },
     SetOutput(Entries),
     Setpoints {
@@ -322,9 +334,19 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
             Verb::SetOutput(Entries(values.iter().map(|value| output(value.index, value.value, config)).collect()))
         }
         Action::CommandFunction(request) => command_function(request, config),
+        Action::RunFunction(request) => Verb::RunFunction {
+            id,
+            function: config.name(Object::Function(request.slot)),
+            parameters: set_values(request.slot, &request.values, config),
+        },
         Action::LoadTable { index, table } => {
             Verb::LoadTable { table: config.name(Object::Table(*index)), points: Numbers(table) }
         }
+        Action::LoadProgram { index, module, keeps } => Verb::LoadProgram {
+            program: config.name(Object::Program(*index)),
+            module: program::encode(module.bytes()),
+            state: if *keeps { "keep" } else { "reset" },
+        },
         Action::Refuse(text) => Verb::Refuse { text },
         Action::Note { code, number } => Verb::Note { code: code.0, number: *number },
     }
@@ -343,19 +365,23 @@ impl Serialize for Numbers<'_> {
 }
 
 fn command_function<'a>(request: &CommandFunction, config: &'a MachineConfig) -> Verb<'a> {
-    let kind = config.slots.get(usize::from(request.slot)).map(|slot| slot.kind);
+    let order = Order::ALL.iter().find(|(order, ..)| *order == request.order);
+    Verb::CommandFunction {
+        function: config.name(Object::Function(request.slot)),
+        command: order.map_or(NAMELESS, |(_, name, _)| name),
+        parameters: set_values(request.slot, &request.values, config),
+    }
+}
+
+/// Values of a set by the names of their fields.
+fn set_values(slot: u16, values: &[(u16, i64)], config: &MachineConfig) -> Entries {
+    let kind = config.slots.get(usize::from(slot)).map(|slot| slot.kind);
     let name = |place: u16| match kind.and_then(|kind| kind.description().field_of(place.into())) {
         Some((_, field, _)) if field.count == 1 => field.name.to_owned(),
         Some((_, field, nth)) => format!("{}[{nth}]", field.name),
         None => NAMELESS.to_owned(),
     };
-    let values = request.values.iter().map(|&(place, value)| (name(place), Scalar::Whole(value.into())));
-    let order = Order::ALL.iter().find(|(order, ..)| *order == request.order);
-    Verb::CommandFunction {
-        function: config.name(Object::Function(request.slot)),
-        command: order.map_or(NAMELESS, |(_, name, _)| name),
-        parameters: Entries(values.collect()),
-    }
+    Entries(values.iter().map(|&(place, value)| (name(place), Scalar::Whole(value.into()))).collect())
 }
 
 fn set_position(axis: Cow<'_, str>, position: Length) -> Verb<'_> {
@@ -415,7 +441,7 @@ fn latching(source: Object, config: &MachineConfig) -> &str {
         Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
         Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
         Object::Axis(index) => axis(index, config),
-        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) => NAMELESS,
+        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) | Object::Program(_) => NAMELESS,
     }
 }
 

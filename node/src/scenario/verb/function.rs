@@ -1,7 +1,8 @@
-//! Verbs `command_function` and `load_table`.
+//! Verbs `command_function`, `run_function`, `load_table` and `load_program`.
 
 use super::{Deed, Reader, did_you_mean, nearest};
 use crate::document::Value;
+use crate::program;
 use lineshaft_core::function::Order;
 use lineshaft_core::request::{FieldValue, FunctionRequest};
 use lineshaft_core::table::Form;
@@ -18,6 +19,27 @@ impl Reader<'_> {
         let values = map.optional("parameters").map_or(Some(Vec::new()), |given| fields(&given));
         map.finish();
         let function = function?;
+        let name = self.known_function(&function)?;
+        let request = FunctionRequest { function: name.to_owned(), order: order?, values: values? };
+        self.settle(value, self.names.config.resolve_function(&request))
+    }
+
+    pub(super) fn run_function(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+        let Some(mut map) = value.map("run_function") else { return (None, None) };
+        let id = map.optional("id").map(|id| self.ids.carry(&id));
+        let function = map.required("function");
+        let values = map.optional("parameters").map_or(Some(Vec::new()), |given| fields(&given));
+        map.finish();
+        let deed = (|| {
+            let function = function?;
+            let name = self.known_function(&function)?;
+            self.settle(value, self.names.config.resolve_run(name, &values?))
+        })();
+        (deed, id.flatten())
+    }
+
+    /// The name of a function; where the step expects a refusal, any name.
+    fn known_function<'v>(&self, function: &'v Value<'_>) -> Option<&'v str> {
         let name = function.text()?;
         if self.refused.is_none() && self.names.config.find_function(name).is_err() {
             let known = self.names.config.slots.iter().map(|slot| slot.name.as_str());
@@ -25,8 +47,7 @@ impl Reader<'_> {
             function.refuse(format!("no function is called `{}`", excerpt(name)), hint);
             return None;
         }
-        let request = FunctionRequest { function: name.to_owned(), order: order?, values: values? };
-        self.settle(value, self.names.config.resolve_function(&request))
+        Some(name)
     }
 
     pub(super) fn load_table(&self, value: &Value<'_>) -> Option<Deed> {
@@ -45,6 +66,37 @@ impl Reader<'_> {
             None => (Vec::new(), Vec::new()),
         };
         self.settle(value, self.names.config.resolve_load_table(name, &numbers.0, &numbers.1))
+    }
+
+    pub(super) fn load_program(&self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("load_program")?;
+        let program = map.required("program");
+        let (file, text) = (map.optional("wasm"), map.optional("module"));
+        let state = map.required("state").map(|state| state.choice(&[("keep", true), ("reset", false)]));
+        map.finish();
+        let (program, keeps) = (program?, state??);
+        // A recording has the module itself.
+        let (given, bytes) = match (file, text, self.names.folder) {
+            (Some(file), None, Some(folder)) => {
+                let bytes = program::load(&folder.join(file.text()?));
+                (file, bytes)
+            }
+            (None, Some(text), _) => {
+                let bytes = program::decode(text.text()?).ok_or_else(|| "it is no module".to_owned());
+                (text, bytes)
+            }
+            _ => {
+                value.refuse("load_program has one of wasm, a file beside the scenario, and module, a text", None);
+                return None;
+            }
+        };
+        match bytes {
+            Ok(bytes) => self.settle(value, self.names.config.resolve_load_program(program.text()?, &bytes, keeps)),
+            Err(sentence) => {
+                given.refuse(format!("cannot read `{}`: {sentence}", excerpt(given.peek().unwrap_or_default())), None);
+                None
+            }
+        }
     }
 }
 

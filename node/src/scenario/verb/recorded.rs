@@ -19,9 +19,13 @@ pub(crate) fn parameter_change(
     directory: &Directory,
 ) -> Option<Change> {
     let mut ids = Ids::default();
-    let change =
-        Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
-            .change(Some(name), value)?;
+    let change = Reader {
+        names: &Names { config, backends: &[], directory, folder: None },
+        ids: &mut ids,
+        refused: None,
+        recorded: true,
+    }
+    .change(Some(name), value)?;
     let noted = change.map_err(|error| match &error {
         RequestError::UnknownParameter { .. } => key.refuse(error.to_string(), meant_parameter(name, config)),
         RequestError::UnknownAxis { .. } | RequestError::NotApplicable { .. } => key.refuse(error.to_string(), None),
@@ -33,8 +37,13 @@ pub(crate) fn parameter_change(
 /// Reads the command of one verb. Notes a problem where it returns `None`.
 pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
     let (mut ids, mut acts) = (Ids::default(), Vec::new());
-    Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: true }
-        .read_one(value, &mut acts);
+    Reader {
+        names: &Names { config, backends: &[], directory, folder: None },
+        ids: &mut ids,
+        refused: None,
+        recorded: true,
+    }
+    .read_one(value, &mut acts);
     let Act { deed, id, .. } = acts.pop()?;
     let number = |id: usize| {
         let text = ids.names.get(id)?;

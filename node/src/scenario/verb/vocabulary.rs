@@ -41,8 +41,12 @@ pub(crate) fn vocabulary_command(
         _ => document.put("axis", axis),
     }
     let mut ids = Ids::default();
-    let reader =
-        Reader { names: &Names { config, backends: &[], directory }, ids: &mut ids, refused: None, recorded: false };
+    let reader = Reader {
+        names: &Names { config, backends: &[], directory, folder: None },
+        ids: &mut ids,
+        refused: None,
+        recorded: false,
+    };
     let deed = document.root(verb).and_then(|root| match verb {
         "saia" => reader.saia(&root),
         "wf" => reader.wf(&root),

@@ -119,6 +119,23 @@ fn value_new_takes_the_sequence_and_no_other_bit() {
     assert!(rig.refusal(refused).ends_with("0 is no value of it in this `ba`; 1 to 32767 is possible"));
 }
 
+/// Its state is one that can be restored before any START, too.
+///
+/// Proves: AMK-BCOM-35, AMK-BCOM-40
+#[test]
+fn value_new_in_the_cycle_of_start_is_part_of_the_set_that_starts() {
+    let mut rig = generates();
+    rig.mirror();
+    let ba = field(Type::Fgen, "ba");
+    let last = rig.give_all(vec![order(0, Order::Start), with(0, Order::ValueNew, &[(ba, 2)])]);
+    assert!(rig.was_accepted(last), "{:?}", rig.answer(last));
+    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.run(1);
+    assert_eq!(rig.int("gen.sink"), 510, "a sequence begins with its velocity");
+    rig.run(1999);
+    assert_eq!((rig.int("gen.sink"), rig.int("lamp")), (20_500, 1));
+}
+
 /// Proves: AMK-REGL-02, AMK-REGL-03, AMK-REGL-39, AMK-BCOM-37
 #[test]
 fn a_regulator_runs_a_rotary_axis_and_reset_ends_it() {

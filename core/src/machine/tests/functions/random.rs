@@ -1,11 +1,13 @@
 //! Cells of slots linked at random, and whatever happens to them.
 
+use super::programs::{WILD, module};
 use super::{DISC, cell, field, with};
-use crate::command::Action;
-use crate::config::{Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
+use crate::command::{Action, RunFunction};
+use crate::config::{Line, MachineConfig, ProgramConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
 use crate::function::{Kind, Need, OnAxisError, Order, Quantity, TYPES, Width};
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
 use crate::object::{AxisSet, Leader, Object};
+use crate::sim::{Fixtures, Index};
 use crate::table::{Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -75,6 +77,10 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             }
         }
         slot.tables[0] = (row.tables > 0 && choice.lines[0] % 4 != 0).then_some(0);
+        if row.kind == Kind::Apsf {
+            (slot.program, slot.fuel) = (Some(0), 4000);
+            slot.values[0] = i64::from(choice.factor);
+        }
         for (nth, word) in slot.words.iter_mut().take(row.words.len()).enumerate() {
             *word = (choice.lines[1] >> nth & 1 == 0).then(|| ["w", "d"][nth].into());
         }
@@ -100,9 +106,23 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             let (_, place) = row.find(name).expect("a field");
             slot.values[place] = 7;
         }
+        // 30 inc a cycle, 3 and 9 more or less.
+        let rates = [
+            ("travel", 700),
+            ("velocity", 18_000_000),
+            ("acceleration", 3_000_000),
+            ("stop_decel", 9_000_000),
+            ("drive_resolution", 1000),
+            ("master_resolution", 1000),
+        ];
+        for (name, value) in rates.into_iter().filter(|_| row.kind == Kind::Epos) {
+            let (_, place) = row.find(name).expect("a field");
+            slot.values[place] = value;
+        }
         slot
     });
     let mut config = cell(slots.collect());
+    config.programs = vec![ProgramConfig { name: "wild".into(), module: module(WILD) }];
     let curve = Table::new(Form::Y, &[], &[0, 40, -25, 90]).expect("points");
     config.tables.push(TableConfig { name: "c".into(), table: Arc::new(curve) });
     // Long enough for the cams and points that the values below may count.
@@ -132,11 +152,15 @@ fn interpolate(slot: &mut SlotConfig, choice: usize) {
 #[derive(Clone, Debug)]
 enum Happening {
     Order(usize, Order, Vec<(usize, i64)>),
+    Run(usize, i64),
+    /// The goal that was given so many goals ago.
+    Cancel(usize),
     Memory(u16, i64),
     Input(u8),
     Line(i64),
     Encoder(i64),
     Table(Vec<i64>),
+    Program(bool),
     Axes(u8),
     Mirror,
     Cycles(u64),
@@ -150,11 +174,14 @@ fn happening() -> impl Strategy<Value = Happening> {
     let word = prop_oneof![2 => 0_i64..300, 1 => -32_768_i64..65_536];
     prop_oneof![
         8 => (0_usize..16, prop::sample::select(orders.to_vec()), values).prop_map(|(slot, order, values)| Happening::Order(slot, order, values)),
+        3 => (0_usize..16, -900_i64..900).prop_map(|(slot, travel)| Happening::Run(slot, travel)),
+        1 => (1_usize..4).prop_map(Happening::Cancel),
         3 => (0_u16..5, prop_oneof![-200_i64..200, any::<i64>()]).prop_map(|(cell, value)| Happening::Memory(cell, value)),
         3 => any::<u8>().prop_map(Happening::Input),
         2 => (-60_000_i64..60_000).prop_map(Happening::Line),
         2 => (-40_000_i64..40_000).prop_map(Happening::Encoder),
         1 => prop::collection::vec(word, 1..100).prop_map(Happening::Table),
+        1 => any::<bool>().prop_map(Happening::Program),
         1 => any::<u8>().prop_map(Happening::Axes),
         1 => Just(Happening::Mirror),
         6 => (1_u64..40).prop_map(Happening::Cycles),
@@ -164,18 +191,21 @@ fn happening() -> impl Strategy<Value = Happening> {
 /// A function that is in RESET, or comes to it, holds its sink; but a speed is 0 then, and the power may have come back.
 fn run(rig: &mut Rig, cycles: u64) {
     for _ in 0..cycles {
-        watched(rig, |rig| rig.run(1));
+        watched(rig, None, |rig| rig.run(1));
     }
 }
 
-fn watched<T>(rig: &mut Rig, act: impl FnOnce(&mut Rig) -> T) -> T {
-    let before: Vec<_> = rig.machine.slots().iter().map(|slot| (slot.sink(), slot.is_active())).collect();
+/// The same of what is done, which may start that slot.
+fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -> T) -> T {
+    let slots = rig.machine.slots().iter().enumerate();
+    let before: Vec<_> = slots.map(|(at, slot)| (slot.sink(), slot.is_active() || starts == Some(at))).collect();
     let result = act(rig);
     for (((before, ran), slot), config) in before.into_iter().zip(rig.machine.slots()).zip(&rig.machine.config().slots)
     {
         let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
-        // An error of its axis ends it behind its call of that cycle.
-        let may_have_moved = is_speed || ran && config.on_axis_error == OnAxisError::Reset;
+        // An error of its axis ends it behind its call of that cycle, be it the first one; a program has a call of RESET.
+        let may_end_later = config.kind == Kind::Apsf || config.on_axis_error == OnAxisError::Reset;
+        let may_have_moved = is_speed || ran && may_end_later;
         assert!(
             slot.is_active() || slot.sink() == before || may_have_moved,
             "{:?} moved its sink in RESET",
@@ -185,7 +215,7 @@ fn watched<T>(rig: &mut Rig, act: impl FnOnce(&mut Rig) -> T) -> T {
     result
 }
 
-fn make_happen(rig: &mut Rig, what: &Happening) {
+fn make_happen(rig: &mut Rig, what: &Happening, goals: &mut Vec<u64>) {
     let count = rig.machine.slots().len();
     let axes = AxisSet::first(rig.machine.config().axes.len());
     match what {
@@ -194,9 +224,27 @@ fn make_happen(rig: &mut Rig, what: &Happening) {
             let row = rig.machine.config().slots[slot].kind.description();
             let values: Vec<_> = values.iter().map(|(place, value)| ((place % row.width()) as u16, *value)).collect();
             let before = rig.machine.slots()[slot].staged().to_vec();
-            let given = watched(rig, |rig| rig.give(with(slot as u16, *order, &values)));
+            let starts = (*order == Order::Start).then_some(slot);
+            let given = watched(rig, starts, |rig| rig.give(with(slot as u16, *order, &values)));
             if rig.answer(given).is_err() {
                 assert_eq!(rig.machine.slots()[slot].staged(), before, "a refused set was taken");
+            }
+        }
+        Happening::Run(slot, travel) => {
+            let slot = (slot % count) as u16;
+            let values = [(field(Kind::Epos, "travel"), *travel)];
+            let takes = rig.machine.config().slots[usize::from(slot)].kind.description().takes_goals;
+            let values = if takes { values.into() } else { [].into() };
+            let given =
+                watched(rig, Some(slot.into()), |rig| rig.give(Action::RunFunction(RunFunction { slot, values })));
+            assert!(takes || rig.answer(given).is_err());
+            if rig.answer(given).is_ok() {
+                goals.push(given);
+            }
+        }
+        Happening::Cancel(back) => {
+            if let Some(&goal) = goals.len().checked_sub(*back).and_then(|place| goals.get(place)) {
+                rig.give(Action::Cancel { goal });
             }
         }
         Happening::Memory(index, value) => {
@@ -213,6 +261,9 @@ fn make_happen(rig: &mut Rig, what: &Happening) {
         Happening::Table(words) => {
             let table = Arc::new(Table::new(Form::Words, &[], words).expect("words"));
             rig.give(Action::LoadTable { index: 0, table });
+        }
+        Happening::Program(keeps) => {
+            rig.give(Action::LoadProgram { index: 0, module: module(WILD), keeps: *keeps });
         }
         Happening::Axes(choice) => {
             rig.give(match choice % 7 {
@@ -240,8 +291,19 @@ proptest! {
         happenings in prop::collection::vec(happening(), 1..60),
     ) {
         let mut rig = Rig::of(linked(&choices));
-        happenings.iter().for_each(|what| make_happen(&mut rig, what));
+        let index = Some(Index { every: 500, at: 300 });
+        rig.plant.drive(0).expect("the drive of x").fit(Fixtures { index, ..Fixtures::default() });
+        let mut goals = Vec::new();
+        happenings.iter().for_each(|what| make_happen(&mut rig, what, &mut goals));
         run(&mut rig, 70);
+        // Each goal ends, once; what runs still does with its function.
+        for slot in 0..choices.len() as u16 {
+            rig.give(with(slot, Order::Reset, &[]));
+        }
+        rig.run(2);
+        for goal in goals {
+            prop_assert_eq!(rig.done(goal).len(), 1, "{}", goal);
+        }
         // What a cycle copies is all of it.
         let mut copy = crate::machine::Machine::new(linked(&choices)).expect("a machine").state().clone();
         copy.clone_from(rig.machine.state());

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, PhaseGoal, ProbeAxisGoal, SynchronizeGoal};
+use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, PhaseGoal, ProbeAxisGoal, RunFunctionGoal, SynchronizeGoal};
 use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalRequest;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
@@ -29,7 +29,7 @@ use crate::link::protocol::{Related, Sample, SampleId};
 pub fn any_request(bytes: &[u8]) {
     let [form, kind, bytes @ ..] = bytes else { return };
     let sample = sample(*form, bytes);
-    match kind % 18 {
+    match kind % 19 {
         0 => law::<AxesCommandRequest>(&sample),
         1 => law::<SetPositionRequest>(&sample),
         2 => law::<VocabularyRequest>(&sample),
@@ -47,6 +47,7 @@ pub fn any_request(bytes: &[u8]) {
         14 => law::<SdoReadRequest>(&sample),
         15 => law::<SdoWriteRequest>(&sample),
         16 => law::<SendGoalRequest<PhaseGoal>>(&sample),
+        18 => law::<SendGoalRequest<RunFunctionGoal>>(&sample),
         _ => {
             law::<SendGoalRequest<HomeAxisGoal>>(&sample);
             law::<TriggerRequest>(&sample);

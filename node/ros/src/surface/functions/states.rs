@@ -80,7 +80,8 @@ fn switched(state: &FunctionState) -> (bool, u32, u8, u8) {
 }
 
 /// Where a function stands on the board.
-struct View {
+#[derive(Clone)]
+pub(in crate::surface) struct View {
     name: String,
     kind: &'static str,
     slot: u16,
@@ -94,7 +95,7 @@ struct View {
 
 impl View {
     /// Those of all functions, by their slots.
-    fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
+    pub(super) fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
         let view = |slot: &lineshaft_core::config::SlotConfig| {
             let find = |signal: &str| directory.find(&format!("{}.{signal}", slot.name));
             let lines = |kind: &str| -> Option<[Signal; LINES]> {
@@ -116,7 +117,12 @@ impl View {
         config.slots.iter().filter_map(view).collect()
     }
 
-    fn state(&self, board: &Board) -> FunctionState {
+    /// What its sink holds.
+    pub(super) fn sink(&self, board: &Board) -> i64 {
+        board.int(self.sink)
+    }
+
+    pub(super) fn state(&self, board: &Board) -> FunctionState {
         let bits = |lines: &[Signal; LINES]| {
             lines.iter().zip(0..).fold(0, |bits, (line, nth)| bits | u8::from(board.bit(*line)) << nth)
         };

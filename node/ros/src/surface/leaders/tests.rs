@@ -11,7 +11,7 @@ use lineshaft_core::unit::{Fraction, Quantity, Unit};
 use lineshaft_msgs::action::{MoveAxis, MoveAxisGoal};
 use proptest::prelude::*;
 
-use crate::surface::goal::AxisAction;
+use crate::surface::goal::GoalAction;
 
 /// 1000 inc in a mm.
 const PER_MM: i128 = 1_000;

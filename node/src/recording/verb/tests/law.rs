@@ -456,6 +456,16 @@ proptest! {
     }
 
     #[test]
+    fn every_order_and_goal_of_a_function(
+        values in prop::collection::btree_map(0_u16..8, any::<i64>(), 0..8),
+        (order, ..) in prop::sample::select(Order::ALL.to_vec()),
+    ) {
+        let values: Box<[(u16, i64)]> = values.into_iter().collect();
+        comes_back(&Action::RunFunction(RunFunction { slot: 0, values: values.clone() }))?;
+        comes_back(&Action::CommandFunction(CommandFunction { slot: 0, order, values }))?;
+    }
+
+    #[test]
     fn every_set_of_parameters(
         requests in prop::collection::vec((axis(), prop::sample::select(ROWS), input()), 1..6)
     ) {

@@ -1,0 +1,499 @@
+//! Moves by so many increments, one for each edge of an input: from where it is, over multiples of a length, or from a reference.
+//!
+//! Law      n_comm * override / 1024 and ramps are parts of an increment in a call, rounded down once; a call changes the velocity by at most a
+//!          ramp, and the way ends exactly at the travel (`ramp`). What a new travel, or the reference, leaves too little way for is run
+//!          through down to rest and gone back. Modulo: where the ramp down would begin, E1 = 1 puts the end off by whole lengths
+//! Reads    a rising E1 starts an order, continues it or adds to it, a rising E2 stops it and wins; the words of both overrides; the way of the
+//!          source, where that is the velocity; the zero pulse of the axis that is the sink
+//! Writes   the sink, from where it stands, from the reference on counted from there; A1 = 1 at rest, A2 = 1 at n_comm, modulo alone
+//! Refuses  substitutional and modulo at once, or substitutional without an axis; a travel of 0 for either; an end against the approach without
+//!          bit 2; no velocity; a stop ramp below the other; an external velocity without a source or without its resolution
+//! Source   AMK-EPOS-01 to -61 with A-37 to A-53
+
+mod ramp;
+
+use super::field::{Field, Words, number, place};
+use super::program::{Asked, Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
+use super::time::check_cycle;
+use crate::code::Code;
+use ramp::{FARTHEST, FASTEST, INC, approach, approach_end, change, is_enough, length, parts, velocity};
+use serde::{Deserialize, Serialize};
+
+/// The set.
+pub(super) const FIELDS: &[Field] = &[
+    Field::new(
+        "ba",
+        0,
+        31,
+        "bits",
+        "bit 0: the velocity is that of the source; bit 1: substitutional; bit 2: it may turn round behind the reference; bit 3: E1 adds \
+         while it moves; bit 4: modulo",
+        "AMK-EPOS-49",
+    ),
+    Field::new("sf_cycle", 0, 131, "0.5 ms", "the slot's cycle; 0: not compared", "AMK-EPOS-50"),
+    Field::new(
+        "travel",
+        i32::MIN as i64,
+        i32::MAX as i64,
+        "inc",
+        "of an order, from the reference with bit 1 of ba",
+        "AMK-EPOS-51",
+    )
+    .live(),
+    Field::new(
+        "velocity",
+        i32::MIN as i64,
+        i32::MAX as i64,
+        "0.0001 rpm",
+        "n_comm; with bit 1 of ba its sign is the sense of the approach",
+        "AMK-EPOS-52",
+    )
+    .live(),
+    Field::new("acceleration", 1, STEEPEST, "0.001 rev/s^2", "up and down", "AMK-EPOS-53").live(),
+    Field::new("stop_decel", 1, STEEPEST, "0.001 rev/s^2", "down at E2; no less than acceleration", "AMK-EPOS-54")
+        .live(),
+    Field::new("drive_resolution", 1, i32::MAX as i64, "inc/rev", "turn of the drive", "AMK-EPOS-55"),
+    Field::new(
+        "master_resolution",
+        0,
+        i32::MAX as i64,
+        "inc/rev",
+        "turn of the source, with bit 0 of ba",
+        "AMK-EPOS-56",
+    ),
+];
+
+const STEEPEST: i64 = 100_000_000;
+/// Overrides of 100 %.
+const FULL: i64 = 1024;
+/// Largest override of the velocity.
+const LARGEST: i64 = 32_767;
+/// Least override of the acceleration.
+const LEAST: i64 = 102;
+
+const E1: u8 = 1 << 0;
+const E2: u8 = 1 << 1;
+const A1: u8 = 1 << 0;
+const A2: u8 = 1 << 1;
+
+const fn at(name: &'static str) -> usize {
+    place(FIELDS, name)
+}
+
+/// What START alone takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Mode {
+    /// The source is the velocity.
+    follows: bool,
+    substitutional: bool,
+    turns_round: bool,
+    retriggers: bool,
+    modulo: bool,
+    /// Turns of the drive and of the source (inc).
+    turns: (i64, i64),
+}
+
+impl Mode {
+    fn of(words: Words<'_>) -> Self {
+        let has = |bit: u32| words.get(at("ba")) >> bit & 1 == 1;
+        Self {
+            follows: has(0),
+            substitutional: has(1),
+            turns_round: has(2),
+            // Neither of the other two is retriggered (AMK-EPOS-18, -42).
+            retriggers: has(3) && !has(1) && !has(4),
+            modulo: has(4),
+            turns: (words.get(at("drive_resolution")), words.get(at("master_resolution"))),
+        }
+    }
+}
+
+/// What VALUE_NEW takes, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Live {
+    travel: i64,
+    velocity: i64,
+    acceleration: i64,
+    stop_decel: i64,
+}
+
+impl Live {
+    fn of(words: Words<'_>) -> Self {
+        let [travel, velocity, acceleration, stop_decel] =
+            [at("travel"), at("velocity"), at("acceleration"), at("stop_decel")].map(|place| words.get(place));
+        Self { travel, velocity, acceleration, stop_decel }
+    }
+}
+
+/// Where it stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Phase {
+    /// Without an order.
+    #[default]
+    Idle,
+    Run,
+    /// On the ramp of E2.
+    Stopping,
+    /// Stopped with something left.
+    Halted,
+}
+
+/// How it comes to its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum End {
+    /// The reference has not come yet.
+    Unknown,
+    #[default]
+    Ramp,
+    /// By rest behind it, and back.
+    Beyond,
+    /// At once, without a ramp.
+    Step,
+}
+
+/// The positioning.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Epos {
+    /// The slot knows words for the overrides.
+    has_words: [bool; WORDS],
+    mode: Mode,
+    live: Live,
+    /// Time between two calls (ns).
+    call_ns: u64,
+    phase: Phase,
+    end: End,
+    /// The ramp down to a multiple has begun.
+    is_settled: bool,
+    /// Velocity and travel of the order, as it was taken.
+    speed: i128,
+    travel: i64,
+    /// Sense of the approach.
+    is_back: bool,
+    /// Override of the acceleration, as it was taken.
+    share: i64,
+    /// By how much a call changes the velocity, and on the ramp of E2.
+    ramps: (i128, i128),
+    /// Way of a call.
+    velocity: i128,
+    /// Way to the end.
+    left: i128,
+    position: i64,
+    /// What `position` leaves, in 0..INC.
+    rest: i128,
+    /// Way of the source at the last call.
+    seen: i64,
+    /// Inputs of the last call.
+    before: u8,
+    shown: [i64; 1],
+}
+
+impl Epos {
+    /// One that has words for its overrides, or has none.
+    pub(super) fn new(has_words: [bool; WORDS]) -> Self {
+        Self { has_words, share: FULL, ramps: (1, 1), ..Self::default() }
+    }
+
+    /// Has it been made the same?
+    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_words == other.has_words
+    }
+
+    /// What is left of its order.
+    #[inline]
+    pub(super) fn shown(&self) -> &[i64] {
+        &self.shown
+    }
+
+    /// Passes to the phase that the edges ask for; true where an order begins or goes on.
+    fn switch(&mut self, rising: u8, share: i64) -> bool {
+        let goes = rising & (E1 | E2) == E1;
+        match self.phase {
+            Phase::Run if rising & E2 != 0 => self.phase = Phase::Stopping,
+            Phase::Run if goes && self.mode.retriggers => {
+                self.take_order(share);
+                self.left = self.left.saturating_add(whole(self.travel)).clamp(-FARTHEST, FARTHEST);
+                self.end = if self.reaches() { End::Ramp } else { End::Beyond };
+            }
+            Phase::Idle if goes => {
+                self.take_order(share);
+                self.left = whole(self.travel);
+                self.is_back = if self.mode.substitutional { self.live.velocity < 0 } else { self.travel < 0 };
+                self.end = if self.mode.substitutional { End::Unknown } else { End::Ramp };
+                (self.phase, self.is_settled) = (Phase::Run, false);
+                return true;
+            }
+            Phase::Halted if goes => {
+                self.take_share(share);
+                self.phase = Phase::Run;
+                return true;
+            }
+            _ => {}
+        }
+        false
+    }
+
+    fn take_order(&mut self, share: i64) {
+        self.take_share(share);
+        self.travel = self.live.travel;
+        self.speed = velocity(self.live.velocity, self.mode.turns.0, self.call_ns);
+    }
+
+    fn take_share(&mut self, share: i64) {
+        self.share = if self.has_words[1] { share.clamp(LEAST, FULL) } else { FULL };
+        self.take_ramps();
+    }
+
+    fn take_ramps(&mut self) {
+        let of = |rate| change(rate, self.mode.turns.0, self.call_ns);
+        let ramp = of(self.live.acceleration) * i128::from(self.share) / i128::from(FULL);
+        self.ramps = (ramp.max(1), of(self.live.stop_decel));
+    }
+
+    /// The sense of its motion; at rest that of what comes.
+    fn sense(&self) -> i128 {
+        match self.end {
+            End::Ramp | End::Beyond if self.velocity != 0 => self.velocity.signum(),
+            End::Ramp | End::Beyond if self.left != 0 => self.left.signum(),
+            _ => self.approach_sense(),
+        }
+    }
+
+    /// Is there way enough to come to rest by the ramp?
+    fn reaches(&self) -> bool {
+        let sense = self.sense();
+        let left = self.left * sense;
+        left >= 0 && is_enough(self.velocity * sense - self.ramps.0, left, self.ramps.0)
+    }
+
+    /// The reference was at a place of the sink, which counts from there now.
+    fn refer(&mut self, place: i64) {
+        self.position = self.position.wrapping_sub(place);
+        let left = i128::from(self.travel) - i128::from(self.position);
+        self.left = (left * INC - self.rest).clamp(-FARTHEST, FARTHEST);
+        self.end = End::Ramp;
+        if self.left * self.approach_sense() < 0 || !self.reaches() {
+            self.end = if self.mode.turns_round { End::Beyond } else { End::Step };
+        }
+        self.rest_beyond();
+    }
+
+    fn approach_sense(&self) -> i128 {
+        if self.is_back { -1 } else { 1 }
+    }
+
+    /// At rest the way to the end is one like any other; but without bit 2 it never turns round.
+    fn rest_beyond(&mut self) {
+        let is_ahead = self.left * self.approach_sense() >= 0;
+        if self.velocity == 0 && (self.end == End::Beyond || self.end == End::Step && is_ahead) {
+            self.end = End::Ramp;
+        }
+    }
+
+    /// The velocity that it is to come to in this call.
+    #[inline]
+    fn wanted(&self, way: i64, percent: i64) -> i128 {
+        let speed = if self.mode.follows {
+            // No encoder goes further in a call.
+            let way = i128::from(way.unsigned_abs()).min(i128::from(i32::MAX));
+            parts(way * i128::from(self.mode.turns.0), self.mode.turns.1.into())
+        } else {
+            self.speed
+        };
+        if !self.has_words[0] {
+            return speed;
+        }
+        (speed * i128::from(percent.clamp(0, LARGEST)) / i128::from(FULL)).min(FASTEST)
+    }
+
+    /// A call of an order.
+    #[inline]
+    fn go(&mut self, wanted: i128, goes_on: bool) {
+        let sense = self.sense();
+        let (v, mut left) = (self.velocity * sense, self.left * sense);
+        let (wanted, ramp) = if self.phase == Phase::Run { (wanted, self.ramps.0) } else { (0, self.ramps.1) };
+        let next = match self.end {
+            End::Unknown => approach(v, wanted, ramp),
+            End::Beyond => approach(v, 0, ramp),
+            End::Step => approach(v, wanted, ramp).min(left),
+            End::Ramp => {
+                if self.mode.modulo && self.phase == Phase::Run {
+                    left = self.put_off(approach(v, wanted, ramp), left, goes_on);
+                }
+                approach_end(v, wanted, left, ramp)
+            }
+        };
+        self.velocity = next * sense;
+        if self.end != End::Unknown {
+            self.left = (left * sense).saturating_sub(self.velocity).clamp(-FARTHEST, FARTHEST);
+        }
+        let sum = self.rest + self.velocity;
+        // A step is at most as long as what is left: its whole increments have 63 bits.
+        self.position = self.position.wrapping_add((sum >> ramp::BITS) as i64);
+        self.rest = sum & (INC - 1);
+        if self.is_there() {
+            self.velocity = 0;
+        }
+        self.rest_beyond();
+    }
+
+    /// The way that is left by the end that counts for this call: where the ramp down to a multiple would begin, E1 decides.
+    #[inline]
+    fn put_off(&mut self, next: i128, left: i128, goes_on: bool) -> i128 {
+        if self.is_settled || is_enough(next, left, self.ramps.0) {
+            return left;
+        }
+        self.is_settled = !goes_on;
+        if !goes_on {
+            return left;
+        }
+        let (step, short) = (whole(self.travel).abs().max(INC), length(next, self.ramps.0) - left);
+        let steps = (short.max(1) - 1) / step + 1;
+        left.saturating_add(steps.saturating_mul(step)).min(FARTHEST)
+    }
+
+    /// Has it come to its end, and by no ramp beyond it?
+    fn is_there(&self) -> bool {
+        self.left == 0 && matches!(self.end, End::Ramp | End::Step)
+    }
+
+    /// Passes to rest where it has come there.
+    fn settle(&mut self) {
+        if self.is_there() {
+            self.phase = Phase::Idle;
+        } else if self.phase == Phase::Stopping && self.velocity == 0 {
+            self.phase = Phase::Halted;
+        }
+    }
+}
+
+/// Increments in parts.
+fn whole(increments: i64) -> i128 {
+    i128::from(increments) * INC
+}
+
+impl Program for Epos {
+    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+        let field = |name| number(FIELDS, name);
+        let fault = |code, name, asked, limit| Err(Fault::new(code).of(number(FIELDS, name)).with(asked, limit));
+        let (ba, mode, live) = (words.get(at("ba")), Mode::of(words), Live::of(words));
+        if mode.modulo && mode.substitutional {
+            return fault(Code::AMK_MODULO_SUBSTITUTIONAL, "ba", ba, 0);
+        }
+        if mode.follows && !setting.has_source {
+            return fault(Code::AMK_NO_SOURCE, "ba", ba, 0);
+        }
+        if mode.substitutional && !setting.has_mark {
+            return fault(Code::AMK_NO_REFERENCE, "ba", ba, 0);
+        }
+        let half_ms = words.get(at("sf_cycle"));
+        if mode.substitutional && half_ms != 0 && !(2..=18).contains(&half_ms) {
+            return fault(Code::AMK_BEYOND, "sf_cycle", half_ms, if half_ms < 2 { 2 } else { 18 });
+        }
+        check_cycle(half_ms, field("sf_cycle"), setting)?;
+        if (mode.substitutional || mode.modulo) && live.travel == 0 {
+            return fault(Code::AMK_NO_TRAVEL, "travel", 0, ba);
+        }
+        let most = i64::from(i32::MAX);
+        match live.velocity {
+            0 if mode.substitutional => return fault(Code::AMK_NO_APPROACH, "velocity", 0, most),
+            asked @ ..=0 if !mode.substitutional && !mode.follows => {
+                return fault(Code::AMK_NOT_ZERO, "velocity", asked, most);
+            }
+            _ => {}
+        }
+        if mode.substitutional && !mode.turns_round && (live.travel < 0) != (live.velocity < 0) {
+            return fault(Code::AMK_AGAINST_APPROACH, "travel", live.travel, live.velocity);
+        }
+        if live.stop_decel < live.acceleration {
+            return fault(Code::AMK_BEYOND, "stop_decel", live.stop_decel, live.acceleration);
+        }
+        match words.get(at("master_resolution")) {
+            0 if mode.follows => fault(Code::AMK_NOT_ZERO, "master_resolution", 0, most),
+            _ => Ok(()),
+        }
+    }
+
+    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+        *self = Self {
+            mode: Mode::of(words),
+            call_ns: seen.call_ns,
+            position: seen.sink,
+            seen: seen.source.travel,
+            before: seen.inputs,
+            ..Self::new(self.has_words)
+        };
+        self.renew(words);
+        self.step(seen)
+    }
+
+    fn renew(&mut self, words: Words<'_>) {
+        self.live = Live::of(words);
+        self.take_ramps();
+    }
+
+    #[inline]
+    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+        let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
+        let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.seen, seen.source.travel));
+        let [percent, share] = seen.words;
+        let mut anew = 0;
+        if let Some(place) = seen.source.mark.filter(|_| self.phase != Phase::Idle && self.end == End::Unknown) {
+            self.refer(place);
+            anew = place.wrapping_neg();
+        }
+        // A goal gives the edges; the inputs keep theirs.
+        let rising = match seen.asked {
+            Asked::Begin => rising | E1,
+            Asked::Stop => rising | E2,
+            Asked::Nothing | Asked::Hold => rising,
+        };
+        let goes_on = seen.inputs & E1 != 0 || matches!(seen.asked, Asked::Begin | Asked::Hold);
+        let begins = self.switch(rising, share);
+        let mut outputs = 0;
+        if matches!(self.phase, Phase::Run | Phase::Stopping) {
+            let wanted = self.wanted(way, percent);
+            self.go(wanted, goes_on);
+            if !begins {
+                self.settle();
+            }
+            let is_even = self.phase == Phase::Run && !self.is_settled && self.velocity.abs() == wanted;
+            outputs |= if self.mode.modulo && is_even { A2 } else { 0 };
+        }
+        outputs |= u8::from(matches!(self.phase, Phase::Idle | Phase::Halted));
+        let is_open = self.phase != Phase::Idle && self.end != End::Unknown;
+        self.shown = [if is_open { ((self.left + self.rest) >> ramp::BITS) as i64 } else { 0 }];
+        let writes = A1 | if self.mode.modulo { A2 } else { 0 };
+        Outcome { sink: self.position, outputs, writes, anew, ..Outcome::default() }
+    }
+
+    fn progress(&self) -> Progress {
+        match self.phase {
+            Phase::Idle => Progress::Rests,
+            Phase::Run | Phase::Stopping => Progress::Moves,
+            Phase::Halted => Progress::Stopped,
+        }
+    }
+
+    fn drop_order(&mut self) {
+        (self.phase, self.velocity, self.left, self.rest, self.end) = (Phase::Idle, 0, 0, 0, End::Ramp);
+        self.shown = [0];
+    }
+
+    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+        self.mode == Mode::of(words) && self.live == Live::of(words) && self.call_ns == call_ns
+    }
+
+    fn is_sound(&self) -> bool {
+        let ramps = [self.ramps.0, self.ramps.1];
+        ramps.into_iter().all(|ramp| (1..=FASTEST).contains(&ramp))
+            && (0..=FASTEST).contains(&self.speed)
+            && self.velocity.saturating_abs() <= FASTEST
+            && self.left.saturating_abs() <= FARTHEST
+            && (0..INC).contains(&self.rest)
+            && (LEAST..=FULL).contains(&self.share)
+            && i32::try_from(self.travel).is_ok()
+    }
+}
+
+#[cfg(test)]
+mod tests;

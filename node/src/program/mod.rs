@@ -1,0 +1,65 @@
+//! Programs of the user as files and texts: modules beside a cell, in a recording, and what `lineshaft program` writes.
+
+mod template;
+mod trial;
+
+pub(crate) use template::{Language, write as write_template};
+pub(crate) use trial::{Trial, TrialError};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use lineshaft_program::MOST_BYTES;
+use std::io::Read;
+use std::path::Path;
+
+/// What stands before a module in a text.
+const BEFORE: &str = "data:application/wasm;base64,";
+
+/// The bytes of a file, no more than a module may have.
+///
+/// # Errors
+/// Why it cannot be read.
+pub(crate) fn load(path: &Path) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes));
+    match read {
+        Err(error) => Err(error.to_string()),
+        Ok(_) if path.is_dir() => Err("it is a folder".to_owned()),
+        Ok(_) if bytes.len() > MOST_BYTES => Err(format!("it is longer than {MOST_BYTES} bytes")),
+        Ok(_) => Ok(bytes),
+    }
+}
+
+/// A module as a text.
+pub(crate) fn encode(module: &[u8]) -> String {
+    format!("{BEFORE}{}", STANDARD.encode(module))
+}
+
+/// The module of a text; none where it holds none.
+pub(crate) fn decode(text: &str) -> Option<Vec<u8>> {
+    STANDARD.decode(text.strip_prefix(BEFORE)?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_module_is_a_text_and_back() {
+        let bytes: Vec<u8> = (0..=255).collect();
+        assert_eq!(decode(&encode(&bytes)), Some(bytes));
+        assert!(encode(b"\0asm").starts_with("data:application/wasm;base64,AGFzbQ"));
+        assert_eq!([decode("AGFzbQ"), decode("data:application/wasm;base64,?")], [None, None]);
+    }
+
+    #[test]
+    fn a_file_that_is_too_long_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("long.wasm");
+        std::fs::write(&path, vec![0; MOST_BYTES + 1]).unwrap();
+        assert_eq!(load(&path), Err("it is longer than 1048576 bytes".to_owned()));
+        std::fs::write(&path, b"abc").unwrap();
+        assert_eq!(load(&path), Ok(b"abc".to_vec()));
+        assert!(load(&folder.path().join("none")).is_err() && load(folder.path()).is_err());
+    }
+}
