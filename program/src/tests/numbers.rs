@@ -105,6 +105,31 @@ fn memory_ends_where_it_ends() {
     assert_eq!(whole("(i64.extend_i32_s (memory.size))"), Ok(1));
 }
 
+/// Both ways of an `if` reach the local that takes its result.
+#[test]
+fn what_meets_behind_two_ways_is_that_of_the_way_taken() {
+    for (condition, expected) in [(1, 5), (0, 6)] {
+        let text = format!(
+            "(local.set $b (i64.const 2)) (local.set $a (if (result i64) (i32.const {condition}) \
+             (then (i64.add (local.get $b) (i64.const 3))) (else (i64.mul (local.get $b) (i64.const 3))))) \
+             (i64.store (i32.const 40) (local.get $a))"
+        );
+        assert_eq!(sink_of(&text), Ok(expected));
+    }
+}
+
+/// A branch takes its result along from above what it leaves behind.
+#[test]
+fn a_branch_takes_along_what_is_on_top() {
+    for (condition, expected) in [(1, 9), (0, 1)] {
+        let text = format!(
+            "(i64.store (i32.const 40) (block (result i64) i64.const 5 i64.const 9 i32.const {condition} br_if 0 \
+             drop drop i64.const 1))"
+        );
+        assert_eq!(sink_of(&text), Ok(expected));
+    }
+}
+
 /// A copy that overlaps is one of what was there.
 #[test]
 fn copies_may_overlap() {
