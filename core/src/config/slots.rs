@@ -375,15 +375,11 @@ impl MachineConfig {
                 let name = format!("{}.command.position", config.name);
                 Sink::Axis(axis, directory.find(&name).ok_or(SlotProblem::Place("sink"))?)
             }
-            SinkConfig::Memory(place) => {
-                let signal = of_object(Object::Memory(place), "sink")?;
-                match self.memory.get(usize::from(place)).map(|memory| memory.kind) {
-                    Some(MemoryKind::F64) => Sink::Real(signal),
-                    Some(MemoryKind::I16) => Sink::Memory(signal, Width::W16),
-                    Some(MemoryKind::I32) => Sink::Memory(signal, Width::W32),
-                    _ => Sink::Memory(signal, Width::W64),
-                }
-            }
+            SinkConfig::Memory(place) => match self.cell(place, directory).ok_or(SlotProblem::Place("sink"))? {
+                Cell::Real(signal) => Sink::Real(signal),
+                Cell::Int(signal, width) => Sink::Memory(signal, width),
+                Cell::Bit(_) => return Err(SlotProblem::Place("sink")),
+            },
             SinkConfig::Output(place) => {
                 Sink::Analog(self.io_place(place.into()), of_object(Object::Io(place), "sink")?)
             }
@@ -411,7 +407,7 @@ impl MachineConfig {
             }
         }
         let reads: Option<Box<[Word]>> = slot.reads.iter().map(|name| word(name)).collect();
-        let writes = slot.writes.iter().map(|place| self.cell(*place, directory)).collect::<Result<_, _>>()?;
+        let writes: Option<Box<[Cell]>> = slot.writes.iter().map(|place| self.cell(*place, directory)).collect();
         Ok(Wires {
             kind: slot.kind,
             first,
@@ -429,7 +425,7 @@ impl MachineConfig {
             program: slot.program,
             fuel: slot.fuel,
             reads: reads.ok_or(SlotProblem::Place("reads"))?,
-            writes,
+            writes: writes.ok_or(SlotProblem::Place("writes"))?,
             quantity: slot.quantity,
             mark: self.mark(slot),
             factor: slot.factor,
@@ -438,15 +434,16 @@ impl MachineConfig {
         })
     }
 
-    /// A memory cell that a program writes.
-    fn cell(&self, place: u16, directory: &Directory) -> Result<Cell, SlotProblem> {
-        let signal = directory.find(self.name(Object::Memory(place))).ok_or(SlotProblem::Place("writes"))?;
-        Ok(match self.memory.get(usize::from(place)).map(|memory| memory.kind) {
-            Some(MemoryKind::Bit) => Cell::Bit(signal),
-            Some(MemoryKind::F64) => Cell::Real(signal),
-            Some(MemoryKind::I16) => Cell::Int(signal, Width::W16),
-            Some(MemoryKind::I32) => Cell::Int(signal, Width::W32),
-            _ => Cell::Int(signal, Width::W64),
+    /// A memory cell that a slot writes.
+    fn cell(&self, place: u16, directory: &Directory) -> Option<Cell> {
+        let kind = self.memory.get(usize::from(place))?.kind;
+        let signal = directory.find(self.name(Object::Memory(place)))?;
+        Some(match kind {
+            MemoryKind::Bit => Cell::Bit(signal),
+            MemoryKind::F64 => Cell::Real(signal),
+            MemoryKind::I16 => Cell::Int(signal, Width::W16),
+            MemoryKind::I32 => Cell::Int(signal, Width::W32),
+            MemoryKind::I64 => Cell::Int(signal, Width::W64),
         })
     }
 

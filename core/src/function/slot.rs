@@ -8,12 +8,15 @@
 //! Refuses  START while it is active, VALUE_NEW while it is not, a set that its type does not take, each with the field
 //! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
 
-use super::apsf::Host;
+mod goals;
+mod programs;
+
+use self::programs::{first_output, module};
 use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
 use super::kind::{Description, Quantity};
 use super::notice::Notice;
-use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Progress, Reading, Seen, Setting, Tables};
+use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
 use super::types::Any;
 use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
@@ -307,63 +310,6 @@ impl Slot {
         Ok(())
     }
 
-    /// May a goal begin an order?
-    pub(crate) fn check_goal(&self, wires: &Wires) -> Result<(), Code> {
-        match () {
-            () if !wires.kind.description().takes_goals => Err(Code::FUNCTION_NO_GOALS),
-            () if self.goal.is_some() || self.is_active() && self.function.progress() == Progress::Moves => {
-                Err(Code::FUNCTION_BUSY)
-            }
-            () => Ok(()),
-        }
-    }
-
-    /// Takes a goal that was checked; what an order before it has left is dropped.
-    pub(crate) fn take_goal(&mut self, sequence: u64) {
-        self.function.drop_order();
-        self.goal = Some(Goal::new(sequence));
-    }
-
-    /// Is a goal of it under way, whose axis has heard of the START by now?
-    pub(crate) fn follows_goal(&self) -> bool {
-        self.goal.is_some() && self.phase == Phase::Active
-    }
-
-    /// Cancels its goal, if it is that one.
-    pub(crate) fn cancel_goal(&mut self, sequence: u64) -> bool {
-        let Some(goal) = self.goal.as_mut().filter(|goal| goal.sequence == sequence) else { return false };
-        if goal.cancel() {
-            self.end_goal(Code::CANCELLED);
-        }
-        true
-    }
-
-    /// Its goal ends by something else than its order, which is dropped.
-    pub(crate) fn fail_goal(&mut self, code: Code) {
-        if self.goal.is_some() {
-            self.end_goal(code);
-            self.function.drop_order();
-        }
-    }
-
-    fn end_goal(&mut self, code: Code) {
-        if let Some(Goal { sequence, .. }) = self.goal.take() {
-            let left = self.function.shown().and_then(|shown| shown.first().copied()).unwrap_or(0);
-            self.ended = Some(GoalEnd { sequence, code, left });
-        }
-    }
-
-    /// Has it a goal, or one that has ended?
-    #[inline]
-    pub(crate) fn has_goal(&self) -> bool {
-        self.goal.is_some() || self.ended.is_some()
-    }
-
-    /// How its goal has ended, once.
-    pub(crate) fn take_end(&mut self) -> Option<GoalEnd> {
-        self.ended.take()
-    }
-
     /// RESET: what it writes at the end it writes in its place of this cycle.
     pub(crate) fn reset(&mut self) {
         self.is_shown = false;
@@ -462,18 +408,6 @@ impl Slot {
         written
     }
 
-    /// What the call means to its goal.
-    #[cold]
-    fn follow_goal(&mut self) {
-        let Some(goal) = &mut self.goal else { return };
-        if let Some(code) = goal.take(self.function.progress()) {
-            self.end_goal(code);
-            if code == Code::CANCELLED {
-                self.function.drop_order();
-            }
-        }
-    }
-
     /// The coordinate of the sink is another one from now on: that is no motion.
     #[cold]
     fn set_anew(&mut self, wires: &Wires, by: i64) {
@@ -546,39 +480,6 @@ impl Slot {
             outputs: self.outputs,
             host: None,
         }
-    }
-
-    /// The same with what a program runs with.
-    fn hosted<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> Seen<'a> {
-        let host = module(wires, cx.programs).map(|module| Host {
-            module,
-            fuel: wires.fuel,
-            board,
-            reads: &wires.reads,
-            writes: &wires.writes,
-            first_output: first_output(wires),
-        });
-        Seen { host, ..self.seen(wires, cx, board, sink) }
-    }
-
-    /// A call of a program; other types do not pay for it.
-    #[inline(never)]
-    fn call_program(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
-        let seen = self.hosted(wires, cx, board, self.sink);
-        let outcome = self.function.step(&seen);
-        self.take_program(wires, cx, outcome, board)
-    }
-
-    /// What a program has given, or its end.
-    fn take_program(&mut self, wires: &Wires, cx: &Cycle<'_>, outcome: Outcome, board: &mut Board) -> Written {
-        if let Some(code) = outcome.failed {
-            return self.fail(wires, code, board);
-        }
-        self.move_sink(wires, outcome.sink);
-        self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
-        let written = self.write(wires, outcome, board);
-        self.write_cells(wires, cx, board);
-        written
     }
 
     /// Writes what a call gave.
@@ -678,38 +579,6 @@ impl Slot {
         let rests = wires.kind.description().rests;
         self.set_outputs(wires, self.function.rests(rests), self.writes, board);
         Written { outputs: self.writes, sink, failed: None }
-    }
-
-    /// The end of one that cannot go on.
-    #[cold]
-    fn fail(&mut self, wires: &Wires, code: Code, board: &mut Board) -> Written {
-        let written = self.rest_sink(wires, board);
-        (self.phase, self.error) = (Phase::Reset, code);
-        (self.shown, self.mark) = ([0; 3], None);
-        self.publish(wires, board);
-        self.is_shown = false;
-        Written { failed: Some(code), ..written }
-    }
-
-    /// Memory cells get what a program has left for them.
-    fn write_cells(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) {
-        if wires.writes.is_empty() {
-            return;
-        }
-        let Some(module) = module(wires, cx.programs) else { return };
-        for (place, cell) in wires.writes.iter().enumerate() {
-            cell.set(board, self.function.word(module, place));
-        }
-    }
-
-    /// Pages of memory that it has for its program.
-    pub(crate) fn room(&self) -> usize {
-        self.function.room()
-    }
-
-    /// Goes on with another program; false where it cannot keep its state, or has no room.
-    pub(crate) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
-        self.function.exchange(modules, keeps)
     }
 
     fn publish(&self, wires: &Wires, board: &mut Board) {
@@ -842,16 +711,6 @@ fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
         *place = if live { *new } else { *active };
     }
-}
-
-/// The first output that is wired: the bit mask of A1 (AMK-APSF-11).
-fn first_output(wires: &Wires) -> u8 {
-    wires.outputs.iter().position(Option::is_some).map_or(0, |first| first as u8)
-}
-
-/// The program of a slot that has one.
-fn module<'a>(wires: &Wires, programs: &'a [Arc<Module>]) -> Option<&'a Module> {
-    programs.get(usize::from(wires.program?)).map(|module| &**module)
 }
 
 fn found<'a>(wires: &'a Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {

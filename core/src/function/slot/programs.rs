@@ -1,0 +1,93 @@
+//! A slot that runs a program of the user: its calls, what it has left, its end, its exchange.
+
+use super::{Cycle, Phase, Slot, Written};
+use crate::code::Code;
+use crate::function::apsf::Host;
+use crate::function::program::{Outcome, Seen};
+use crate::function::wires::Wires;
+use crate::signal::Board;
+use lineshaft_program::Module;
+use std::sync::Arc;
+
+impl Slot {
+    /// The same with what a program runs with.
+    pub(super) fn hosted<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> Seen<'a> {
+        let host = module(wires, cx.programs).map(|module| Host {
+            module,
+            fuel: wires.fuel,
+            board,
+            reads: &wires.reads,
+            writes: &wires.writes,
+            first_output: first_output(wires),
+        });
+        Seen { host, ..self.seen(wires, cx, board, sink) }
+    }
+
+    /// A call of a program; other types do not pay for it.
+    #[inline(never)]
+    pub(super) fn call_program(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
+        let seen = self.hosted(wires, cx, board, self.sink);
+        let outcome = self.function.step(&seen);
+        self.take_program(wires, cx, outcome, board)
+    }
+
+    /// What a program has given, or its end.
+    pub(super) fn take_program(
+        &mut self,
+        wires: &Wires,
+        cx: &Cycle<'_>,
+        outcome: Outcome,
+        board: &mut Board,
+    ) -> Written {
+        if let Some(code) = outcome.failed {
+            return self.fail(wires, code, board);
+        }
+        self.move_sink(wires, outcome.sink);
+        self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
+        let written = self.write(wires, outcome, board);
+        self.write_cells(wires, cx, board);
+        written
+    }
+
+    /// The end of one that cannot go on.
+    #[cold]
+    pub(super) fn fail(&mut self, wires: &Wires, code: Code, board: &mut Board) -> Written {
+        let written = self.rest_sink(wires, board);
+        (self.phase, self.error) = (Phase::Reset, code);
+        (self.shown, self.mark) = ([0; 3], None);
+        self.publish(wires, board);
+        self.is_shown = false;
+        Written { failed: Some(code), ..written }
+    }
+
+    /// Memory cells get what a program has left for them.
+    pub(super) fn write_cells(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) {
+        if wires.writes.is_empty() {
+            return;
+        }
+        let Some(module) = module(wires, cx.programs) else { return };
+        for (place, cell) in wires.writes.iter().enumerate() {
+            cell.set(board, self.function.word(module, place));
+        }
+    }
+
+    /// Pages of memory that it has for its program.
+    pub(crate) fn room(&self) -> usize {
+        self.function.room()
+    }
+
+    /// Goes on with another program; false where it cannot keep its state, or has no room.
+    pub(crate) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
+        self.function.exchange(modules, keeps)
+    }
+}
+
+/// The first output that is wired: the bit mask of A1 (AMK-APSF-11).
+pub(super) fn first_output(wires: &Wires) -> u8 {
+    wires.outputs.iter().position(Option::is_some).map_or(0, |first| first as u8)
+}
+
+/// The program of a slot that has one.
+pub(super) fn module<'a>(wires: &Wires, programs: &'a [Arc<Module>]) -> Option<&'a Module> {
+    programs.get(usize::from(wires.program?)).map(|module| &**module)
+}
