@@ -17,7 +17,8 @@ pub use slots::{
 };
 
 use crate::axis::{
-    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_name, may_read, may_tell_sign, may_turn_loop,
+    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_name, may_read, may_tell_sign, may_time_loop,
+    may_turn_loop,
 };
 use crate::code::Code;
 use crate::drive::{Capabilities, Interface, SpeedOutputs};
@@ -25,6 +26,7 @@ use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
 use crate::object::{MAX_AXES, Object};
 use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
+use crate::regulator::Law;
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{self, Setting, Wiring};
 use drives::{check_drive, check_gantry};
@@ -120,6 +122,8 @@ pub struct AxisConfig {
     pub second: Option<Capabilities>,
     /// How its drive is commanded.
     pub interface: Interface,
+    /// How its position loop is closed, where it is closed here.
+    pub law: Law,
     /// Cycles without new data from its drive that are waited for.
     pub missed_cycles: u32,
     /// What its vocabularies are wired to.
@@ -146,6 +150,7 @@ impl AxisConfig {
             drive,
             second: None,
             interface: Interface::Position,
+            law: Law::default(),
             missed_cycles: MISSED_CYCLES,
             vocabularies: Wiring::default(),
             open_loop: SpeedOutputs::default(),
@@ -177,7 +182,7 @@ impl AxisConfig {
 impl Applies {
     /// Has that axis it?
     pub fn to(self, axis: &AxisConfig) -> bool {
-        self.to_interface(axis.drive.map(|_| axis.interface), axis.second.is_some())
+        self.to_interface(axis.drive.map(|_| axis.interface), axis.law, axis.second.is_some())
     }
 }
 
@@ -290,6 +295,10 @@ impl MachineConfig {
                     Contradiction::NotBuilt(key, code) => ConfigError::NotBuilt { axis: name(), key, code },
                 })?;
                 may_read(axis.wired, self.encoders.len(), axis.drive.map(|_| axis.interface), &parameters)
+                    .and_then(|()| {
+                        let interface = axis.drive.map(|_| axis.interface);
+                        may_time_loop(interface, axis.law, &parameters, self.cycle_ns)
+                    })
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
                     .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;
                 if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
@@ -474,6 +483,7 @@ impl MachineConfig {
                 gantry: axis.second.and_then(|_| gantries.next()),
                 modulo: axis.modulo,
                 interface: axis.interface,
+                law: axis.law,
                 missed_cycles: axis.missed_cycles,
                 unit: axis.increments_per_unit(),
                 vocabularies: axis.vocabularies,

@@ -143,11 +143,12 @@ impl Axis {
     /// May it have these parameters?
     ///
     /// # Errors
-    /// The loop of its drive cannot be turned over here.
+    /// The loop of its drive cannot be turned over here, or the loop that is closed here cannot run.
     pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
-        let (key, code) = if let Err(refused) = wired {
+        let timed = super::may_time_loop(interface, self.setup.law, candidate, self.setup.cycle_ns);
+        let (key, code) = if let Err(refused) = wired.and(timed) {
             refused
         } else if !may_turn_loop(interface, candidate) {
             ("posdrct", Code::LOOP_IN_DRIVE)

@@ -36,6 +36,7 @@ mod open_loop;
 mod overlay;
 mod pair;
 mod phase;
+mod position_loop;
 mod power;
 mod probe;
 mod publish;
@@ -62,6 +63,7 @@ pub use function::MovedBy;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
+pub use position_loop::may_time_loop;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use safety::Safety;
@@ -83,6 +85,7 @@ use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
+use crate::regulator::Law;
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
@@ -103,6 +106,7 @@ use limits::AtLimits;
 use master::Sight;
 use overlay::Overlay;
 use phase::Phasing;
+use position_loop::PositionLoop;
 use power::Power;
 use rhythm::Rhythm;
 use serde::{Deserialize, Serialize};
@@ -128,6 +132,8 @@ pub struct AxisSetup {
     pub modulo: Option<Modulo>,
     /// How its drive is commanded.
     pub interface: Interface,
+    /// How its position loop is closed, where it is closed here.
+    pub law: Law,
     /// Cycles without new data from its drive that are waited for.
     pub missed_cycles: u32,
     /// Increments per axis unit.
@@ -264,6 +270,7 @@ pub struct Axis {
     leaving: Option<Leaving>,
     buffer: Buffer,
     waiting: Waiting,
+    position_loop: PositionLoop,
 }
 
 /// Bytes of an axis that each of its cycles touches: its present motion, what judges it and limits it.
@@ -311,6 +318,7 @@ impl Axis {
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
+            position_loop: PositionLoop::default(),
             judge: Judge::new(delay),
             at_limits: AtLimits::default(),
             alarm: Alarm::default(),
@@ -473,6 +481,7 @@ impl Axis {
             && self.homing.is_running() == (self.state == AxisState::Homing)
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
+            && self.position_loop.is_sound()
             && self.vocabularies.is_sound()
             && searches
             && waits

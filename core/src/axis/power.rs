@@ -6,7 +6,6 @@ use crate::code::{Class, Code};
 use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
-use crate::regulator::Proportional;
 use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
@@ -273,7 +272,8 @@ impl Axis {
     /// The part of the drive's outputs that changes while it moves.
     #[inline]
     pub(super) fn lead_drive(&mut self, asked: i64) {
-        let velocity = self.reference_across(self.drive_velocity());
+        let velocity = self.drive_velocity();
+        let velocity = self.reference_across(velocity);
         self.is_backwards = velocity < 0.0;
         self.output.position = self.turn_counts(asked).wrapping_sub(self.origin);
         self.output.velocity = self.unipolar(velocity);
@@ -283,32 +283,11 @@ impl Axis {
 
     /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.
     #[inline]
-    fn drive_velocity(&self) -> f64 {
+    fn drive_velocity(&mut self) -> f64 {
         match self.setup.interface {
-            Interface::Velocity if self.is_on() => {
-                let p = &self.parameters;
-                let regulator = Proportional { gain: p.position_loop.kv, max_velocity: p.max_velocity };
-                regulator.velocity(self.command.position, self.actual.position)
-            }
-            Interface::Velocity => 0.0,
+            Interface::Velocity => self.close_loop(),
             Interface::OpenLoop => self.speed(),
             Interface::Position | Interface::Torque => self.command.velocity,
-        }
-    }
-
-    /// The velocity that the drive is given, with its sign (inc/s).
-    fn signed_velocity(&self) -> f64 {
-        let velocity = self.output.velocity;
-        if self.is_backwards && velocity > 0.0 { 0.0 - velocity } else { velocity }
-    }
-
-    /// The output of the position loop, -1 to 1; 0 where the drive closes it.
-    pub(super) fn regulator_output(&self) -> f64 {
-        match self.setup.interface {
-            Interface::Velocity => {
-                (self.reference_across(self.signed_velocity()) / self.parameters.max_velocity).clamp(-1.0, 1.0)
-            }
-            _ => 0.0,
         }
     }
 }

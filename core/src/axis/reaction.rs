@@ -11,7 +11,6 @@ use super::power::Power;
 use super::waiting::Until;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::{Class, Code};
-use crate::drive::Interface;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::profile::Motion;
 use crate::vocabulary::{Notice, Owner};
@@ -328,10 +327,6 @@ impl Axis {
     /// On, and not on its way to being off.
     fn is_at_work(&self) -> bool {
         matches!(self.power, Power::On | Power::Opening { .. })
-    }
-
-    pub(super) fn closes_loop_here(&self) -> bool {
-        matches!(self.setup.interface, Interface::Velocity | Interface::Torque)
     }
 
     pub(super) fn stand_on_actual(&mut self) {

@@ -8,7 +8,7 @@
 //!          effort), and nothing is told: what the last part of a cycle leaves to the first one of the next is done by then
 //! Reads    the whole state after a full cycle; the inputs of its drive, bit by bit
 //! Writes   nothing but the counts of cycles
-//! Refuses  whoever may depend on what it does not look at: vocabularies in use, trajectories, homing, superimposed motions, goals
+//! Refuses  whoever may depend on what it does not look at: a loop closed here that goes on at rest, vocabularies in use, trajectories, homing, superimposed motions, goals
 //!          that wait or search, errors, switches, sources with other users. That costs time and changes nothing
 
 use super::power::Power;
@@ -91,7 +91,9 @@ impl Axis {
     pub fn note_rhythm(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
         let found = match self.generator {
             // What moves is told first: that costs it next to nothing.
-            Generator::Rest if self.rests_for_good(shown) && !self.shows_a_master(axes) => Pace::Passed,
+            Generator::Rest if !self.regulates() && self.rests_for_good(shown) && !self.shows_a_master(axes) => {
+                Pace::Passed
+            }
             Generator::Plan(_) | Generator::Follow(_) if self.moves_alone() => Pace::Calm,
             _ => Pace::Full,
         };

@@ -12,6 +12,9 @@ pub fn not_built_here(code: Code) -> &'static str {
             "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
              are allowed"
         }
+        Code::LOOP_PERIOD => {
+            "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"
+        }
         Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
         Code::WF_NO_CAM_SIDE => {
             "is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 (minus) are allowed"

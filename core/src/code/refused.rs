@@ -424,6 +424,13 @@ codes! {
         remedy: "Use a value that inverts both.",
     }
 
+    /// TIMER is no whole number of cycles.
+    LOOP_PERIOD = 10072, NoError {
+        says: "",
+        cause: "timer is no whole number of cycles, so that the position loop cannot keep it.",
+        remedy: "Give a timer that the cycle divides.",
+    }
+
     /// REVERS asks for outputs or a node, which do not exist yet.
     NO_REVERSING_OUTPUTS = 10054, NoError {
         says: "",

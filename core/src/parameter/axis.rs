@@ -9,6 +9,7 @@ use super::{
 use crate::code::Code;
 use crate::position::Position;
 use crate::profile::{Jerks, Limits, Shape};
+use crate::regulator::PidGains;
 use serde::{Deserialize, Serialize};
 
 /// Largest velocity, acceleration and jerk (inc/s, ..).
@@ -77,6 +78,8 @@ pub struct AxisParameters {
     pub macs: Macs,
     /// The position loop that is closed here.
     pub position_loop: PositionLoop,
+    /// The gains of that loop where it is a PID.
+    pub pid: PidGains,
     /// Of the vocabularies.
     pub vocabularies: Vocabularies,
 }
@@ -115,6 +118,7 @@ impl AxisParameters {
             gantry: GantryParameters::default(),
             macs: Macs::default(),
             position_loop: PositionLoop::default(),
+            pid: PidGains::default(),
             vocabularies: Vocabularies::default(),
         };
         for row in ROWS.iter().filter(|row| row.is_stored() && !row.required) {

@@ -3,6 +3,7 @@
 use super::rows::ROWS;
 use super::{AxisParameters, MachineParameters};
 use crate::drive::Interface;
+use crate::regulator::Law;
 
 /// What a parameter measures, and so how it is kept and written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,8 +198,10 @@ pub enum Applies {
     Any,
     /// Axes with a drive.
     Drive,
-    /// Axes whose position loop is here: interface velocity or torque.
-    Regulator,
+    /// Axes whose position loop is here and proportional.
+    Proportional,
+    /// Axes whose position loop is here and a PID.
+    Pid,
     /// Axes with interface open_loop.
     OpenLoop,
     /// Axes with two drives.
@@ -208,13 +211,15 @@ pub enum Applies {
 }
 
 impl Applies {
-    /// Has an axis it whose drive, or both of whose drives, are commanded so; none for a virtual one?
-    pub fn to_interface(self, interface: Option<Interface>, has_two: bool) -> bool {
+    /// Has an axis it whose drive, or both of whose drives, are commanded so, by that law where the loop is here; none for a virtual one?
+    pub fn to_interface(self, interface: Option<Interface>, law: Law, has_two: bool) -> bool {
+        let is_here = matches!(interface, Some(Interface::Velocity | Interface::Torque));
         match self {
             Self::Any => true,
             Self::Gantry => has_two,
             Self::Drive => interface.is_some(),
-            Self::Regulator => matches!(interface, Some(Interface::Velocity | Interface::Torque)),
+            Self::Proportional => is_here && law == Law::Proportional,
+            Self::Pid => is_here && law == Law::Pid,
             Self::OpenLoop => interface == Some(Interface::OpenLoop),
             Self::Machine => false,
         }
@@ -225,7 +230,8 @@ impl Applies {
         match self {
             Self::Any => "every axis",
             Self::Drive => "axes with a drive",
-            Self::Regulator => "axes with interface velocity or torque",
+            Self::Proportional => "axes with interface velocity or torque and regulator proportional",
+            Self::Pid => "axes with interface velocity or torque and regulator pid",
             Self::OpenLoop => "axes with interface open_loop",
             Self::Gantry => "axes with two drives",
             Self::Machine => "the machine",

@@ -110,6 +110,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
         Code::LOOP_IN_DRIVE
         | Code::NO_VELOCITY_LOOP
+        | Code::LOOP_PERIOD
         | Code::NO_REVERSING_OUTPUTS
         | Code::SYNC_OFFSET_RANGE
         | Code::MARK_WINDOW

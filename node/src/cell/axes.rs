@@ -4,7 +4,7 @@ use super::amc;
 use super::backends::{Context, Hardware};
 use super::brake;
 use super::can::CellDrive;
-use super::drives::{self, Drive, interface_of};
+use super::drives::{self, Drive, interface_of, law_of};
 use super::encoders::{self, Reads};
 use super::fixtures;
 use super::loops::Chains;
@@ -15,7 +15,7 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
-use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_read, may_tell_sign};
+use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_read, may_tell_sign, may_time_loop};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
 use lineshaft_core::drive::Interface;
@@ -103,7 +103,7 @@ fn axis<'d>(
     let who = drive.map(|drive| interface_of(Some(drive)));
     let form = |place| Some(coded.get(usize::from(place))?.as_ref()?.form);
     let absolute = wired.unwrap_or_default().absolute_sources(form);
-    let new = parameters::Axis { who, has_two, absolute, cycle_ns: cx.cycle_ns };
+    let new = parameters::Axis { who, law: law_of(drive), has_two, absolute, cycle_ns: cx.cycle_ns };
     let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, new);
     parameters.macs.scale = factors;
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
@@ -153,6 +153,7 @@ fn axis<'d>(
         }
     };
     let interface = interface_of(drive).unwrap_or_default();
+    let law = law_of(drive);
     let missed = |drive: Option<Drive>| match drive {
         Some(Drive::Real { missed_cycles, .. }) => missed_cycles,
         _ => MISSED_CYCLES,
@@ -181,6 +182,7 @@ fn axis<'d>(
         modulo,
         second: second_offers,
         interface,
+        law,
         missed_cycles,
         open_loop,
         brake: brake?,
@@ -190,6 +192,7 @@ fn axis<'d>(
     };
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
+    check_loop(&config, &entry.key, &given, cx.cycle_ns);
     check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
     Some(Axis { config, first, second })
@@ -221,6 +224,20 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
             feedback.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
         }
     }
+}
+
+/// Refuses a period of the position loop that is no whole number of cycles, and says so of the axis where it gives none.
+fn check_loop(axis: &AxisConfig, key: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
+    let Some(cycle_ns) = cycle_ns else { return };
+    let interface = axis.drive.map(|_| axis.interface);
+    let Err((timer, code)) = may_time_loop(interface, axis.law, &axis.parameters, cycle_ns) else { return };
+    let value = given.iter().find(|(given, _)| *given == timer).map_or(key, |(_, value)| value);
+    let period = axis.parameters.pid.period_ms;
+    let hint = format!("a cycle has {} ms; write timer", cycle_ns as f64 / 1e6);
+    value.refuse(
+        format!("{timer} of axis {} is {period} ms, which {}", quote(&axis.name), not_built_here(code)),
+        Some(hint),
+    );
 }
 
 /// Refuses a `mencodertype` that names what the cell has not, or the axis itself.

@@ -11,6 +11,7 @@ use crate::document::{Map, Value};
 use lineshaft_can::drive::DriveMode;
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::Interface;
+use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
 
 /// Address of a drive and what it is called, by backend.
@@ -28,6 +29,8 @@ pub(super) enum Drive {
         /// What it hangs on.
         kind: Backend,
         interface: Interface,
+        /// How its position loop is closed, where it is closed here.
+        law: Law,
         /// Cycles without new data that are waited for.
         missed_cycles: u32,
     },
@@ -39,6 +42,14 @@ pub(super) fn interface_of(drive: Option<Drive>) -> Option<Interface> {
     match drive {
         Some(Drive::Real { interface, .. }) => Some(interface),
         _ => None,
+    }
+}
+
+/// The law of the position loop, of a drive that has one here.
+pub(super) fn law_of(drive: Option<Drive>) -> Law {
+    match drive {
+        Some(Drive::Real { law, .. }) => law,
+        _ => Law::default(),
     }
 }
 
@@ -156,6 +167,7 @@ pub(super) fn drive<'d>(
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
+    let law = map.optional("regulator").map_or(Some(Law::default()), |value| law(&value, interface));
     let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
     let (number, on_can) = match (place, backend) {
         (Some(place), Some(Backend::Sim { .. })) => {
@@ -175,7 +187,7 @@ pub(super) fn drive<'d>(
     map.finish();
     let number = number?;
     let (at, kind) = (Hardware { backend: place?, number }, backend?);
-    Some((Drive::Real { at, kind, interface: interface?, missed_cycles: missed? }, on_can?))
+    Some((Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: missed? }, on_can?))
 }
 
 /// Key `key`, which numbers the drives of a backend.
@@ -191,6 +203,22 @@ fn take(
     let number = value.integer(range)?;
     let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
     taken.take((backend, key, number), &value, what).then_some(number)
+}
+
+/// Key `regulator`; `interface` is that of the drive, if it is known.
+fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
+    let law = value.choice(&Law::ALL.map(|law| (law.name(), law)))?;
+    match interface {
+        Some(interface) if !matches!(interface, Interface::Velocity | Interface::Torque) => {
+            let sentence = format!(
+                "regulator is for a drive whose position loop is closed here, with interface velocity; this one has {}",
+                interface.name()
+            );
+            value.refuse(sentence, Some("leave it out".to_owned()));
+            None
+        }
+        _ => Some(law),
+    }
 }
 
 fn interface(value: &Value<'_>) -> Option<Interface> {

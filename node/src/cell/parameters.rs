@@ -15,6 +15,7 @@ use lineshaft_core::parameter::{
     self, Applies, AxisParameters, Bare, ConvertError, Group, Measure, ParameterInput, ROWS, Refused, Row, Storage,
     Word,
 };
+use lineshaft_core::regulator::Law;
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
@@ -77,6 +78,8 @@ impl<'d> Sections<'d> {
 pub(super) struct Axis {
     /// Its interface, none of a virtual one, where that is known.
     pub who: Option<Option<Interface>>,
+    /// How its position loop is closed, where it is closed here.
+    pub law: Law,
     /// It has two drives.
     pub has_two: bool,
     pub absolute: AbsoluteSources,
@@ -88,7 +91,7 @@ pub(super) fn read<'d>(
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     travel: &Travel,
-    Axis { who, has_two, absolute, cycle_ns }: Axis,
+    Axis { who, law, has_two, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
     let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
@@ -98,7 +101,8 @@ pub(super) fn read<'d>(
         let needs = row.required && !ROWS.iter().any(|view| view.view_of == row.key && map.has(view.key));
         let value = if needs { map.required(row.key) } else { sections.value(map, row.key) };
         let Some(value) = value else { continue };
-        let is_there = row.applies != Applies::Machine && who.is_none_or(|who| row.applies.to_interface(who, has_two));
+        let is_there =
+            row.applies != Applies::Machine && who.is_none_or(|who| row.applies.to_interface(who, law, has_two));
         if !is_there {
             let sentence = format!("{} is for {}", row.key, row.applies.text());
             value.refuse(sentence, Some("leave it out".to_owned()));

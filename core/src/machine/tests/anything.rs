@@ -16,13 +16,14 @@ use crate::modulo::{Direction, Modulo};
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Layer, MACHINE, Row, Value};
 use crate::position::{Length, Position};
+use crate::regulator::PidGains;
 use crate::request::Amount;
 use crate::state::HomingPhase;
 use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{self, Order, saia, wf};
-use cell::{TABLES, fixtures, interface, model, output, posdrct, table, tables, terminals};
+use cell::{TABLES, fixtures, interface, law, model, output, posdrct, table, tables, terminals};
 use limits::{limits_are_kept, places};
 use locks::Locks;
 use proptest::prelude::*;
@@ -471,6 +472,7 @@ proptest! {
         interfaces in [interface(), interface()],
         modulo in any::<bool>(),
         sense in (posdrct(), 0_i64..3),
+        laws in [law(), law()],
         is_braked in any::<bool>(),
         start in prop_oneof![Just(0), Just(7), Just(1_005), Just(2_000)],
         has_two in any::<bool>(),
@@ -486,8 +488,9 @@ proptest! {
             axis.parameters.marks.start = start;
             (axis.parameters.sync.mark_distance, axis.parameters.marks.slave_distance) = (1_000, 2_000);
         }
-        for (axis, interface) in config.axes[1..].iter_mut().zip(interfaces) {
-            axis.interface = interface;
+        for (axis, (interface, law)) in config.axes[1..].iter_mut().zip(interfaces.into_iter().zip(laws)) {
+            (axis.interface, axis.law) = (interface, law);
+            axis.parameters.pid = PidGains { derivative: 20, integral: 1, period_ms: 1 + reaction, ..axis.parameters.pid };
             let digit = if interface == Interface::Position { 1 } else { sense.0.abs() };
             axis.parameters.macs.posdrct = sense.0.signum() * digit;
             axis.parameters.macs.revers = sense.1;

@@ -1,5 +1,7 @@
 //! The position loop of interface velocity.
 
+mod pid;
+
 use super::rig::{Rig, X, Y, at, config, to};
 use crate::code::Code;
 use crate::command::Action;

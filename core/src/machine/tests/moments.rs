@@ -380,6 +380,18 @@ const AT_ONCE: &[&str] = &[
     // Read in each cycle by the position loop: closed_loop.yaml.
     "position_loop.kv",
     "wf.md22",
+    // tests/loops/pid.rs
+    "kprop",
+    "kder",
+    "kint",
+    "timer",
+    "kilim",
+    "kilimtime",
+    "bandwidth",
+    "ffvel",
+    "ffacc",
+    "regwmin",
+    "regwmax",
     // tests/panel.rs
     "i_break",
     "i_continue",

@@ -228,7 +228,7 @@ pub(super) const ROWS: &[Row] = &[
         unit: "1/s",
         range: Range::Real(0.01 * KV, 100.0 * KV),
         default: Value::Real(KV),
-        applies: Applies::Regulator,
+        applies: Applies::Proportional,
         description: "Gain of the position loop that the core closes with interface velocity: the output velocity for each \
                       increment of following error, within max_velocity.",
         source: "WF-CLC-03",

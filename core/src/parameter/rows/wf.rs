@@ -197,7 +197,7 @@ pub(super) const ROWS: &[Row] = &[
         unit: "(mm/min)/um",
         range: Range::Real(0.01, 100.0),
         default: Value::Real(1.0),
-        applies: Applies::Regulator,
+        applies: Applies::Proportional,
         description: "Servo gain kv of the position loop with interface velocity, (mm/min)/um: 1 is 16.667 1/s.",
         source: "WF-MD-14, WF-CLC-03",
         get: |p| Value::Real(p.position_loop.servo_gain()),

@@ -4,6 +4,7 @@ use crate::axis::{BrakeConfig, Safety};
 use crate::command::{Action, OutputValue};
 use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
 use crate::drive::Interface;
+use crate::regulator::Law;
 use crate::sim::{Fixtures, Index, Model, TwoSpeed, VelocityLag};
 use crate::table::{CamSetting, Form, Interpolation, Table};
 use proptest::prelude::*;
@@ -42,6 +43,10 @@ pub(super) fn fixtures() -> Fixtures {
 
 pub(super) fn interface() -> impl Strategy<Value = Interface> {
     prop::sample::select(&[Interface::Position, Interface::Velocity, Interface::OpenLoop][..])
+}
+
+pub(super) fn law() -> impl Strategy<Value = Law> {
+    prop::sample::select(&Law::ALL[..])
 }
 
 /// Any sense of rotation; with interface position only that of the units.

@@ -3,6 +3,8 @@
 use super::super::{Applies, BASE, Bare, Effect, Group, MLONG, Measure, Range, Row, System, Value, int};
 
 const REGULATION_ROW: Row = Row { system: System::Macs, group: Group::Regulation, applies: Applies::Drive, ..BASE };
+/// Of the PID loop; a change is faded in within 64 samples.
+const PID_ROW: Row = Row { effect: Effect::AtOnce, applies: Applies::Pid, ..REGULATION_ROW };
 
 /// REVERS: -10 to -90, or rule (0 to 2) + 10 output + 100 node.
 static REVERS: [(i64, i64); 9 + 1280] = {
@@ -82,10 +84,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "11",
         range: Range::Int(1, 65_000),
         default: Value::Int(30),
-        missing: "the position loop of MACS",
         description: "Proportional gain of the position loop, on an error in increments.",
         source: "MACS-REG-01",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.proportional),
+        set: |p, v| p.pid.proportional = int(v).unwrap_or(p.pid.proportional),
+        ..PID_ROW
     },
     Row {
         key: "kder",
@@ -93,11 +96,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "12",
         range: Range::Int(0, 65_000),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Derivative gain of the position loop, on the change of the error in one period.",
         source: "MACS-REG-01",
         note: "D13: the default is 1 in the overview; 0 is taken.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.derivative),
+        set: |p, v| p.pid.derivative = int(v).unwrap_or(p.pid.derivative),
+        ..PID_ROW
     },
     Row {
         key: "kint",
@@ -105,10 +109,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "13",
         range: Range::Int(0, 65_000),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Integral gain of the position loop, on the sum of the errors of all periods.",
         source: "MACS-REG-01",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.integral),
+        set: |p, v| p.pid.integral = int(v).unwrap_or(p.pid.integral),
+        ..PID_ROW
     },
     Row {
         key: "timer",
@@ -117,10 +122,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(1, 1000),
         default: Value::Int(1),
-        missing: "the position loop of MACS",
         description: "Period of the position loop and of the setpoints to the drive.",
         source: "MACS-REG-04",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.period_ms),
+        set: |p, v| p.pid.period_ms = int(v).unwrap_or(p.pid.period_ms),
+        ..PID_ROW
     },
     Row {
         key: "kilim",
@@ -128,11 +134,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "21",
         range: Range::Int(0, 65_000),
         default: Value::Int(1000),
-        missing: "the position loop of MACS",
         description: "Bound of the sum of errors, either way; 0 is no integral part.",
         source: "MACS-REG-05",
         note: "D14: the default is 0 in the overview; 1000 is taken, without effect while KINT is 0. A-23: whether the sum or its product with KINT is bounded is not said; the sum is.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.limit),
+        set: |p, v| p.pid.limit = int(v).unwrap_or(p.pid.limit),
+        ..PID_ROW
     },
     Row {
         key: "bandwidth",
@@ -141,11 +148,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "1/10 %",
         range: Range::Int(0, 1000),
         default: Value::Int(1000),
-        missing: "the position loop of MACS",
         description: "Share of the output that the position loop may use; feed-forward comes on top.",
         source: "MACS-REG-08",
         note: "D04: the unit is % in the overview; 1/10 % is taken, so that 1000 is all of it. A-24: clamp or scale is told in two ways; a clamp is taken.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.bandwidth),
+        set: |p, v| p.pid.bandwidth = int(v).unwrap_or(p.pid.bandwidth),
+        ..PID_ROW
     },
     Row {
         key: "ffvel",
@@ -154,11 +162,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "1/1000",
         range: Range::Int(0, 100_000),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Share of the output that the command velocity VELMAX adds: 1000 is all of it; 0 off.",
         source: "MACS-REG-09",
         note: "D10: the unit is % in the overview and the scale 1000 in the detail; 1/1000 is taken.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.velocity),
+        set: |p, v| p.pid.velocity = int(v).unwrap_or(p.pid.velocity),
+        ..PID_ROW
     },
     Row {
         key: "ffacc",
@@ -167,11 +176,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "1/1000",
         range: Range::Int(0, 100_000),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Share of the output that the largest command acceleration adds: 1000 is all of it; 0 off.",
         source: "MACS-REG-10",
         note: "D10: the unit is % in the overview and missing in the detail; 1/1000 is taken, as for ffvel (A-25).",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.acceleration),
+        set: |p, v| p.pid.acceleration = int(v).unwrap_or(p.pid.acceleration),
+        ..PID_ROW
     },
     Row {
         key: "regwmax",
@@ -180,11 +190,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Error beyond which the position loop switches on again; with regwmin 0, too, it is always on.",
         source: "MACS-REG-11",
         note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.window.max),
+        set: |p, v| p.pid.window.max = int(v).unwrap_or(p.pid.window.max),
+        ..PID_ROW
     },
     Row {
         key: "regwmin",
@@ -193,11 +204,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "Error inside which the position loop switches off until regwmax is exceeded.",
         source: "MACS-REG-11",
         note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.window.min),
+        set: |p, v| p.pid.window.min = int(v).unwrap_or(p.pid.window.min),
+        ..PID_ROW
     },
     Row {
         key: "revers",
@@ -222,9 +234,10 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(0),
-        missing: "the position loop of MACS",
         description: "When the integral part acts: 0 always, positive in motion only, negative at rest only; the value is the time of the change.",
         source: "MACS-REG-06",
-        ..REGULATION_ROW
+        get: |p| Value::Int(p.pid.limit_time),
+        set: |p, v| p.pid.limit_time = int(v).unwrap_or(p.pid.limit_time),
+        ..PID_ROW
     },
 ];

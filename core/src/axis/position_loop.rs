@@ -1,0 +1,127 @@
+//! The position loop that is closed here, for a drive that does not close it.
+//!
+//! Law      one of [`Law`], once a cycle while the axis is on: its output, 1 for the full reference, which is max_velocity where
+//!          the drive takes velocities. An axis that is off has no output, and its loop no past
+//! Reads    command and actual position of the cycle
+//! Writes   the output, and through it what the drive is asked for
+//! Refuses  a TIMER that is no whole number of cycles
+//! Source   MACS-REG-01, MACS-REG-04, MACS-REG-12, WF-CLC-03
+
+use super::Axis;
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::parameter::AxisParameters;
+use crate::regulator::{Law, Pid, PidInput, Proportional};
+use serde::{Deserialize, Serialize};
+
+/// What the loop keeps from cycle to cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct PositionLoop {
+    pid: Pid,
+    /// -1 to 1
+    output: f64,
+}
+
+impl PositionLoop {
+    pub(super) fn is_sound(&self) -> bool {
+        self.pid.is_sound() && self.output.abs() <= 1.0
+    }
+}
+
+/// Can a loop run with these parameters in cycles of that length? One without a period of its own runs in each.
+///
+/// # Errors
+/// The key that cannot be, and why.
+pub fn may_time_loop(
+    interface: Option<Interface>,
+    law: Law,
+    parameters: &AxisParameters,
+    cycle_ns: u64,
+) -> Result<(), (&'static str, Code)> {
+    let closes = closes_loop(interface) && law == Law::Pid;
+    let is_whole = cycles(parameters.pid.period_ms, cycle_ns).is_some();
+    if closes && !is_whole { Err(("timer", Code::LOOP_PERIOD)) } else { Ok(()) }
+}
+
+/// Is the position loop of such a drive closed here?
+fn closes_loop(interface: Option<Interface>) -> bool {
+    matches!(interface, Some(Interface::Velocity | Interface::Torque))
+}
+
+/// Cycles in a period, if that is a whole number.
+fn cycles(period_ms: i64, cycle_ns: u64) -> Option<u32> {
+    let period_ns = u64::try_from(period_ms).ok()?.checked_mul(1_000_000)?;
+    let count = u32::try_from(period_ns.checked_div(cycle_ns)?).ok()?;
+    (count > 0 && period_ns % cycle_ns == 0).then_some(count)
+}
+
+impl Axis {
+    /// Is its position loop closed here?
+    #[inline]
+    pub(super) fn closes_loop_here(&self) -> bool {
+        !self.is_virtual() && closes_loop(Some(self.setup.interface))
+    }
+
+    /// Does its loop change its output while nothing moves?
+    pub(super) fn regulates(&self) -> bool {
+        self.closes_loop_here() && self.setup.law != Law::Proportional && self.is_on()
+    }
+
+    /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities.
+    #[inline]
+    pub(super) fn close_loop(&mut self) -> f64 {
+        if !self.is_on() {
+            self.position_loop = PositionLoop::default();
+            return 0.0;
+        }
+        let p = &self.parameters;
+        let velocity = match self.setup.law {
+            Law::Proportional => {
+                let regulator = Proportional { gain: p.position_loop.kv, max_velocity: p.max_velocity };
+                regulator.velocity(self.command.position, self.actual.position)
+            }
+            Law::Pid => {
+                let input = PidInput {
+                    error: (self.command.position - self.actual.position).to_f64(),
+                    velocity: self.command.velocity / p.max_velocity,
+                    // The acceleration behind a leader that is counted is that of single counts.
+                    acceleration: if self.is_led { 0.0 } else { self.command.acceleration / p.max_acceleration },
+                };
+                let cycles = cycles(p.pid.period_ms, self.setup.cycle_ns).unwrap_or(1);
+                self.position_loop.pid.step(&p.pid, cycles, input) * p.max_velocity
+            }
+        };
+        self.position_loop.output = (velocity / p.max_velocity).clamp(-1.0, 1.0);
+        velocity
+    }
+
+    /// The output of the position loop, -1 to 1; 0 where the drive closes it.
+    pub(super) fn regulator_output(&self) -> f64 {
+        self.position_loop.output
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Proves: MACS-REG-04
+    #[test]
+    fn a_period_is_a_whole_number_of_cycles() {
+        for (ms, cycle_ns, expected) in [
+            (1, 1_000_000, Some(1)),
+            (1, 125_000, Some(8)),
+            (1, 250_000, Some(4)),
+            (1000, 125_000, Some(8000)),
+            (2, 400_000, Some(5)),
+            (1, 400_000, None),
+            (1, 2_000_000, None),
+            (3, 2_000_000, None),
+            (0, 1_000_000, None),
+            (-1, 1_000_000, None),
+            (1, 0, None),
+        ] {
+            assert_eq!(cycles(ms, cycle_ns), expected, "{ms} ms, {cycle_ns} ns");
+        }
+    }
+}
