@@ -1,11 +1,20 @@
 //! Regulators that close a loop in the core, for drives that do not close it themselves.
 
+mod current;
+mod estimator;
 mod fade;
+mod i2t;
 mod pid;
 mod proportional;
+mod sum;
+mod velocity;
 
+pub use current::{CURRENT_SAMPLE, CurrentGains, CurrentLoop, DC3, DC6, Design, DesignError, Winding, capped};
+pub use estimator::{EstimatorError, MotionModel, VelocityEstimator, VelocityMethod};
+pub use i2t::{Heat, HeatFilter, I2T_WARNING, I2t, I2tSettings};
 pub use pid::{K_OUT, Pid, PidGains, PidInput, Window};
 pub use proportional::{KV, Proportional};
+pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityLoop};
 
 use serde::{Deserialize, Serialize};
 
@@ -31,3 +40,10 @@ impl Law {
         }
     }
 }
+
+pub use current::{CURRENT_SAMPLE, CurrentGains, CurrentLoop, DC3, DC6, Design, DesignError, Winding, capped};
+pub use estimator::{EstimatorError, MotionModel, VelocityEstimator, VelocityMethod};
+pub use i2t::{Heat, HeatFilter, I2T_WARNING, I2t, I2tSettings};
+pub use proportional::{KV, Proportional};
+pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityLoop};
+

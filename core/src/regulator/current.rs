@@ -1,0 +1,196 @@
+//! The current loop of an amplifier, and its design for a winding.
+//!
+//! Law      voltage = U kc ku (CURKPROP e + 4 CURKINT SUM e), within +-U; e in A, summed per sample. |SUM e| <= CURKILIM, and it
+//!          does not grow while the voltage is at its limit in that direction.
+//!          Design: w = Beta pi / (2 Ts); CURKPROP = (2 w - R/L) L / (U kc ku); CURKINT = w^2 L / (kc ku U) Ts / 4
+//! Reads    the error, setpoint minus actual current (A); the setpoint within [`capped`]
+//! Writes   the voltage at the winding (V)
+//! Refuses  a design beyond the ranges of the source, or with gains that no parameter holds. The loop refuses nothing: the
+//!          rows of its parameters do
+//! Source   MACS-AMP-05, MACS-AMP-07, MACS-AMP-08, A-27, A-28
+//!
+//! The design is the double pole at -w of a loop in continuous time, where the voltage answers the error at once. A sample
+//! is Ts, 125 us in the source: the loop is to be called at that rate, whatever the cycle is.
+
+use super::sum::{Room, grown, measured, within};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Counts of current for one A of a DC6 amplifier.
+pub const DC6: f64 = 6554.0;
+/// Counts of current for one A of a DC3 amplifier.
+pub const DC3: f64 = 3495.0;
+/// Time between two samples of the source (s).
+pub const CURRENT_SAMPLE: f64 = 0.000_125;
+
+/// Full voltage per count of current and one of gain: 2^-12 of the gain, 2^-15 of the output.
+const KU: f64 = 1.0 / (1_u32 << 27) as f64;
+/// Samples of the sum that one of CURKINT is meant for.
+const INTEGRAL: f64 = 4.0;
+/// Largest magnitude of a parameter.
+const MOST: f64 = 32_767.0;
+/// An error beyond this saturates (A).
+const MOST_ERROR: f64 = 1e6;
+
+/// Parameters of the law.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurrentGains {
+    /// CURKPROP: -32767 to 32767.
+    pub proportional: f64,
+    /// CURKINT: -32767 to 32767.
+    pub integral: f64,
+    /// CURKILIM: 0 to 32767 (A samples); 0 switches the integral part off.
+    pub limit: f64,
+    /// U: supply of the power stage (V), above 0 up to 1000.
+    pub voltage: f64,
+    /// kc: counts for one A ([`DC6`], [`DC3`]), above 0 up to 1000000.
+    pub scale: f64,
+}
+
+impl CurrentGains {
+    /// Is each value within its range?
+    pub fn is_sound(&self) -> bool {
+        let gains =
+            self.proportional.abs() <= MOST && self.integral.abs() <= MOST && (0.0..=MOST).contains(&self.limit);
+        let above = |value: f64, most: f64| value > 0.0 && value <= most;
+        gains && above(self.voltage, 1000.0) && above(self.scale, 1e6)
+    }
+
+    /// V per A and one of gain.
+    fn unit(&self) -> f64 {
+        self.voltage * self.scale * KU
+    }
+}
+
+/// The loop between two samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurrentLoop {
+    /// Of the errors (A samples).
+    sum: f64,
+}
+
+impl CurrentLoop {
+    /// One sample: the voltage (V) within +-U. `error` is in A; no number is 0.
+    pub fn step(&mut self, gains: &CurrentGains, error: f64) -> f64 {
+        let error = measured(error, MOST_ERROR);
+        let factor = gains.unit() * gains.proportional;
+        let worth = gains.unit() * INTEGRAL * gains.integral;
+        let law = factor * error + worth * within(self.sum, gains.limit);
+        self.sum = grown(self.sum, error, gains.limit, worth, Room::around(law, law, gains.voltage));
+        within(factor * error + worth * self.sum, gains.voltage)
+    }
+
+    /// The loop goes off: no sum.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Is it a state that the loop can be in?
+    pub fn is_sound(&self) -> bool {
+        self.sum.abs() <= MOST
+    }
+}
+
+/// The setpoint of the current (mA) within AMPMAXCUR (mA), either way; no number is 0.
+///
+/// For the modes that have a current loop, 0 and 2; the others limit no current.
+pub fn capped(setpoint: f64, most: f64) -> f64 {
+    measured(setpoint, most.max(0.0))
+}
+
+/// A winding and how fast its current is to follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Winding {
+    /// Speed of the loop: 0.1 slow to 0.3 fast.
+    pub beta: f64,
+    /// Ts: time between two samples (s), 0.000001 to 1. [`CURRENT_SAMPLE`] in the source.
+    pub sample: f64,
+    /// U: supply of the power stage (V), 12 to 48.
+    pub voltage: f64,
+    /// kc: counts for one A, above 0 up to 1000000.
+    pub scale: f64,
+    /// L (H), above 0 up to 1000.
+    pub inductance: f64,
+    /// R (ohm), 0 to 1000000.
+    pub resistance: f64,
+}
+
+/// What a design gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Design {
+    /// w: where the double pole lies (rad/s).
+    pub bandwidth: f64,
+    /// CURKPROP, not rounded.
+    pub proportional: f64,
+    /// CURKINT, not rounded.
+    pub integral: f64,
+}
+
+/// Why there is no design.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// A value of the winding lies outside its range.
+    #[error("{name} is {value}{unit}; {range}{unit} is permitted")]
+    Range {
+        /// What it is.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// Of both, with the space before it.
+        unit: &'static str,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// No parameter holds the gain.
+    #[error("the design needs {name} {value}; -32767 to 32767 is permitted")]
+    Gain {
+        /// Which.
+        name: &'static str,
+        /// What is needed.
+        value: f64,
+    },
+}
+
+impl Winding {
+    /// The gains with which the loop has its double pole at -w.
+    ///
+    /// A winding that is faster than the loop by itself, R/L above 2 w, gets a negative CURKPROP.
+    ///
+    /// # Errors
+    /// A value beyond its range; a gain beyond +-32767.
+    pub fn design(&self) -> Result<Design, DesignError> {
+        self.judge()?;
+        let bandwidth = self.beta * PI / (2.0 * self.sample);
+        let unit = self.scale * KU * self.voltage;
+        let proportional = (2.0 * bandwidth * self.inductance - self.resistance) / unit;
+        let integral = bandwidth * bandwidth * self.inductance / unit * (self.sample / INTEGRAL);
+        for (name, value) in [("CURKPROP", proportional), ("CURKINT", integral)] {
+            if value.abs() > MOST {
+                return Err(DesignError::Gain { name, value });
+            }
+        }
+        Ok(Design { bandwidth, proportional, integral })
+    }
+
+    fn judge(&self) -> Result<(), DesignError> {
+        let positive = f64::MIN_POSITIVE;
+        let values = [
+            ("Beta", self.beta, "", 0.1, 0.3, "0.1 to 0.3"),
+            ("Ts", self.sample, " s", 1e-6, 1.0, "0.000001 to 1"),
+            ("U", self.voltage, " V", 12.0, 48.0, "12 to 48"),
+            ("kc", self.scale, " counts/A", positive, 1e6, "more than 0 up to 1000000"),
+            ("L", self.inductance, " H", positive, 1e3, "more than 0 up to 1000"),
+            ("R", self.resistance, " ohm", 0.0, 1e6, "0 to 1000000"),
+        ];
+        for (name, value, unit, least, most, range) in values {
+            // Not a number lies in no range.
+            if !(least..=most).contains(&value) {
+                return Err(DesignError::Range { name, value, unit, range });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
