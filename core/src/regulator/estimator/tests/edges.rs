@@ -84,7 +84,7 @@ fn the_longest_way_keeps_its_sign() {
     let mut estimator = estimator(VelocityMethod::Difference);
     let far = Position::LIMIT - 1;
     estimator.step(-far);
-    near(estimator.step(far) / 9.223_372_036_854_775_8e21, 1.0, 1e-15);
+    near(estimator.step(far) / 9.223_372_036_854_776e21, 1.0, 1e-15);
     estimator.step(i64::MIN);
     assert!(estimator.velocity() < 0.0 && estimator.step(i64::MAX) > 0.0);
 }
