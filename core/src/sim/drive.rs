@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
+use super::plant::Servo;
 use super::word::Word;
 use super::{Fixtures, Mechanics, Model, SecondOrder, Sign, age};
 use crate::drive::{
@@ -28,6 +29,7 @@ enum Motion {
         /// Setpoints in their dead time, oldest first; always as many.
         on_the_way: VecDeque<f64>,
     },
+    Servo(Box<Servo>),
 }
 
 impl Motion {
@@ -38,6 +40,7 @@ impl Motion {
             Motion::Velocity(law) => law.inverted,
             Motion::TwoSpeed(law) => law.inverted,
             Motion::Valve { law, .. } => law.inverted,
+            Motion::Servo(servo) => servo.is_inverted(),
         }
     }
 
@@ -57,6 +60,8 @@ pub struct SimDrive {
     emergency: Option<Emergency>,
     state: DriveState,
     count: i64,
+    /// What its encoder has read in the cycle before, with its noise.
+    told: i64,
     travel: Travel,
     velocity: f64,
     epoch: u32,
@@ -104,6 +109,7 @@ impl SimDrive {
                 on_the_way.resize(law.on_the_way(), 0.0);
                 Motion::Valve { law, on_the_way }
             }
+            Model::Motor(law) => Motion::Servo(Box::new(Servo::new(law, cycle_ns))),
         };
         let mut on_the_way = VecDeque::with_capacity(delay as usize + 2);
         on_the_way.resize(delay as usize + 1, DriveOutput::default());
@@ -114,6 +120,7 @@ impl SimDrive {
             emergency: None,
             state: DriveState::NotReady,
             count: 0,
+            told: 0,
             travel: Travel::default(),
             velocity: 0.0,
             epoch: 0,
@@ -176,6 +183,14 @@ impl SimDrive {
         self.place
     }
 
+    /// Where that stands which turns an encoder of the axis (inc).
+    pub(super) fn turned(&self) -> i64 {
+        match &self.motion {
+            Motion::Servo(servo) if servo.reads_load() => self.place.wrapping_add(servo.load()),
+            _ => self.place,
+        }
+    }
+
     /// Puts switches and an index along its way, and the axis to its start: its counts are 0 there.
     pub fn fit(&mut self, fixtures: Fixtures) {
         self.origin = fixtures.start.wrapping_sub(self.count);
@@ -188,6 +203,7 @@ impl SimDrive {
         self.origin = self.origin.wrapping_add(self.count);
         let moved = self.count;
         self.count = 0;
+        self.told = self.told.wrapping_sub(moved);
         self.epoch = self.epoch.wrapping_add(1);
         if let Motion::SecondOrder { state, .. } = &mut self.motion {
             state.shift(moved.wrapping_neg());
@@ -215,6 +231,9 @@ impl SimDrive {
         self.load = mechanics.load;
         self.brake = mechanics.brake.map(Brake::new);
         self.sign = mechanics.sign;
+        if let Motion::Servo(servo) = &mut self.motion {
+            servo.hang(mechanics.load);
+        }
     }
 
     /// The switches along its way (bits of 60FDh), wherever they are wired to.
@@ -278,11 +297,12 @@ impl SimDrive {
         let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
         self.place_before = before;
         let passed = self.fixtures.index_passed(before, self.place).filter(|_| !self.index_lost);
+        let (noise, effort) = self.measure();
         DriveInput {
-            count: self.word.tell(self.count),
+            count: self.word.tell(self.count.wrapping_add(noise)),
             epoch: self.epoch,
             velocity: self.velocity,
-            effort: 0.0,
+            effort,
             status: self.state.status() | self.homing_status(),
             mode: self.mode,
             fault: self.fault,
@@ -293,6 +313,19 @@ impl SimDrive {
             inputs: self.actuated() & !self.hidden,
             index: passed.map(|place| self.word.of(place.wrapping_sub(self.origin))),
         }
+    }
+
+    /// What the encoder of a motor reads too much, and its torque (per mille). Its velocity is what its counts have changed by over the
+    /// cycle, as a drive knows no other one; where its homing moves it, that of its homing.
+    fn measure(&mut self) -> (i64, f64) {
+        let Motion::Servo(servo) = &mut self.motion else { return (0, 0.0) };
+        let noise = servo.read();
+        let told = self.count.wrapping_add(noise);
+        let change = told.wrapping_sub(std::mem::replace(&mut self.told, told));
+        if self.mode != MODE_HOMING {
+            self.velocity = change as f64 / (self.cycle_ns as f64 / 1e9);
+        }
+        (noise, if servo.is_inverted() { 0.0 - servo.effort() } else { servo.effort() })
     }
 
     pub(super) fn write(&mut self, output: DriveOutput) {
@@ -327,8 +360,10 @@ impl SimDrive {
             self.velocity = 0.0;
         }
         self.count = place.wrapping_sub(self.origin);
-        if let Motion::SecondOrder { state, .. } = &mut self.motion {
-            state.rest_at(self.count);
+        match &mut self.motion {
+            Motion::SecondOrder { state, .. } => state.rest_at(self.count),
+            Motion::Servo(servo) => servo.rest(),
+            _ => {}
         }
     }
 
@@ -352,7 +387,11 @@ impl SimDrive {
         self.last_control = output.control;
         let is_on = self.state == DriveState::Enabled;
         self.homing.runs &= matches!(output.mode, Mode::Homing(_)) && is_on;
-        if self.jammed || self.brake.is_some_and(|brake| brake.closed) {
+        let is_held = self.jammed || self.brake.is_some_and(|brake| brake.closed);
+        let homes = is_on && matches!(output.mode, Mode::Homing(_));
+        if matches!(self.motion, Motion::Servo(_)) && !homes {
+            self.turn(output, is_held);
+        } else if is_held {
             self.stand();
         } else if !is_on && self.state != DriveState::QuickStop && self.load != 0.0 {
             self.fall();
@@ -386,10 +425,34 @@ impl SimDrive {
 
     /// A regulator that takes over begins here.
     fn rest_here(&mut self) {
-        if let Motion::SecondOrder { state, acceleration, .. } = &mut self.motion {
-            state.rest_at(self.count);
-            *acceleration = 0.0;
+        match &mut self.motion {
+            Motion::SecondOrder { state, acceleration, .. } => {
+                state.rest_at(self.count);
+                *acceleration = 0.0;
+            }
+            Motion::Servo(servo) => servo.rest(),
+            _ => {}
         }
+    }
+
+    /// One cycle of a motor: with a torque, with a velocity, or without current; quick stop brakes it by its own loop.
+    fn turn(&mut self, output: DriveOutput, is_held: bool) {
+        let Motion::Servo(servo) = &mut self.motion else { return };
+        let sense = if servo.is_inverted() { -1.0 } else { 1.0 };
+        let velocity = match (self.state, output.mode) {
+            (DriveState::QuickStop, _) => Some(0.0),
+            (DriveState::Enabled, Mode::Velocity | Mode::Speed) => Some(sense * output.velocity),
+            _ => None,
+        };
+        let setpoint = match (velocity, self.state, output.mode) {
+            (Some(velocity), ..) => servo.close(velocity),
+            (None, DriveState::Enabled, Mode::Torque) => sense * output.effort / 1000.0,
+            _ => 0.0,
+        };
+        if velocity.is_none() || is_held {
+            servo.open();
+        }
+        self.count = self.count.wrapping_add(servo.step(setpoint, is_held));
     }
 
     fn move_to(&mut self, word: i64) {
@@ -425,6 +488,8 @@ impl SimDrive {
                 let new = on_the_way.get(1).copied().unwrap_or(setpoint);
                 law.step(velocity, old, new)
             }
+            // A motor turns by its torque.
+            Motion::Servo(_) => return,
         };
         self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));
     }

@@ -13,6 +13,7 @@ mod homing;
 mod marks;
 mod mechanics;
 mod motor;
+mod plant;
 mod second_order;
 mod sensors;
 mod word;
@@ -22,6 +23,7 @@ pub use fixtures::{Fixtures, Index};
 pub use marks::{Marks, Stretch};
 pub use mechanics::{Mechanics, Sign, SimBrake, Wire};
 pub use motor::{TwoSpeed, Valve, VelocityLag};
+pub use plant::{Amplifier, Coupling, Friction, Load, Motor, MotorData, Reading, Stage};
 pub use second_order::{ModelError, SecondOrder};
 pub use sensors::Carrier;
 
@@ -49,6 +51,8 @@ pub enum Model {
     TwoSpeed(TwoSpeed),
     /// A hydraulic motor behind a valve.
     Valve(Valve),
+    /// A motor with its mechanics, which is given a torque, or a velocity for a loop of its drive.
+    Motor(Motor),
 }
 
 impl Model {
@@ -60,6 +64,7 @@ impl Model {
             Model::Velocity(law) => law.inverted = inverted,
             Model::TwoSpeed(law) => law.inverted = inverted,
             Model::Valve(law) => law.inverted = inverted,
+            Model::Motor(law) => law.inverted = inverted,
         }
         model
     }
@@ -84,6 +89,7 @@ impl Model {
             Model::SecondOrder(_) => matches!(interface, Interface::Position | Interface::Velocity),
             Model::Velocity(_) => matches!(interface, Interface::Velocity | Interface::OpenLoop),
             Model::TwoSpeed(_) | Model::Valve(_) => interface == Interface::OpenLoop,
+            Model::Motor(_) => matches!(interface, Interface::Velocity | Interface::Torque),
         }
     }
 }
@@ -342,7 +348,7 @@ impl Backend for Plant {
                 };
                 let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
                 if let Some(drive) = drive {
-                    encoder.turn_to(drive.place());
+                    encoder.turn_to(drive.turned());
                 }
                 let told = encoder.read();
                 if !bus.is_off {

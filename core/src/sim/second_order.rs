@@ -28,6 +28,23 @@ pub enum ModelError {
     /// (ns)
     #[error("dead_time is {} ms; 0 ms to 1000 ms is allowed", *.0 as f64 / 1e6)]
     DeadTime(i64),
+    /// (ns)
+    #[error("torque_lag is {} ms; 0 ms to 1000 ms is allowed", *.0 as f64 / 1e6)]
+    TorqueLag(i64),
+    /// A value of a motor.
+    #[error("{name} is {value} {unit}; {least} {unit} to {most} {unit} is allowed")]
+    Motor {
+        /// Its key in a cell.
+        name: &'static str,
+        /// As given.
+        value: f64,
+        /// Of all three numbers.
+        unit: &'static str,
+        /// Least that is allowed.
+        least: f64,
+        /// Most that is allowed.
+        most: f64,
+    },
 }
 
 /// The law over one cycle.

@@ -1,5 +1,6 @@
 mod marks;
 mod motors;
+mod torque;
 
 use super::second_order::State;
 use super::*;

@@ -31,6 +31,18 @@ pub enum Dimension {
     Current,
     /// SI V.
     Voltage,
+    /// Torque by twist; SI Nm/rad.
+    Stiffness,
+    /// Torque by angular velocity; SI Nm*s/rad.
+    ViscousFriction,
+    /// SI Ohm.
+    Resistance,
+    /// SI H.
+    Inductance,
+    /// Torque by current; SI Nm/A.
+    TorqueConstant,
+    /// Voltage by angular velocity; SI V*s/rad.
+    VoltageConstant,
 }
 
 impl Dimension {
@@ -49,6 +61,12 @@ impl Dimension {
             Self::Torque => (Base::NewtonMetre, 0),
             Self::Current => (Base::Ampere, 0),
             Self::Voltage => (Base::Volt, 0),
+            Self::Stiffness => (Base::NewtonMetrePerRadian, 0),
+            Self::ViscousFriction => (Base::NewtonMetreSecondPerRadian, 0),
+            Self::Resistance => (Base::Ohm, 0),
+            Self::Inductance => (Base::Henry, 0),
+            Self::TorqueConstant => (Base::NewtonMetrePerAmpere, 0),
+            Self::VoltageConstant => (Base::VoltSecondPerRadian, 0),
         };
         Unit { base, rate: Rate::per_second(order) }
     }
@@ -77,6 +95,12 @@ impl Dimension {
             Self::Torque => "a torque",
             Self::Current => "a current",
             Self::Voltage => "a voltage",
+            Self::Stiffness => "a stiffness",
+            Self::ViscousFriction => "a viscous friction",
+            Self::Resistance => "a resistance",
+            Self::Inductance => "an inductance",
+            Self::TorqueConstant => "a torque constant",
+            Self::VoltageConstant => "a voltage constant",
         }
     }
 
@@ -132,6 +156,10 @@ impl Unit {
 
     /// The unit of that name, exactly as written in the contract; `None` for any other text.
     pub fn parse(text: &str) -> Option<Self> {
+        // A unit that has a slash of its own, and no rate.
+        if let Some(row) = BASES.iter().find(|row| row.name == text && text.contains('/')) {
+            return Some(Self { base: row.base, rate: Rate::None });
+        }
         let (name, suffix) = text.find('/').map_or((text, ""), |slash| text.split_at(slash));
         let row = BASES.iter().find(|row| row.name == name && !name.is_empty())?;
         let rate = RATES.iter().find(|(text, _)| *text == suffix)?.1;
@@ -269,6 +297,13 @@ enum Base {
     Volt,
     Hertz,
     Kilohertz,
+    NewtonMetrePerRadian,
+    NewtonMetreSecondPerRadian,
+    Ohm,
+    Millihenry,
+    Henry,
+    NewtonMetrePerAmpere,
+    VoltSecondPerRadian,
 }
 
 struct Row {
@@ -283,7 +318,7 @@ const fn row(base: Base, name: &'static str, dimension: Dimension, numerator: i1
 }
 
 /// In the order of [`Base`].
-const BASES: [Row; 28] = [
+const BASES: [Row; 35] = [
     row(Base::Nanometre, "nm", Dimension::Length(0), 1, 1_000_000_000),
     row(Base::Micrometre, "um", Dimension::Length(0), 1, 1_000_000),
     row(Base::Millimetre, "mm", Dimension::Length(0), 1, 1000),
@@ -312,19 +347,26 @@ const BASES: [Row; 28] = [
     row(Base::Volt, "V", Dimension::Voltage, 1, 1),
     row(Base::Hertz, "Hz", Dimension::Frequency, 1, 1),
     row(Base::Kilohertz, "kHz", Dimension::Frequency, 1000, 1),
+    row(Base::NewtonMetrePerRadian, "Nm/rad", Dimension::Stiffness, 1, 1),
+    row(Base::NewtonMetreSecondPerRadian, "Nm*s/rad", Dimension::ViscousFriction, 1, 1),
+    row(Base::Ohm, "Ohm", Dimension::Resistance, 1, 1),
+    row(Base::Millihenry, "mH", Dimension::Inductance, 1, 1000),
+    row(Base::Henry, "H", Dimension::Inductance, 1, 1),
+    row(Base::NewtonMetrePerAmpere, "Nm/A", Dimension::TorqueConstant, 1, 1),
+    row(Base::VoltSecondPerRadian, "V*s/rad", Dimension::VoltageConstant, 1, 1),
 ];
 
 /// Every unit by name, for suggestions.
-const ALL_UNITS: [&str; 59] = [
+const ALL_UNITS: [&str; 66] = [
     "nm", "um", "mm", "cm", "m", "deg", "rad", "rev", "rpm", "inc", "ns", "us", "ms", "s", "min", "%", "g", "kg",
     "kg*m^2", "N", "Nm", "mA", "A", "mV", "V", "Hz", "kHz", "nm/s", "um/s", "mm/s", "cm/s", "m/s", "nm/s^2", "um/s^2",
     "mm/s^2", "cm/s^2", "m/s^2", "um/s^3", "mm/s^3", "cm/s^3", "m/s^3", "mm/min", "cm/min", "m/min", "deg/s", "rad/s",
     "rev/s", "deg/s^2", "rad/s^2", "rev/s^2", "deg/s^3", "rad/s^3", "rev/s^3", "deg/min", "rad/min", "rev/min",
-    "inc/s", "inc/s^2", "inc/s^3",
+    "inc/s", "inc/s^2", "inc/s^3", "Nm/rad", "Nm*s/rad", "Ohm", "mH", "H", "Nm/A", "V*s/rad",
 ];
 
 /// Other spellings that people bring along, in lower case.
-const ALIASES: [(&str, &str); 30] = [
+const ALIASES: [(&str, &str); 31] = [
     ("µm", "um"),
     ("μm", "um"),
     ("µs", "us"),
@@ -355,6 +397,7 @@ const ALIASES: [(&str, &str); 30] = [
     ("kgm2", "kg*m^2"),
     ("kgm^2", "kg*m^2"),
     ("n*m", "Nm"),
+    ("ω", "Ohm"),
 ];
 
 #[cfg(test)]
@@ -377,8 +420,10 @@ mod tests {
 
     #[test]
     fn a_rate_needs_a_length_an_angle_or_increments() {
-        for text in ["", "/s", "s/s", "rpm/s", "kg/s", "%/s", "mm/ms", "mm/s^4", "mm/min^2", "mm/", "mm/s ", "MM", "Mm"]
-        {
+        for text in [
+            "", "/s", "s/s", "rpm/s", "kg/s", "Nm/rad/s", "Nm/s", "Ohm/s", "%/s", "mm/ms", "mm/s^4", "mm/min^2", "mm/",
+            "mm/s ", "MM", "Mm",
+        ] {
             assert_eq!(Unit::parse(text), None, "{text}");
         }
     }
@@ -392,6 +437,9 @@ mod tests {
             ("inc/s^3", Dimension::Increments(3)),
             ("kg*m^2", Dimension::Inertia),
             ("Nm", Dimension::Torque),
+            ("Nm/rad", Dimension::Stiffness),
+            ("Nm*s/rad", Dimension::ViscousFriction),
+            ("mH", Dimension::Inductance),
         ] {
             assert_eq!(Unit::parse(text).unwrap().dimension(), dimension);
         }
@@ -413,6 +461,10 @@ mod tests {
             ("hz", "Hz"),
             ("sec", "s"),
             ("NM", "Nm"),
+            ("N*m/rad", "Nm/rad"),
+            ("nm / rad", "Nm/rad"),
+            ("ohm", "Ohm"),
+            ("Ω", "Ohm"),
         ] {
             assert_eq!(Unit::meant(text, Dimension::Torque), Some(unit), "{text}");
         }
@@ -426,5 +478,7 @@ mod tests {
         assert_eq!(Dimension::Angle(1).units(), "deg/s, rad/s, rev/s, rpm");
         assert_eq!(Dimension::Ratio.units(), "no unit, %");
         assert_eq!(Dimension::Time.units(), "ns, us, ms, s, min");
+        assert_eq!(Dimension::Inductance.units(), "mH, H");
+        assert_eq!(Dimension::ViscousFriction.units(), "Nm*s/rad");
     }
 }

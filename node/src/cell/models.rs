@@ -1,5 +1,7 @@
 //! Key `sim` of an axis: how its drive is simulated, and whether that fits the way in which it is commanded.
 
+mod motor;
+
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::sim::{Model, ModelError, SecondOrder, TwoSpeed, Valve, VelocityLag};
@@ -19,12 +21,13 @@ const COAST_NS: i64 = 100_000_000;
 const DEAD_NS: i64 = 20_000_000;
 
 /// The models by their names.
-const KINDS: [(&str, Kind); 5] = [
+const KINDS: [(&str, Kind); 6] = [
     ("ideal", Kind::Ideal),
     ("second_order", Kind::SecondOrder),
     ("velocity", Kind::Velocity),
     ("two_speed", Kind::TwoSpeed),
     ("valve", Kind::Valve),
+    ("motor", Kind::Motor),
 ];
 
 /// The keys of models, and whose they are.
@@ -33,8 +36,8 @@ const KEYS: [(&str, &[Kind]); 6] = [
     ("damping", &[Kind::SecondOrder]),
     ("time_constant", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
     ("coast", &[Kind::TwoSpeed]),
-    ("dead_time", &[Kind::Valve]),
-    ("inverted", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
+    ("dead_time", &[Kind::Valve, Kind::Motor]),
+    ("inverted", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve, Kind::Motor]),
 ];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +47,7 @@ enum Kind {
     Velocity,
     TwoSpeed,
     Valve,
+    Motor,
 }
 
 impl Kind {
@@ -52,26 +56,45 @@ impl Kind {
     }
 }
 
-/// The model; `interface` is that of the drive, where it is known.
-pub(super) fn model(map: &mut Map<'_>, interface: Option<Interface>, cycle_ns: u64) -> Option<Model> {
+/// The model; `interface` is that of the drive, where it is known, `reads_encoder` says that the axis reads an entry of section `encoders`.
+pub(super) fn model(
+    map: &mut Map<'_>,
+    interface: Option<Interface>,
+    reads_encoder: bool,
+    cycle_ns: u64,
+) -> Option<Model> {
     let named = map.required("model");
     let kind = named.as_ref().and_then(|value| value.choice(&KINDS));
     let values = KEYS.map(|(key, _)| map.optional(key));
+    let of_motor = motor::KEYS.map(|key| map.optional(key));
+    let encoder_at = map.optional(motor::ENCODER_AT);
     let kind = kind?;
     let mut good = true;
-    for (value, (key, kinds)) in values.iter().zip(KEYS) {
+    let keys = values.iter().zip(KEYS.iter().map(|(_, kinds)| *kinds));
+    let of_motor_alone = of_motor.iter().chain([&encoder_at]).map(|value| (value, &[Kind::Motor] as &[Kind]));
+    for (value, kinds) in keys.chain(of_motor_alone) {
         if let Some(value) = value.as_ref().filter(|_| !kinds.contains(&kind)) {
             let names: Vec<_> = kinds.iter().map(|kind| kind.name()).collect();
             let models = if names.len() == 1 { "model" } else { "models" };
-            let sentence = format!("{key} is for {models} {}; this one is {}", names.join(", "), kind.name());
+            let sentence =
+                format!("{} is for {models} {}; this one is {}", value.label(), names.join(", "), kind.name());
             value.refuse(sentence, None);
             good = false;
         }
     }
-    let model = read(kind, &values, cycle_ns).filter(|_| good)?;
+    let model = if kind == Kind::Motor {
+        let [.., dead_time, inverted] = &values;
+        let inverted = inverted.as_ref().map_or(Some(false), Value::boolean);
+        let at_load = encoder_at.as_ref().map_or(Some(false), |value| at_load(value, reads_encoder));
+        let motor = motor::read(map, &of_motor, dead_time.as_ref(), at_load.unwrap_or_default());
+        Some(Model::Motor(motor?).wired(inverted?)).filter(|_| at_load.is_some())
+    } else {
+        read(kind, &values, cycle_ns)
+    };
+    let model = model.filter(|_| good)?;
     match (named, interface) {
         (Some(named), Some(interface)) if !model.fits(interface) => {
-            let fitting = [Interface::Position, Interface::Velocity, Interface::OpenLoop];
+            let fitting = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
             let fitting: Vec<_> = fitting.into_iter().filter(|one| model.fits(*one)).map(Interface::name).collect();
             let (kind, allowed) = (kind.name(), fitting.join(", "));
             let sentence = format!("model {kind} is for interface {allowed}; this drive has {}", interface.name());
@@ -80,6 +103,18 @@ pub(super) fn model(map: &mut Map<'_>, interface: Option<Interface>, cycle_ns: u
         }
         _ => Some(model),
     }
+}
+
+/// Does the entry of section `encoders` that the axis reads sit on the load of its motor?
+fn at_load(value: &Value<'_>, reads_encoder: bool) -> Option<bool> {
+    let at_load = value.choice(&[("motor", false), ("load", true)])?;
+    if at_load && !reads_encoder {
+        let sentence = "encoder_at is load, but the axis reads its drive, which sits on the motor; an entry of encoders is \
+                        expected in key feedback";
+        value.refuse(sentence, None);
+        return None;
+    }
+    Some(at_load)
 }
 
 /// The values of [`KEYS`], each read by itself so that every problem is reported.
@@ -119,6 +154,8 @@ fn read(
             let law = Valve::new(constant?, dead?, cycle_ns).ok()?;
             Some(Model::Valve(law).wired(inverted?))
         }
+        // Its keys are read beside.
+        Kind::Motor => None,
     }
 }
 

@@ -1,0 +1,314 @@
+//! A drive train: motor, coupling and load, exactly over one cycle, whatever happens within.
+//!
+//! Law      the equations of [`super::regions`], exact while the region stays. A body with dry friction slides against it; when its velocity
+//!          passes 0 it sticks where the rest of the torque is no more than what its friction holds, until it is more. A coupling
+//!          with backlash transmits from its flanks on, with spring and damping. What happens within a step is found by halving it
+//!          30 times. Where a part of a cycle has more than [`MOST_SEARCHES`] searches for events, the rest of that part is left out: all
+//!          stands still for it, so that no energy comes in
+//! Reads    the acceleration that the setpoint asks for (rad/s^2), whether the shaft is held
+//! Writes   what the motor turns in a cycle (rad), velocities (rad/s), twist (rad)
+//! Refuses  nothing: a setpoint that is no number is 0
+//! Source   contract section 3
+
+use super::data::{Friction, MotorData};
+use super::regions::{DRIVE, Equations, Held, LOAD, Ladder, MOTOR, Region, TRAVEL, TWIST, Vector};
+use nalgebra::SVector;
+
+/// Searches for an event in one part of a cycle; an event takes two at most.
+const MOST_SEARCHES: u32 = 128;
+
+/// How the coupling lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Contact {
+    /// It has no backlash, or there is none.
+    Always,
+    /// Between its flanks.
+    Open,
+    /// The motor pushes the load forwards.
+    Ahead,
+    /// The motor pushes the load backwards.
+    Behind,
+}
+
+impl Contact {
+    /// By the twist and half the gap.
+    fn of(twist: f64, half_gap: f64) -> Self {
+        match () {
+            () if twist > half_gap => Self::Ahead,
+            () if twist < -half_gap => Self::Behind,
+            () => Self::Open,
+        }
+    }
+
+    /// Which flank, as a sign.
+    fn side(self) -> f64 {
+        match self {
+            Self::Always | Self::Open => 0.0,
+            Self::Ahead => 1.0,
+            Self::Behind => -1.0,
+        }
+    }
+}
+
+/// What friction does with a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grip {
+    /// It has no dry friction.
+    Free,
+    /// It slides forwards.
+    Forwards,
+    /// It slides backwards.
+    Backwards,
+    /// Friction holds it.
+    Sticks,
+    /// Something holds it, whatever pulls.
+    Held,
+}
+
+impl Grip {
+    fn stands(self) -> bool {
+        matches!(self, Self::Sticks | Self::Held)
+    }
+
+    /// Does a body that slides so go the other way with that velocity?
+    fn turns(self, velocity: f64) -> bool {
+        velocity * self.sign() < 0.0
+    }
+
+    /// Direction of sliding.
+    fn sign(self) -> f64 {
+        match self {
+            Self::Forwards => 1.0,
+            Self::Backwards => -1.0,
+            Self::Free | Self::Sticks | Self::Held => 0.0,
+        }
+    }
+}
+
+/// Where a drive train is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct State {
+    values: Vector,
+    contact: Contact,
+    /// Of motor and load.
+    grips: [Grip; 2],
+}
+
+/// One of the bodies; accelerations are torques over its inertia (rad/s^2).
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    /// What always pulls.
+    weight: f64,
+    /// Friction while it slides.
+    sliding: f64,
+    /// Most that friction holds.
+    holding: f64,
+}
+
+impl Body {
+    fn new(inertia: f64, frictions: &[Friction], torque: f64) -> Self {
+        let sum = |part: fn(&Friction) -> f64| frictions.iter().map(part).sum::<f64>();
+        let over = |torque: f64| if inertia > 0.0 { torque / inertia } else { 0.0 };
+        let (sliding, holding) = (sum(|friction| friction.coulomb), sum(|friction| friction.holding));
+        Self { weight: over(torque), sliding: over(sliding), holding: over(holding) }
+    }
+
+    fn grip_at_rest(&self) -> Grip {
+        if self.holding > 0.0 { Grip::Sticks } else { Grip::Free }
+    }
+
+    /// What its friction does with it where it stands and that pulls.
+    fn grip_against(&self, pull: f64) -> Grip {
+        match () {
+            () if pull.abs() <= self.holding => Grip::Sticks,
+            () if pull > 0.0 => Grip::Forwards,
+            () => Grip::Backwards,
+        }
+    }
+
+    /// What acts on it beside its neighbours.
+    fn held(&self, grip: Grip) -> f64 {
+        self.weight - self.sliding * grip.sign()
+    }
+
+    /// Leaves it its region with that velocity and pull?
+    fn leaves(&self, grip: Grip, velocity: f64, pull: f64) -> bool {
+        grip.turns(velocity) || grip == Grip::Sticks && pull.abs() > self.holding
+    }
+}
+
+/// The law of a drive train over one cycle.
+#[derive(Clone, Debug)]
+pub(super) struct Train {
+    equations: Equations,
+    bodies: [Body; 2],
+    /// From the beginning of a cycle until a setpoint begins to act in it, and the rest.
+    parts: [Ladder; 2],
+}
+
+impl Train {
+    /// The train of data that have been checked; a setpoint begins to act `part_ns` into its cycle.
+    pub(super) fn new(data: &MotorData, part_ns: u64, cycle_ns: u64) -> Self {
+        let equations = Equations::new(data);
+        let (own, load) = (data.friction, data.load.friction);
+        let bodies = if equations.is_elastic {
+            [Body::new(data.inertia, &[own], 0.0), Body::new(data.load.inertia, &[load], data.load.torque)]
+        } else {
+            [Body::new(equations.inertia, &[own, load], data.load.torque), Body::new(0.0, &[], 0.0)]
+        };
+        let load_sticks = load.is_dry() && equations.is_elastic;
+        let has_gap = equations.half_gap > 0.0;
+        let has_events = own.is_dry() || load.is_dry() || has_gap;
+        let enters = |region: Region| (region.pressed || has_gap) && (!region.load_stands || load_sticks);
+        let durations = [part_ns, cycle_ns.saturating_sub(part_ns)].map(|part| part as f64 / 1e9);
+        Self { equations, bodies, parts: durations.map(|part| Ladder::new(&equations, part, has_events, enters)) }
+    }
+
+    /// All stands, and the coupling hangs as the weight of the load pulls it.
+    pub(super) fn rest(&self) -> State {
+        let Equations { half_gap, pace, is_elastic, .. } = self.equations;
+        let [_, load] = self.bodies;
+        let pulled = if is_elastic { -load.weight / self.equations.spring[1] } else { 0.0 };
+        let twist = if pulled == 0.0 { 0.0 } else { pulled + half_gap.copysign(pulled) };
+        let mut values = Vector::zeros();
+        values[TWIST] = twist * pace;
+        let contact = if half_gap > 0.0 { Contact::of(twist, half_gap) } else { Contact::Always };
+        State { values, contact, grips: self.bodies.map(|body| body.grip_at_rest()) }
+    }
+
+    /// One cycle with the accelerations that are asked for in its two parts (rad/s^2). What the motor turns in it (rad).
+    pub(super) fn cycle(&self, state: &mut State, asked: [f64; 2], held: bool) -> f64 {
+        state.values[TRAVEL] = 0.0;
+        let grip = &mut state.grips[0];
+        if held {
+            (*grip, state.values[MOTOR]) = (Grip::Held, 0.0);
+        } else if *grip == Grip::Held {
+            *grip = self.bodies[0].grip_at_rest();
+        }
+        for (part, asked) in self.parts.iter().zip(asked) {
+            self.run(part, state, if asked.is_finite() { asked } else { 0.0 });
+        }
+        state.values[TRAVEL]
+    }
+
+    /// One part of a cycle.
+    fn run(&self, part: &Ladder, state: &mut State, asked: f64) {
+        let mut searches = 0;
+        for _ in 0..part.pieces {
+            let mut left = part.ticks;
+            while left > 0 {
+                if searches > MOST_SEARCHES {
+                    return;
+                }
+                let (taken, searched) = self.advance(part, state, asked, left);
+                left = left.saturating_sub(taken);
+                searches += u32::from(searched);
+            }
+        }
+    }
+
+    /// Advances by as much of `left` ticks as a step has, or up to what happens within. Ticks that it took, and whether it had to search.
+    fn advance(&self, part: &Ladder, state: &mut State, asked: f64, left: u32) -> (u32, bool) {
+        let held = self.held(state, asked);
+        let region = Region {
+            pressed: state.contact != Contact::Open,
+            motor_stands: state.grips[0].stands(),
+            load_stands: state.grips[1].stands(),
+        };
+        let (mut taken, mut searched) = (0, false);
+        for level in (0..=left.max(1).ilog2()).rev() {
+            let next = State { values: part.step(region, level, &state.values, &held), ..*state };
+            let happens = self.happens(&next, asked);
+            if happens && level > 0 {
+                searched = true;
+                continue;
+            }
+            *state = next;
+            taken += 1_u32 << level;
+            if happens {
+                self.switch(state, asked);
+                break;
+            }
+            if !searched {
+                break;
+            }
+        }
+        (taken, searched)
+    }
+
+    /// What acts all through a step.
+    fn held(&self, state: &State, asked: f64) -> Held {
+        let Equations { spring: [of_motor, of_load], half_gap, .. } = self.equations;
+        let flank = half_gap * state.contact.side();
+        let ([motor, load], [of_its, of_loads]) = (self.bodies, state.grips);
+        SVector::from([asked, motor.held(of_its) + of_motor * flank, load.held(of_loads) - of_load * flank])
+    }
+
+    /// Acceleration of each body by all but its dry friction.
+    fn pulls(&self, state: &State, asked: f64) -> [f64; 2] {
+        let Equations { spring, damping, half_gap, .. } = self.equations;
+        let twist = self.twist(state) - half_gap * state.contact.side();
+        let rate = state.values[MOTOR] - state.values[LOAD];
+        let transmits = if state.contact == Contact::Open { 0.0 } else { 1.0 };
+        let [motor, load] = self.bodies;
+        [
+            motor.weight + self.drive(state, asked) - transmits * (spring[0] * twist + damping[0] * rate),
+            load.weight + transmits * (spring[1] * twist + damping[1] * rate),
+        ]
+    }
+
+    /// Has a state left its region?
+    fn happens(&self, state: &State, asked: f64) -> bool {
+        let (twist, half_gap) = (self.twist(state), self.equations.half_gap);
+        let parts = match state.contact {
+            Contact::Always => false,
+            Contact::Open => twist.abs() > half_gap,
+            Contact::Ahead => twist < half_gap,
+            Contact::Behind => twist > -half_gap,
+        };
+        let ([motor, load], pulls) = (self.bodies, self.pulls(state, asked));
+        parts
+            || motor.leaves(state.grips[0], state.values[MOTOR], pulls[0])
+            || load.leaves(state.grips[1], state.values[LOAD], pulls[1])
+    }
+
+    /// Goes over to the region that a state belongs to.
+    fn switch(&self, state: &mut State, asked: f64) {
+        if state.contact != Contact::Always {
+            state.contact = Contact::of(self.twist(state), self.equations.half_gap);
+        }
+        let [motor, load] = self.bodies;
+        if state.grips[0] == Grip::Sticks || state.grips[0].turns(state.values[MOTOR]) {
+            state.values[MOTOR] = 0.0;
+            state.grips[0] = motor.grip_against(self.pulls(state, asked)[0]);
+        }
+        if state.grips[1] == Grip::Sticks || state.grips[1].turns(state.values[LOAD]) {
+            state.values[LOAD] = 0.0;
+            state.grips[1] = load.grip_against(self.pulls(state, asked)[1]);
+        }
+    }
+
+    /// Acceleration that the stage gives the motor (rad/s^2).
+    pub(super) fn drive(&self, state: &State, asked: f64) -> f64 {
+        let Equations { lag_s, drag, .. } = self.equations;
+        if lag_s > 0.0 { state.values[DRIVE] } else { asked - drag * state.values[MOTOR] }
+    }
+
+    /// What the stage turns (kg m^2).
+    pub(super) fn inertia(&self) -> f64 {
+        self.equations.inertia
+    }
+
+    /// How far the motor is ahead of the load (rad).
+    pub(super) fn twist(&self, state: &State) -> f64 {
+        state.values[TWIST] / self.equations.pace
+    }
+
+    /// Velocity of the motor (rad/s).
+    pub(super) fn velocity(&self, state: &State) -> f64 {
+        state.values[MOTOR]
+    }
+}
+
+#[cfg(test)]
+mod tests;
