@@ -9,7 +9,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use lineshaft_core::command::{Action, Commands, MoveMode};
 use lineshaft_core::function::TYPES;
 use lineshaft_core::table::Interpolation;
-use shop::{Shop, couple, goal, on_cam};
+use shop::{Loops, Shop, couple, goal, on_cam};
 
 fn enabled(axes: u16) -> Shop {
     let mut shop = Shop::new(0, axes);
@@ -32,6 +32,21 @@ fn cycles(c: &mut Criterion) {
             for axis in 1..axes {
                 shop.give(&[follows(axis)]);
             }
+            group.bench_function(BenchmarkId::new(name, axes), |b| b.iter(|| shop.cycle(Commands::default())));
+        }
+    }
+    group.finish();
+}
+
+/// Axes whose loops are closed here.
+fn loops(c: &mut Criterion) {
+    let mut group = c.benchmark_group("loops");
+    for axes in [1_u16, 64] {
+        group.throughput(Throughput::Elements(axes.into()));
+        for (name, loops) in Loops::ALL {
+            let mut shop = Shop::new(0, axes).with_loops(loops);
+            shop.enable();
+            (0..axes).for_each(|axis| shop.give(&[velocity(axis)]));
             group.bench_function(BenchmarkId::new(name, axes), |b| b.iter(|| shop.cycle(Commands::default())));
         }
     }
@@ -70,5 +85,5 @@ fn slots(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, cycles, key_cycles, slots);
+criterion_group!(benches, cycles, loops, key_cycles, slots);
 criterion_main!(benches);

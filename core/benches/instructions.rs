@@ -11,7 +11,7 @@ use lineshaft_core::command::{Action, Commands, Move, MoveMode};
 use lineshaft_core::drive::DriveState;
 use lineshaft_core::function::TYPES;
 use lineshaft_core::table::Interpolation;
-use shop::{Shop, couple, goal, on_cam};
+use shop::{Loops, Shop, couple, goal, on_cam};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::process;
@@ -31,6 +31,8 @@ enum Case {
     Geared,
     /// On a cam of 1,001 points of that one.
     Cam(Interpolation),
+    /// At a velocity without end, with loops that are closed here.
+    Loops(Loops),
 }
 
 impl Case {
@@ -49,6 +51,10 @@ const CASES: [(&str, Case); 7] = [
     ("on_cam", Case::Cam(Interpolation::Linear)),
     ("spline", Case::Cam(Interpolation::Quintic)),
 ];
+/// Those of motions, and of loops.
+fn cases() -> impl Iterator<Item = (&'static str, Case)> {
+    CASES.into_iter().chain(Loops::ALL.map(|(name, loops)| (name, Case::Loops(loops))))
+}
 const AXES: [u16; 3] = [1, 64, 512];
 /// Slots that were never started.
 const AT_REST: &str = "at_rest";
@@ -65,8 +71,10 @@ const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions.
 fn shop(case: Case, axes: u16) -> Shop {
     let leaders = case.leaders();
     let mut shop = Shop::new(leaders, axes.max(1 + leaders));
-    if let Case::Cam(interpolation) = case {
-        shop = shop.with_cam(interpolation);
+    match case {
+        Case::Cam(interpolation) => shop = shop.with_cam(interpolation),
+        Case::Loops(loops) => shop = shop.with_loops(loops),
+        _ => {}
     }
     shop.switch(DriveState::SwitchOnDisabled);
     shop.cycle(Commands::default());
@@ -83,7 +91,7 @@ fn begin(shop: &mut Shop, case: Case, first: u16) {
     let action = |axis| match case {
         Case::Geared => couple(axis),
         Case::Cam(_) => on_cam(axis),
-        Case::Velocity => Action::Move(goal(axis, MoveMode::Velocity, 0, 1e5)),
+        Case::Velocity | Case::Loops(_) => Action::Move(goal(axis, MoveMode::Velocity, 0, 1e5)),
         _ => Action::Move(goal(axis, MoveMode::Absolute, 1_000_000_000, 1.5e5)),
     };
     if case != Case::Rest {
@@ -104,7 +112,7 @@ fn check(shop: &Shop, case: Case) {
         Case::Disabled => "DISABLED",
         Case::Rest => "STANDSTILL",
         Case::Moving => "DISCRETE_MOTION",
-        Case::Velocity => "CONTINUOUS_MOTION",
+        Case::Velocity | Case::Loops(_) => "CONTINUOUS_MOTION",
         Case::Geared | Case::Cam(_) => "SYNCHRONIZED_MOTION",
     };
     let place = lineshaft_core::state::AXIS_STATES.iter().position(|name| *name == wanted);
@@ -150,7 +158,7 @@ fn count(name: &str, axes: u16, cycles: usize) -> Result<u64, Box<dyn Error>> {
 /// Instructions per axis and cycle: those of cycles behind the set-up, which runs twice and is taken off.
 fn measure(name: &str, axes: u16) -> Result<u64, Box<dyn Error>> {
     let (with, without) = (count(name, axes, CYCLES)?, count(name, axes, 0)?);
-    let leaders = CASES.iter().find(|(known, _)| *known == name).map_or(0, |(_, case)| case.leaders());
+    let leaders = cases().find(|(known, _)| *known == name).map_or(0, |(_, case)| case.leaders());
     let axes = axes.max(1 + leaders);
     Ok(with.saturating_sub(without) / (CYCLES as u64 * u64::from(axes)))
 }
@@ -170,8 +178,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let words: Vec<_> = task.split_whitespace().collect();
         let [name, axes, cycles] = words[..] else { return Err("name, axes, cycles".into()) };
         let (count, cycles) = (axes.parse()?, cycles.parse()?);
-        match CASES.iter().find(|(known, _)| *known == name) {
-            Some((_, case)) => run(*case, count, cycles),
+        match cases().find(|(known, _)| *known == name) {
+            Some((_, case)) => run(case, count, cycles),
             None => run_slots(name, count, cycles),
         }
         return Ok(());
@@ -184,7 +192,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "# Instructions per axis or slot and cycle: what the axes do or the type of the slots, how many there are, callgrind's figure.\n",
     );
     let mut exceeded = 0;
-    let of_axes = CASES.iter().flat_map(|(name, _)| AXES.map(|axes| (*name, axes)));
+    let of_axes = cases().flat_map(|(name, _)| AXES.map(|axes| (name, axes)));
     let of_slots = std::iter::once(AT_REST).chain(TYPES.iter().map(|row| row.name));
     let of_slots = of_slots.chain(shop::slots::PROGRAMS.iter().skip(1).map(|(name, _)| *name));
     let of_slots = of_slots.flat_map(|name| SLOTS.map(|slots| (name, slots)));
@@ -199,7 +207,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Some(limit) => format!("stored {limit}"),
             None => "not stored".into(),
         };
-        let what = if CASES.iter().any(|(known, _)| *known == name) { "axis" } else { "slot" };
+        let what = if cases().any(|(known, _)| known == name) { "axis" } else { "slot" };
         println!("{name:8} {axes:3}: {figure:5} instructions per {what} and cycle ({note})");
     }
     if renews {

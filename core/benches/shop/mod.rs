@@ -6,17 +6,40 @@ use lineshaft_core::command::{
     Action, BufferMode, CamIn, Command, Commands, Engage, Move, MoveMode, Source, Synchronize,
 };
 use lineshaft_core::config::{AxisConfig, MachineConfig, TableConfig};
-use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Outputs};
+use lineshaft_core::drive::{Capabilities, DriveInput, DriveState, Inputs, Interface, Outputs};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::modulo::Direction;
 use lineshaft_core::object::{AxisSet, Leader};
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::position::Length;
+use lineshaft_core::regulator::Law;
 use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
 use lineshaft_core::table::{CamSetting, Form, Interpolation, Table};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use std::sync::Arc;
+
+/// Loops that are closed here.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Loops {
+    interface: Interface,
+    law: Law,
+    estimator: i64,
+}
+
+impl Loops {
+    /// The proportional position loop.
+    const KV: Self = Self { interface: Interface::Velocity, law: Law::Proportional, estimator: 0 };
+    /// The PID.
+    const PID: Self = Self { law: Law::Pid, ..Self::KV };
+    /// The PID and the velocity loop, on the change of each cycle.
+    const CASCADE: Self = Self { interface: Interface::Torque, ..Self::PID };
+    /// The same with a Kalman filter.
+    const OBSERVER: Self = Self { estimator: 3, ..Self::CASCADE };
+    /// All of them, by their names.
+    pub(crate) const ALL: [(&'static str, Self); 4] =
+        [("kv", Self::KV), ("pid", Self::PID), ("cascade", Self::CASCADE), ("observer", Self::OBSERVER)];
+}
 
 /// A machine whose drives obey at once.
 pub(crate) struct Shop {
@@ -52,6 +75,18 @@ impl Shop {
         let config = self.machine.config().clone();
         let tables = vec![TableConfig { name: "cam".into(), table: Arc::new(table) }];
         Self::of(MachineConfig { tables, ..config })
+    }
+
+    /// The same with loops that are closed here.
+    pub(crate) fn with_loops(self, Loops { interface, law, estimator }: Loops) -> Self {
+        let mut config = self.machine.config().clone();
+        for axis in &mut config.axes {
+            (axis.interface, axis.law) = (interface, law);
+            let p = &mut axis.parameters;
+            p.max_following_error = 1_000_000;
+            (p.amplifier.max_effort, p.amplifier.estimator) = (Some(1000.0), estimator);
+        }
+        Self::of(config)
     }
 
     /// Brings all drives into a state, in which they stay.

@@ -147,7 +147,7 @@ impl Axis {
     pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
-        let timed = super::may_time_loop(interface, self.setup.law, candidate, self.setup.cycle_ns);
+        let timed = super::may_close_loop(interface, self.setup.law, candidate, self.setup.cycle_ns);
         let (key, code) = if let Err(refused) = wired.and(timed) {
             refused
         } else if !may_turn_loop(interface, candidate) {

@@ -17,6 +17,7 @@ mod conditioning;
 mod coupling;
 mod course;
 mod direction;
+mod effort;
 mod engage;
 mod feedback;
 mod function;
@@ -42,6 +43,7 @@ mod probe;
 mod publish;
 mod reaction;
 mod rhythm;
+mod runaway;
 mod safety;
 mod shown;
 mod skew;
@@ -63,7 +65,7 @@ pub use function::MovedBy;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
-pub use position_loop::may_time_loop;
+pub use position_loop::may_close_loop;
 pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use safety::Safety;
@@ -95,6 +97,7 @@ use alarm::Alarm;
 use brake::Holding;
 use buffer::Buffer;
 use conditioning::Conditioning;
+use effort::EffortLoops;
 use engage::Engagement;
 use feedback::Sensor;
 use generator::Generator;
@@ -109,6 +112,7 @@ use phase::Phasing;
 use position_loop::PositionLoop;
 use power::Power;
 use rhythm::Rhythm;
+use runaway::Recovery;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
 pub use shown::MISSED_CYCLES;
@@ -271,6 +275,8 @@ pub struct Axis {
     buffer: Buffer,
     waiting: Waiting,
     position_loop: PositionLoop,
+    effort_loops: EffortLoops,
+    recovery: Recovery,
 }
 
 /// Bytes of an axis that each of its cycles touches: its present motion, what judges it and limits it.
@@ -319,6 +325,8 @@ impl Axis {
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
             position_loop: PositionLoop::default(),
+            effort_loops: EffortLoops::default(),
+            recovery: Recovery::default(),
             judge: Judge::new(delay),
             at_limits: AtLimits::default(),
             alarm: Alarm::default(),
@@ -377,11 +385,13 @@ impl Axis {
         self.read_second(cx);
         self.supervise(cx);
         self.supervise_gantry(cx);
+        self.supervise_current(cx);
         self.tell_switches(cx);
         self.advance(cx);
         self.take_mark(cx);
         self.step_homing(cx);
         self.judge_errors(cx);
+        self.supervise_recovery(cx);
         self.show_virtual(Position::ZERO);
     }
 
@@ -482,6 +492,7 @@ impl Axis {
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
             && self.position_loop.is_sound()
+            && self.effort_loops.is_sound()
             && self.vocabularies.is_sound()
             && searches
             && waits

@@ -4,7 +4,7 @@
 //!          the drive takes velocities. An axis that is off has no output, and its loop no past
 //! Reads    command and actual position of the cycle
 //! Writes   the output, and through it what the drive is asked for
-//! Refuses  a TIMER that is no whole number of cycles
+//! Refuses  a TIMER that is no whole number of cycles; what the loops below it cannot run with
 //! Source   MACS-REG-01, MACS-REG-04, MACS-REG-12, WF-CLC-03
 
 use super::Axis;
@@ -28,19 +28,32 @@ impl PositionLoop {
     }
 }
 
-/// Can a loop run with these parameters in cycles of that length? One without a period of its own runs in each.
+/// Can the loops that are closed here run with these parameters, in cycles of that length?
 ///
 /// # Errors
 /// The key that cannot be, and why.
-pub fn may_time_loop(
+pub fn may_close_loop(
     interface: Option<Interface>,
     law: Law,
     parameters: &AxisParameters,
     cycle_ns: u64,
 ) -> Result<(), (&'static str, Code)> {
-    let closes = closes_loop(interface) && law == Law::Pid;
-    let is_whole = cycles(parameters.pid.period_ms, cycle_ns).is_some();
-    if closes && !is_whole { Err(("timer", Code::LOOP_PERIOD)) } else { Ok(()) }
+    if !closes_loop(interface) {
+        return Ok(());
+    }
+    if law == Law::Pid && cycles(parameters.pid.period_ms, cycle_ns).is_none() {
+        return Err(("timer", Code::LOOP_PERIOD));
+    }
+    if law == Law::Integer {
+        crate::vocabulary::check_loop(parameters)?;
+    }
+    if interface != Some(Interface::Torque) {
+        return Ok(());
+    }
+    if law == Law::Proportional && !parameters.amplifier.has_velocity_loop() {
+        return Err(("ampmode", Code::NO_DAMPING));
+    }
+    parameters.amplifier.check(cycle_ns)
 }
 
 /// Is the position loop of such a drive closed here?
@@ -64,7 +77,8 @@ impl Axis {
 
     /// Does its loop change its output while nothing moves?
     pub(super) fn regulates(&self) -> bool {
-        self.closes_loop_here() && self.setup.law != Law::Proportional && self.is_on()
+        let has_past = self.setup.law != Law::Proportional || self.takes_effort();
+        self.closes_loop_here() && has_past && self.is_on()
     }
 
     /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities.
@@ -72,6 +86,9 @@ impl Axis {
     pub(super) fn close_loop(&mut self) -> f64 {
         if !self.is_on() {
             self.position_loop = PositionLoop::default();
+            if self.setup.law == Law::Integer {
+                self.vocabularies.open_loop();
+            }
             return 0.0;
         }
         let p = &self.parameters;
@@ -90,9 +107,18 @@ impl Axis {
                 let cycles = cycles(p.pid.period_ms, self.setup.cycle_ns).unwrap_or(1);
                 self.position_loop.pid.step(&p.pid, cycles, input) * p.max_velocity
             }
+            Law::Integer => {
+                let error = self.asked().saturating_sub(self.actual.position.floor());
+                self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * p.max_velocity
+            }
         };
         self.position_loop.output = (velocity / p.max_velocity).clamp(-1.0, 1.0);
         velocity
+    }
+
+    /// The sum of errors of the PID (inc).
+    pub(super) fn error_sum(&self) -> f64 {
+        self.position_loop.pid.sum()
     }
 
     /// The output of the position loop, -1 to 1; 0 where the drive closes it.

@@ -265,29 +265,35 @@ impl Axis {
     /// Fills in the drive's outputs: the increment that it is asked for, in the user's sense, and the control word.
     fn command_drive(&mut self, asked: i64, word: u16) {
         let mode = self.setup.interface.mode();
-        self.output = DriveOutput { effort: 0.0, control: word, mode, ..self.output };
+        self.output = DriveOutput { control: word, mode, ..self.output };
         self.lead_drive(asked);
     }
 
     /// The part of the drive's outputs that changes while it moves.
     #[inline]
     pub(super) fn lead_drive(&mut self, asked: i64) {
-        let velocity = self.drive_velocity();
-        let velocity = self.reference_across(velocity);
+        let (velocity, effort) = self.drive_reference();
+        let (velocity, effort) = (self.reference_across(velocity), self.reference_across(effort));
         self.is_backwards = velocity < 0.0;
         self.output.position = self.turn_counts(asked).wrapping_sub(self.origin);
         self.output.velocity = self.unipolar(velocity);
+        self.output.effort = effort;
         let is_position = self.setup.interface == Interface::Position;
         self.output.acceleration = if is_position { self.across(self.command.acceleration) } else { 0.0 };
     }
 
-    /// The velocity for the drive in the user's sense (inc/s): to be followed, to be told beside the position, or to run at.
+    /// Velocity (inc/s) and effort (in its unit) for the drive in the user's sense: to be followed, to be told beside the position,
+    /// or to run at.
     #[inline]
-    fn drive_velocity(&mut self) -> f64 {
+    fn drive_reference(&mut self) -> (f64, f64) {
         match self.setup.interface {
-            Interface::Velocity => self.close_loop(),
-            Interface::OpenLoop => self.speed(),
-            Interface::Position | Interface::Torque => self.command.velocity,
+            Interface::Position => (self.command.velocity, 0.0),
+            Interface::Velocity => (self.close_loop(), 0.0),
+            Interface::OpenLoop => (self.speed(), 0.0),
+            Interface::Torque => {
+                self.close_loop();
+                (0.0, self.close_effort(self.regulator_output()))
+            }
         }
     }
 }

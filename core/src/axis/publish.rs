@@ -187,6 +187,17 @@ impl Axis {
         set(FollowingError, int(self.judge.following_error));
         set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));
+        if self.closes_loop_here() {
+            set(RegulatorSum, real(self.error_sum()));
+        }
+        if self.takes_effort() {
+            set(RegulatorVelocity, real(self.estimated_velocity()));
+            set(RegulatorEffort, real(self.effort_output()));
+            let (current, heat) = self.shown_current();
+            set(RegulatorCurrent, real(current));
+            set(RegulatorHeat, real(heat));
+            set(OutputEffort, real(self.output.effort));
+        }
         set(ModuloPosition, int(within));
         set(Turns, int(turns));
         set(InVelocity, bit(in_velocity));

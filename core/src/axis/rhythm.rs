@@ -153,6 +153,7 @@ impl Axis {
             && !is_supervised
             && !self.is_simulated()
             && !self.is_open_loop()
+            && !self.watches_current()
             && self.alarm.is_none()
             && self.open_contact.is_none()
             && self.switches == Default::default()

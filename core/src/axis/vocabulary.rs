@@ -10,6 +10,7 @@ use crate::event::{Event, Kind, Refusal, Severity};
 use crate::parameter::{AxisParameters, ROWS};
 use crate::position::Position;
 use crate::profile::Limits;
+use crate::regulator::Law;
 use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
@@ -54,6 +55,7 @@ impl Axis {
             modulo: self.setup.modulo,
             unit: self.setup.unit,
             interface: self.setup.drive.map(|_| self.setup.interface),
+            regulates: self.closes_loop_here() && self.setup.law == Law::Integer,
             wiring: self.setup.vocabularies,
             parameters: p,
             leads,

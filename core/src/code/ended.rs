@@ -585,6 +585,21 @@ codes! {
         remedy: "See to it that the axis is square, and home it.",
     }
 
+    /// The loop that is closed here has lost its axis.
+    RUNAWAY = 10237, Feedback {
+        says: "the loop does not bring the axis back: following error {asked}, {limit} is allowed",
+        cause: "After an error the loop that is closed here was to stop the axis, and its following error grew to twice what is allowed, or \
+            became no smaller: motor or encoder are wired the wrong way, the encoder is dead, or the drive does not follow.",
+        remedy: "Check the sense of motor and encoder (posdrct), the encoder and its cable, then reset_errors.",
+    }
+
+    /// The current comes near its limit.
+    I2T_NEAR = 10238, NoError {
+        says: "the motor is loaded near its I2t limit: {asked}, {limit} is allowed",
+        cause: "The filtered squared current is above 90 % of i2tlimit.",
+        remedy: "Reduce load or acceleration, or let the motor cool.",
+    }
+
     /// A way of homing that squares nothing.
     GANTRY_HOMING = 10361, NoError {
         says: "",

@@ -9,11 +9,26 @@ pub fn not_built_here(code: Code) -> &'static str {
             "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed"
         }
         Code::NO_VELOCITY_LOOP => {
-            "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their negatives \
-             are allowed"
+            "inverts one loop and not the other, and both have one encoder; 1, 2, 11, 22 and their negatives are allowed"
         }
         Code::LOOP_PERIOD => {
             "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"
+        }
+        Code::EFFORT_MISSING => "is missing for an axis with interface torque; an effort above 0 is expected",
+        Code::NO_POWER_STAGE => {
+            "asks for a voltage, and a drive with interface torque closes its current loop itself; 0 and 2 are allowed"
+        }
+        Code::NO_DAMPING => {
+            "leaves the effort to the position loop, and a proportional one damps nothing; with regulator proportional 0 is allowed"
+        }
+        Code::ESTIMATOR_RANGE => {
+            "is beyond what a Kalman filter finds at this cycle, from 1e-10 to 1000 times 0.29 inc by the square of the cycle"
+        }
+        Code::CURRENT_UNKNOWN => {
+            "is about a current, and without torque_constant none is known; its default is allowed"
+        }
+        Code::GAIN_RANGE => {
+            "is beyond the register of the integer PID, which closes the loop of the axis; 0 to 32767 is allowed, of saia.sampi 0 to 255"
         }
         Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
         Code::WF_NO_CAM_SIDE => {

@@ -417,10 +417,10 @@ codes! {
         remedy: "Invert the sense in the drive.",
     }
 
-    /// POSDRCT would turn over the velocity loop alone, which does not exist yet.
+    /// POSDRCT would turn over the velocity loop alone.
     NO_VELOCITY_LOOP = 10053, NoError {
         says: "",
-        cause: "posdrct would invert the velocity loop alone, which does not exist yet.",
+        cause: "posdrct would invert one of position and velocity loop alone, and both have one encoder.",
         remedy: "Use a value that inverts both.",
     }
 
@@ -429,6 +429,48 @@ codes! {
         says: "",
         cause: "timer is no whole number of cycles, so that the position loop cannot keep it.",
         remedy: "Give a timer that the cycle divides.",
+    }
+
+    /// The full effort is not given.
+    EFFORT_MISSING = 10073, NoError {
+        says: "",
+        cause: "max_effort is missing for an axis with interface torque.",
+        remedy: "Give the effort that the full output is to ask for.",
+    }
+
+    /// AMPMODE asks for a voltage.
+    NO_POWER_STAGE = 10074, NoError {
+        says: "",
+        cause: "ampmode asks for a voltage, and a drive with interface torque closes its current loop itself.",
+        remedy: "Use 0 (velocity loop here) or 2 (position loop alone).",
+    }
+
+    /// A proportional position loop without a velocity loop.
+    NO_DAMPING = 10075, NoError {
+        says: "",
+        cause: "With ampmode 2 the position loop makes the effort itself, and a proportional one damps nothing.",
+        remedy: "Use ampmode 0, or regulator pid with kder.",
+    }
+
+    /// An estimator that the cycle cannot run.
+    ESTIMATOR_RANGE = 10076, NoError {
+        says: "",
+        cause: "velocity_loop.acceleration is beyond what a Kalman filter finds at this cycle, in increments.",
+        remedy: "Give an acceleration that moves the axis by a part of an increment up to some hundred of them in a cycle.",
+    }
+
+    /// Currents are not known.
+    CURRENT_UNKNOWN = 10077, NoError {
+        says: "",
+        cause: "ampmaxcur, i2tftime, i2tlimit or curftime is about a current, and without torque_constant none is known.",
+        remedy: "Give torque_constant, the effort for each ampere.",
+    }
+
+    /// A register of the integer PID that no command would load.
+    GAIN_RANGE = 10078, NoError {
+        says: "",
+        cause: "A gain of the integer PID, which closes the loop of the axis, is beyond its register.",
+        remedy: "Give 0 to 32767, of saia.sampi 0 to 255.",
     }
 
     /// REVERS asks for outputs or a node, which do not exist yet.

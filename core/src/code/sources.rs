@@ -40,8 +40,8 @@ codes! {
     }
 
     /// The motor was loaded beyond its I²t limit (MACS error 99, F_I2TLIMIT).
-    I2T_LIMIT = 99, NoError {
-        says: "the motor was loaded beyond its I2t limit",
+    I2T_LIMIT = 99, Parameter {
+        says: "the motor was loaded beyond its I2t limit: {asked}, {limit} is allowed",
         cause: "The motor was loaded beyond its I2t limit.",
         remedy: "Let it cool, reduce load or acceleration, then reset_errors.",
     }

@@ -11,9 +11,6 @@ pub(super) fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<()
     if offers.delay > MAX_DELAY {
         return Err(ConfigError::Delay { axis: name(), delay: offers.delay });
     }
-    if axis.interface == Interface::Torque {
-        return Err(ConfigError::Torque { axis: name() });
-    }
     if !offers.offers(axis.interface) {
         return Err(ConfigError::NotOffered { axis: name(), interface: axis.interface });
     }

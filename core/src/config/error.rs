@@ -33,12 +33,6 @@ pub enum ConfigError {
         /// How long.
         delay: u32,
     },
-    /// A way to command a drive that the core does not have.
-    #[error("drive of {axis}: interface torque does not exist yet")]
-    Torque {
-        /// Whose.
-        axis: String,
-    },
     /// A way to command a drive that its backend does not have.
     #[error("drive of {axis}: interface is {}, which its backend does not offer", interface.name())]
     NotOffered {

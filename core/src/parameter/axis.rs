@@ -3,8 +3,8 @@
 use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
 use super::{
-    Assigned, AssignedOutputs, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop, Row, Supervision,
-    Synchronization, Value,
+    Amplifier, Assigned, AssignedOutputs, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop, Row,
+    Supervision, Synchronization, Value,
 };
 use crate::code::Code;
 use crate::position::Position;
@@ -80,6 +80,8 @@ pub struct AxisParameters {
     pub position_loop: PositionLoop,
     /// The gains of that loop where it is a PID.
     pub pid: PidGains,
+    /// The loops below it, where the drive takes efforts.
+    pub amplifier: Amplifier,
     /// Of the vocabularies.
     pub vocabularies: Vocabularies,
 }
@@ -119,6 +121,7 @@ impl AxisParameters {
             macs: Macs::default(),
             position_loop: PositionLoop::default(),
             pid: PidGains::default(),
+            amplifier: Amplifier::default(),
             vocabularies: Vocabularies::default(),
         };
         for row in ROWS.iter().filter(|row| row.is_stored() && !row.required) {

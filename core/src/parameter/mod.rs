@@ -5,6 +5,7 @@
 //! with what is missing, and takes its default only.
 
 pub mod amc;
+mod amplifier;
 mod axis;
 mod border;
 mod convert;
@@ -27,6 +28,7 @@ pub mod vocabularies;
 pub mod wf;
 mod words;
 
+pub use amplifier::{Amplifier, ESTIMATORS};
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use convert::{ConvertError, ParameterInput, convert};

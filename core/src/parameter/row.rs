@@ -202,6 +202,8 @@ pub enum Applies {
     Proportional,
     /// Axes whose position loop is here and a PID.
     Pid,
+    /// Axes with interface torque.
+    Torque,
     /// Axes with interface open_loop.
     OpenLoop,
     /// Axes with two drives.
@@ -220,6 +222,7 @@ impl Applies {
             Self::Drive => interface.is_some(),
             Self::Proportional => is_here && law == Law::Proportional,
             Self::Pid => is_here && law == Law::Pid,
+            Self::Torque => interface == Some(Interface::Torque),
             Self::OpenLoop => interface == Some(Interface::OpenLoop),
             Self::Machine => false,
         }
@@ -232,6 +235,7 @@ impl Applies {
             Self::Drive => "axes with a drive",
             Self::Proportional => "axes with interface velocity or torque and regulator proportional",
             Self::Pid => "axes with interface velocity or torque and regulator pid",
+            Self::Torque => "axes with interface torque",
             Self::OpenLoop => "axes with interface open_loop",
             Self::Gantry => "axes with two drives",
             Self::Machine => "the machine",

@@ -26,24 +26,20 @@ pub enum Law {
     Proportional,
     /// [`Pid`]
     Pid,
+    /// The integer PID of a vocabulary, with samples and registers of its own.
+    Integer,
 }
 
 impl Law {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Proportional, Self::Pid];
+    pub const ALL: [Self; 3] = [Self::Proportional, Self::Pid, Self::Integer];
 
     /// Its name in a cell.
     pub fn name(self) -> &'static str {
         match self {
             Self::Proportional => "proportional",
             Self::Pid => "pid",
+            Self::Integer => "integer",
         }
     }
 }
-
-pub use current::{CURRENT_SAMPLE, CurrentGains, CurrentLoop, DC3, DC6, Design, DesignError, Winding, capped};
-pub use estimator::{EstimatorError, MotionModel, VelocityEstimator, VelocityMethod};
-pub use i2t::{Heat, HeatFilter, I2T_WARNING, I2t, I2tSettings};
-pub use proportional::{KV, Proportional};
-pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityLoop};
-

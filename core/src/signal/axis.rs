@@ -75,5 +75,10 @@ signal_block! {
     SyncFilterError "sync.filter_error" Real, None; "what the filter of syncvftime holds back of the leader (inc of it)"
     PhaseSlave "phase.slave" Real, None; "what is left of a phase shift of the slave, or of a superimposed move, 1 to 0 of all of it"
     PhaseMaster "phase.master" Real, None; "what is left of a phase shift of the master, 1 to 0 of all of it"
+    RegulatorVelocity "regulator.velocity" Real, Velocity; "velocity as the velocity loop sees it"
+    RegulatorEffort "regulator.effort" Real, None; "output of the loops below the position loop, -1 to 1"
+    RegulatorSum "regulator.sum" Real, None; "sum of errors of the PID (inc)"
+    RegulatorCurrent "regulator.current" Real, None; "current of the motor, filtered by curftime (mA, AMP_GETCUR)"
+    RegulatorHeat "regulator.i2t" Real, None; "filtered squared current (A^2/1000, AMP_I2TVALUE)"
     SyncLeaving "sync.leaving" Int, None; "number of the gear_out that waits for its place, 0 for none"
 }

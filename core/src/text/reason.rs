@@ -111,6 +111,12 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::LOOP_IN_DRIVE
         | Code::NO_VELOCITY_LOOP
         | Code::LOOP_PERIOD
+        | Code::EFFORT_MISSING
+        | Code::ESTIMATOR_RANGE
+        | Code::GAIN_RANGE
+        | Code::NO_POWER_STAGE
+        | Code::NO_DAMPING
+        | Code::CURRENT_UNKNOWN
         | Code::NO_REVERSING_OUTPUTS
         | Code::SYNC_OFFSET_RANGE
         | Code::MARK_WINDOW

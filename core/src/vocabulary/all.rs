@@ -203,6 +203,16 @@ impl Vocabularies {
         self.wf.switching()
     }
 
+    /// One cycle of the integer PID that closes the loop of the axis, awake or not: its output, -1 to 1.
+    pub(crate) fn close_loop(&mut self, parameters: &AxisParameters, cycle_ns: u64, error: i64) -> f64 {
+        self.saia.close_loop(&parameters.vocabularies.saia, cycle_ns, error)
+    }
+
+    /// The axis is off: that PID has no output and no past.
+    pub(crate) fn open_loop(&mut self) {
+        self.saia.open_loop();
+    }
+
     /// Tells all whom it concerns.
     pub(crate) fn notice(&mut self, notice: Notice) {
         match notice {

@@ -33,6 +33,14 @@ use crate::state::Reference;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
 
+/// Can the integer PID close the loop of an axis with these?
+///
+/// # Errors
+/// The key that cannot be, and why.
+pub(crate) fn check_loop(parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
+    saia::check_loop(&parameters.vocabularies.saia)
+}
+
 /// Who commands an axis. Goals, halt, quick_stop and errors take it from a vocabulary; an order takes it back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Owner {
@@ -179,6 +187,8 @@ pub struct View<'a> {
     pub unit: f64,
     /// How the drive is commanded; none for a virtual axis.
     pub interface: Option<Interface>,
+    /// The regulator of the vocabulary closes the loop of the axis.
+    pub regulates: bool,
     /// What the vocabularies are wired to.
     pub wiring: Wiring,
     /// Parameters in force, those of the vocabularies among them.

@@ -12,7 +12,11 @@ use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::parameter::{
     AssignedOutputs, AxisParameters, Encoders, GantryParameters, MachineParameters, Supervision,
 };
-use lineshaft_core::sim::{Model, SecondOrder, TwoSpeed, Valve, VelocityLag};
+use lineshaft_core::regulator::Law;
+use lineshaft_core::sim::{
+    Amplifier, Coupling, Friction, Load, Model, Motor, MotorData, Reading, SecondOrder, Stage, TwoSpeed, Valve,
+    VelocityLag,
+};
 use lineshaft_core::table::{CamSetting, Form as Numbering, Interpolation, Table};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_core::vocabulary::{Wiring, amc};
@@ -27,6 +31,7 @@ const GANTRY: u16 = 4;
 /// The first axis has no drive.
 pub(super) fn interface(index: u16) -> Interface {
     match index % 4 {
+        1 if index > 4 => Interface::Torque,
         1 => Interface::Velocity,
         2 if index > 4 => Interface::OpenLoop,
         3 if index > 4 => Interface::OpenLoop,
@@ -40,10 +45,27 @@ pub(super) fn model(index: u16) -> Model {
     match index {
         1 => Model::Velocity(VelocityLag::new(5 * ms, 1_000_000).expect("a legal lag")),
         4 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
-        5 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        5 => Model::Motor(Motor::new(motor()).expect("a legal motor")),
         6 => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).expect("a legal motor")),
         7 => Model::Valve(Valve::new(50 * ms, 20 * ms + 1, 1_000_000).expect("a legal valve")),
         _ => Model::Ideal,
+    }
+}
+
+/// A motor with a load on an elastic shaft with backlash.
+fn motor() -> MotorData {
+    let friction = Friction { viscous: 1e-4, coulomb: 0.02, holding: 0.03 };
+    MotorData {
+        inertia: 2.5e-4,
+        friction,
+        load: Load { inertia: 5e-4, friction, torque: 0.01 },
+        coupling: Some(Coupling { stiffness: 200.0, damping: 0.01, backlash: 0.01 }),
+        amplifier: Amplifier {
+            stage: Stage::Torque { rated: 1.0, lag_ns: 500_000 },
+            limit: 3.0,
+            dead_time_ns: 1_300_000,
+        },
+        reading: Reading { counts_per_turn: 4_000.0, noise: 0.5, seed: 3, at_load: false },
     }
 }
 
@@ -86,6 +108,16 @@ pub(super) fn config() -> MachineConfig {
             ..AxisParameters::new(1e5, 1e6)
         };
         let interface = interface(index);
+        let mut parameters = parameters;
+        if interface == Interface::Torque {
+            // A coarse encoder behind backlash: the axis trembles around its target.
+            parameters.in_position_window = 5_000;
+            let p = &mut parameters.amplifier;
+            (p.max_effort, p.torque_constant, p.max_current) = (Some(3000.0), 100.0, 60_000);
+            (p.heat_time, p.heat_limit) = (500, 1_000_000);
+            (p.estimator, p.acceleration) = (3, 1e5);
+        }
+        let law = if index % 4 == 1 { Law::Pid } else { Law::Proportional };
         // Each output of one axis.
         let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
         let open_loop = SpeedOutputs { forward: place(2), backward: place(10), output: place(18), dac: place(26) };
@@ -93,6 +125,7 @@ pub(super) fn config() -> MachineConfig {
             BrakeConfig { output: 1 + index, closes_with_one: true, release_ns: 9_000_000, engage_ns: 7_000_000 };
         AxisConfig {
             interface,
+            law,
             second: drive.map(Capabilities::all).filter(|_| index == GANTRY),
             brake: Some(brake).filter(|_| index == 4),
             open_loop,

@@ -15,7 +15,7 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
-use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_read, may_tell_sign, may_time_loop};
+use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_close_loop, may_read, may_tell_sign};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
 use lineshaft_core::drive::Interface;
@@ -132,7 +132,8 @@ fn axis<'d>(
             };
             let read = |value: Value<'d>| {
                 let mut map = value.map("sim")?;
-                let model = model(&mut map, interface_of(drive), cycle_ns);
+                let reads_encoder = matches!(wired, Some(Wired::Encoder(_)));
+                let model = model(&mut map, interface_of(drive), reads_encoder, cycle_ns);
                 let mechanics = fixtures::read(&mut map, &travel, cx, io, switches, indexed);
                 // One with problems of its own is a brake, too.
                 let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
@@ -148,6 +149,12 @@ fn axis<'d>(
             };
             let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, [0; 2]);
             let bare = Mechanics { brake, ..Mechanics::default() };
+            if let (None, Some(Interface::Torque)) = (&sim, interface_of(drive)) {
+                let sentence =
+                    format!("axis {} has interface torque and no simulated motor; sim is expected", quote(name));
+                entry.key.refuse(sentence, Some("sim: {model: motor, ..}".to_owned()));
+                return None;
+            }
             let (model, mechanics, beside) = sim.map_or(Some((Model::Ideal, bare, bare)), read)?;
             Some((model, Mechanics { sign: fixtures::sign(&parameters), ..mechanics }, beside))
         }
@@ -226,18 +233,16 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
     }
 }
 
-/// Refuses a period of the position loop that is no whole number of cycles, and says so of the axis where it gives none.
-fn check_loop(axis: &AxisConfig, key: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
+/// Refuses what the loops that are closed here cannot run with; of a key that is not given it is said of the axis.
+fn check_loop(axis: &AxisConfig, name: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
     let Some(cycle_ns) = cycle_ns else { return };
     let interface = axis.drive.map(|_| axis.interface);
-    let Err((timer, code)) = may_time_loop(interface, axis.law, &axis.parameters, cycle_ns) else { return };
-    let value = given.iter().find(|(given, _)| *given == timer).map_or(key, |(_, value)| value);
-    let period = axis.parameters.pid.period_ms;
-    let hint = format!("a cycle has {} ms; write timer", cycle_ns as f64 / 1e6);
-    value.refuse(
-        format!("{timer} of axis {} is {period} ms, which {}", quote(&axis.name), not_built_here(code)),
-        Some(hint),
-    );
+    let Err((key, code)) = may_close_loop(interface, axis.law, &axis.parameters, cycle_ns) else { return };
+    let why = not_built_here(code);
+    match given.iter().find(|(given, _)| *given == key) {
+        Some((_, value)) => value.refuse(format!("{key} {} {why}", value.peek().unwrap_or_default()), None),
+        None => name.refuse(format!("{key} of axis {} {why}", quote(&axis.name)), None),
+    }
 }
 
 /// Refuses a `mencodertype` that names what the cell has not, or the axis itself.

@@ -211,7 +211,7 @@ fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
     match interface {
         Some(interface) if !matches!(interface, Interface::Velocity | Interface::Torque) => {
             let sentence = format!(
-                "regulator is for a drive whose position loop is closed here, with interface velocity; this one has {}",
+                "regulator is for a drive whose position loop is closed here, with interface velocity or torque; this one has {}",
                 interface.name()
             );
             value.refuse(sentence, Some("leave it out".to_owned()));
@@ -223,12 +223,5 @@ fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
 
 fn interface(value: &Value<'_>) -> Option<Interface> {
     let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
-    let interface = value.choice(&all.map(|interface| (interface.name(), interface)))?;
-    match interface {
-        Interface::Torque => {
-            value.refuse("interface torque needs the velocity loop, which does not exist yet", None);
-            None
-        }
-        _ => Some(interface),
-    }
+    value.choice(&all.map(|interface| (interface.name(), interface)))
 }

@@ -9,6 +9,7 @@ mod gantry;
 mod interfaces;
 mod marks;
 mod masters;
+mod motor;
 mod preset;
 mod programs;
 mod scale;

@@ -8,6 +8,7 @@ use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::machine::Machine;
+use lineshaft_core::regulator::Law;
 use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
@@ -100,13 +101,16 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
     let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
     let given: Vec<String> =
         gains.iter().filter(|(_, gain)| *gain != 0).map(|(key, gain)| format!("{key} {gain}")).collect();
-    let closes_here = axis.drive.is_some() && axis.interface == Interface::Velocity;
+    let closes_here = axis.drive.is_some()
+        && matches!(axis.interface, Interface::Velocity | Interface::Torque)
+        && axis.law != Law::Integer;
     (closes_here && !given.is_empty()).then(|| {
         format!(
-            "{}: no drive hears {}: with interface velocity the axis closes its loop with a gain of its own, and the \
+            "{}: no drive hears {}: with regulator {} the axis closes its loop with a gain of its own, and the \
              regulator of the module only shows in saia.output and saia.integral",
             axis.name,
-            given.join(", ")
+            given.join(", "),
+            axis.law.name()
         )
     })
 }
@@ -224,7 +228,7 @@ mod tests {
         };
         let told = |gains: &str| {
             format!(
-                "x: no drive hears {gains}: with interface velocity the axis closes its loop with a gain of its own, and \
+                "x: no drive hears {gains}: with regulator proportional the axis closes its loop with a gain of its own, and \
                  the regulator of the module only shows in saia.output and saia.integral"
             )
         };

@@ -235,7 +235,7 @@ fn what_cannot_be_turned_over_is_refused_with_a_sentence() {
     }
     for posdrct in [12, -21] {
         let text = closed_here(posdrct).check().unwrap_err().to_string();
-        assert!(text.contains("the velocity loop does not exist yet"), "{text}");
+        assert!(text.contains("both have one encoder"), "{text}");
     }
     assert!(closed_here(-2).check().is_ok());
     let mut rig = Rig::new();
@@ -244,10 +244,7 @@ fn what_cannot_be_turned_over_is_refused_with_a_sentence() {
             &[("posdrct", 2)][..],
             "x: posdrct 2 inverts the position loop, which a drive with interface position closes itself",
         ),
-        (
-            &[("posdrct", 21)],
-            "x: posdrct 21 inverts one loop and not the other, but the velocity loop does not exist yet",
-        ),
+        (&[("posdrct", 21)], "x: posdrct 21 inverts one loop and not the other, and both have one encoder"),
         (&[("posdrct", -1), ("revers", 20)], "x: revers 20 asks for outputs, which tell the sign of a velocity"),
         (&[("posdrct", 3)], "posdrct"),
         (&[("revers", 3)], "revers"),

@@ -1,11 +1,14 @@
 //! The position loop of interface velocity.
 
+mod integer;
 mod pid;
+mod runaway;
+mod torque;
 
 use super::rig::{Rig, X, Y, at, config, to};
 use crate::code::Code;
 use crate::command::Action;
-use crate::config::{ConfigError, MachineConfig};
+use crate::config::MachineConfig;
 use crate::drive::{Backend, Capabilities, Inputs, Interface, Outputs};
 use crate::machine::Machine;
 use crate::object::AxisSet;
@@ -190,13 +193,4 @@ fn a_drive_that_cannot_home_is_not_asked_to_at_the_start_or_later() {
     config.axes[1].parameters.homing.in_drive = true;
     let sentence = "drive of x: homing.in_drive is true, and its backend offers no homing";
     assert_eq!(Machine::new(config).unwrap_err().to_string(), sentence);
-}
-
-#[test]
-fn torque_does_not_exist_yet() {
-    let mut config = config(0);
-    config.axes[1].interface = Interface::Torque;
-    let error = config.check().unwrap_err();
-    assert_eq!(error, ConfigError::Torque { axis: "x".into() });
-    assert_eq!(error.to_string(), "drive of x: interface torque does not exist yet");
 }

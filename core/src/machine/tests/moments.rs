@@ -392,6 +392,16 @@ const AT_ONCE: &[&str] = &[
     "ffacc",
     "regwmin",
     "regwmax",
+    // tests/loops/torque.rs
+    "max_effort",
+    "torque_constant",
+    "velkprop",
+    "velkint",
+    "velkilim",
+    "ampmaxcur",
+    "i2tftime",
+    "i2tlimit",
+    "curftime",
     // tests/panel.rs
     "i_break",
     "i_continue",

@@ -1,9 +1,13 @@
 //! What every axis has, by its native names.
 
+use super::super::ESTIMATORS;
 use super::{
     Applies, BASE, Effect, Group, HOUR_NS, Measure, PROFILES, REAL, Range, Row, Storage, Value, int, option, real,
 };
 use crate::regulator::KV;
+
+/// Of the loops below the position loop.
+const EFFORT: Row = Row { group: Group::Amplifier, applies: Applies::Torque, ..BASE };
 
 pub(super) const ROWS: &[Row] = &[
     Row {
@@ -238,5 +242,66 @@ pub(super) const ROWS: &[Row] = &[
             p.position_loop.given = None;
         },
         ..BASE
+    },
+    Row {
+        key: "max_effort",
+        measure: Measure::Number,
+        unit: "unit of effort of the drive",
+        range: Range::PositiveUpTo(1e9),
+        default_text: "must be given",
+        description: "Effort at the output 1 of the loops, and so the largest one that is asked for.",
+        source: "MACS-AMP-02",
+        get: |p| option(p.amplifier.max_effort),
+        set: |p, v| p.amplifier.max_effort = real(v),
+        ..EFFORT
+    },
+    Row {
+        key: "torque_constant",
+        measure: Measure::Number,
+        unit: "unit of effort per A",
+        range: Range::Real(0.0, 1e9),
+        default: Value::Real(0.0),
+        description: "Effort for each ampere of the motor: by it ampmaxcur caps the effort, and i2tftime watches it. 0: currents are not known.",
+        source: "MACS-AMP-08",
+        get: |p| Value::Real(p.amplifier.torque_constant),
+        set: |p, v| p.amplifier.torque_constant = real(v).unwrap_or(p.amplifier.torque_constant),
+        ..EFFORT
+    },
+    Row {
+        key: "velocity_loop.estimator",
+        measure: Measure::Choice(ESTIMATORS),
+        range: Range::Int(0, ESTIMATORS.len() as i64 - 1),
+        default: Value::Int(0),
+        effect: Effect::Disabled,
+        description: "How the velocity of the velocity loop is found: change of a cycle, the same behind a filter, an observer, a Kalman filter.",
+        source: "MACS-AMP-06",
+        get: |p| Value::Int(p.amplifier.estimator),
+        set: |p, v| p.amplifier.estimator = int(v).unwrap_or(p.amplifier.estimator),
+        ..EFFORT
+    },
+    Row {
+        key: "velocity_loop.bandwidth",
+        measure: Measure::Number,
+        unit: "Hz",
+        range: Range::Real(0.1, 10_000.0),
+        default: Value::Real(100.0),
+        effect: Effect::Disabled,
+        description: "Of the filter (filtered) or the double pole of the observer (alpha_beta).",
+        source: "MACS-AMP-06",
+        get: |p| Value::Real(p.amplifier.bandwidth),
+        set: |p, v| p.amplifier.bandwidth = real(v).unwrap_or(p.amplifier.bandwidth),
+        ..EFFORT
+    },
+    Row {
+        key: "velocity_loop.acceleration",
+        measure: Measure::Acceleration,
+        range: REAL,
+        default: Value::Real(1e6),
+        effect: Effect::Disabled,
+        description: "Standard deviation of the acceleration that the Kalman filter expects, new in each cycle: larger is faster and less smooth.",
+        source: "MACS-AMP-06",
+        get: |p| Value::Real(p.amplifier.acceleration),
+        set: |p, v| p.amplifier.acceleration = real(v).unwrap_or(p.amplifier.acceleration),
+        ..EFFORT
     },
 ];

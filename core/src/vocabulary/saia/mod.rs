@@ -33,6 +33,14 @@ use crate::parameter::saia::Parameters;
 use crate::position::Position;
 use crate::profile::Motion;
 use pid::{Gains, Pid};
+
+/// Can its regulator close the loop of an axis with the registers as they stand?
+///
+/// # Errors
+/// The key of the first that cannot be.
+pub(super) fn check_loop(p: &Parameters) -> Result<(), (&'static str, Code)> {
+    Gains::of(p).problem().map_or(Ok(()), |key| Err((key, Code::GAIN_RANGE)))
+}
 use scale::{HIGHEST, LOWEST};
 use serde::{Deserialize, Serialize};
 

@@ -6,6 +6,7 @@
 //! Refuses  nothing: every value saturates
 //! Source   SAIA-PID-01..06, SAIA-EXT-04..06, A10..A12
 
+use super::Parameters;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the law, each within its register's range.
@@ -24,9 +25,25 @@ pub(super) struct Gains {
 }
 
 impl Gains {
+    /// As the registers stand.
+    pub(super) fn of(p: &Parameters) -> Self {
+        Self { proportional: p.kprop, integral: p.kint, derivative: p.kder, limit: p.intl, interval: p.sampi }
+    }
+
+    /// The key of the first register that no command would load.
+    pub(super) fn problem(&self) -> Option<&'static str> {
+        let registers = [
+            ("saia.kprop", self.proportional, 32_767),
+            ("saia.kint", self.integral, 32_767),
+            ("saia.kder", self.derivative, 32_767),
+            ("saia.intl", self.limit, 32_767),
+            ("saia.sampi", self.interval, 255),
+        ];
+        registers.into_iter().find(|(_, value, most)| !(0..=*most).contains(value)).map(|(key, ..)| key)
+    }
+
     pub(super) fn is_sound(&self) -> bool {
-        let factors = [self.proportional, self.integral, self.derivative, self.limit];
-        factors.iter().all(|factor| (0..=32_767).contains(factor)) && (0..=255).contains(&self.interval)
+        self.problem().is_none()
     }
 }
 

@@ -1,9 +1,9 @@
 //! What happens by itself: each cycle after the commands.
 
 use super::execute::Deed;
-use super::pid::Options;
+use super::pid::{Gains, Options};
 use super::scale::{self, HIGHEST, LOWEST};
-use super::{Phase, Saia, Starting};
+use super::{Parameters, Phase, Saia, Starting};
 use crate::event::Refusal;
 use crate::vocabulary::{Order, View};
 
@@ -142,17 +142,40 @@ impl Saia {
         view.following_error.unsigned_abs() > self.error_limit.unsigned_abs()
     }
 
-    /// The regulator, in chip samples, of which a cycle has some and a rest (SAIA-SW-01).
+    /// What the regulator would put out, where the drive closes its loop itself, or another law does.
     fn regulate(&mut self, view: &View<'_>) {
-        let samples = scale::samples(&mut self.sample_rest, view.cycle_ns);
+        if view.regulates {
+            return;
+        }
         if self.is_off() || !view.on || self.starting.waits {
+            // Its samples go on.
+            scale::samples(&mut self.sample_rest, view.cycle_ns);
             self.pid.clear();
             return;
         }
-        let p = &view.parameters.vocabularies.saia;
+        let gains = self.gains;
+        self.sample(&view.parameters.vocabularies.saia, &gains, view.cycle_ns, view.following_error);
+    }
+
+    /// The regulator closes the loop of the axis: its output for an error (counts), -1 to 1. Before the module is initialised its registers
+    /// hold as they stand.
+    pub(crate) fn close_loop(&mut self, p: &Parameters, cycle_ns: u64, error: i64) -> f64 {
+        let gains = if self.phase == Phase::Power { Gains::of(p) } else { self.gains };
+        self.sample(p, &gains, cycle_ns, error);
+        let code = self.pid.code(p.output_gain, self.pwm);
+        f64::from(code) / if self.pwm { 128.0 } else { 2048.0 }
+    }
+
+    /// Switched off by whomever: no output, no past (SAIA-PID-05, SAIA-PID-06).
+    pub(crate) fn open_loop(&mut self) {
+        self.pid.clear();
+    }
+
+    /// A cycle in chip samples, of which it has some and a rest (SAIA-SW-01).
+    fn sample(&mut self, p: &Parameters, gains: &Gains, cycle_ns: u64, error: i64) {
         let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
-        for _ in 0..samples {
-            self.pid.step(&self.gains, options, view.following_error);
+        for _ in 0..scale::samples(&mut self.sample_rest, cycle_ns) {
+            self.pid.step(gains, options, error);
         }
     }
 }

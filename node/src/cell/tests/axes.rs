@@ -194,8 +194,8 @@ fn a_plain_number_takes_the_unit_of_its_row() {
 
 #[test]
 fn what_does_not_exist_yet_is_refused_by_name() {
-    let expected = "8:12: kprop is 31: the position loop of MACS does not exist yet; only 30 is allowed, leave it out";
-    assert_eq!(said(&axis(&[("kprop", "31")])), expected);
+    let expected = "8:15: curkprop is 31: a power stage whose voltage is given here does not exist yet; only 200 is allowed, leave it out";
+    assert_eq!(said(&axis(&[("curkprop", "31")])), expected);
 }
 
 #[test]
@@ -304,8 +304,9 @@ fn drives() {
         ("{address: 0}", "8:12: missing key `backend` in drive of axis `x`"),
         ("{backend: plants, address: 0}", "8:22: backend is `plants`; no backend has that name, did you mean `plant`?"),
         (
-            "{backend: plant, address: 0, interface: torque}",
-            "8:52: interface torque needs the velocity loop, which does not exist yet",
+            "{backend: plant, address: 0, regulator: pid}",
+            "8:52: regulator is for a drive whose position loop is closed here, with interface velocity or torque; this one has \
+             position, leave it out",
         ),
         (
             "{backend: plant, address: 0, interface: openloop}",
@@ -313,7 +314,7 @@ fn drives() {
         ),
         (
             "{backend: plant, address: 0, node: 3}",
-            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, missed_cycles, address",
+            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, regulator, missed_cycles, address",
         ),
         ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
         ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),
@@ -387,7 +388,7 @@ fn models() {
         ("{}", "8:10: missing key `model` in sim"),
         (
             "{model: first_order}",
-            "8:18: model is `first_order`; one of ideal, second_order, velocity, two_speed, valve is allowed",
+            "8:18: model is `first_order`; one of ideal, second_order, velocity, two_speed, valve, motor is allowed",
         ),
         (
             "{model: second_order, bandwidth: 0 Hz, damping: 0}",

@@ -80,7 +80,7 @@ fn senses_of_rotation_and_rules_of_reversing() {
     }
     let in_drive =
         "inverts the position loop, which a drive with interface position closes itself; 1, 11, -1 and -11 are allowed";
-    let one_loop = "inverts one loop and not the other, but the velocity loop does not exist yet; 1, 2, 11, 22 and their \
+    let one_loop = "inverts one loop and not the other, and both have one encoder; 1, 2, 11, 22 and their \
                     negatives are allowed";
     for (interface, key, value, expected) in [
         ("position", "posdrct", "2", format!("9:14: posdrct 2 {in_drive}")),
@@ -106,7 +106,7 @@ fn senses_of_rotation_and_rules_of_reversing() {
 #[test]
 fn keys_and_values_of_models() {
     for (sim, expected) in [
-        ("{model: two_speed, dead_time: 1 ms}", "9:40: dead_time is for model valve; this one is two_speed"),
+        ("{model: two_speed, dead_time: 1 ms}", "9:40: dead_time is for models valve, motor; this one is two_speed"),
         ("{model: valve, coast: 1 ms}", "9:32: coast is for model two_speed; this one is valve"),
         (
             "{model: ideal, time_constant: 1 ms}",
@@ -114,7 +114,7 @@ fn keys_and_values_of_models() {
         ),
         (
             "{model: ideal, inverted: true}",
-            "9:35: inverted is for models velocity, two_speed, valve; this one is ideal",
+            "9:35: inverted is for models velocity, two_speed, valve, motor; this one is ideal",
         ),
         ("{model: velocity, inverted: 1}", "9:38: inverted is `1`; true or false is allowed, write `true`"),
         ("{model: velocity, damping: 1}", "9:37: damping is for model second_order; this one is velocity"),
@@ -153,7 +153,7 @@ fn kv_lies_within_its_range() {
     assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01 to 100 is allowed");
     assert_eq!(
         said(&axis(&[("wf.md22", "2")])),
-        "8:14: wf.md22 is for axes with interface velocity or torque, leave it out"
+        "8:14: wf.md22 is for axes with interface velocity or torque and regulator proportional, leave it out"
     );
 }
 

@@ -33,8 +33,8 @@ const KEYS: [(&str, &str); 4] = [
 /// A cell with an axis of every kind; one of them has another key in the place of those that say the same.
 fn cell_text(axis: &str, key: &str, value: &str) -> String {
     let mut text = "lineshaft: 1\ncycle: 1 ms\nbackends: {plant: {type: sim}}\naxes:\n".to_owned();
-    for (place, (name, drive)) in DRIVES.iter().enumerate() {
-        let drive = match *drive {
+    for (place, (name, drive_kind)) in DRIVES.iter().enumerate() {
+        let drive = match *drive_kind {
             "virtual" => "drive: virtual".to_owned(),
             GANTRY => "drives: [{backend: plant, address: 100}, {backend: plant, address: 101}]".to_owned(),
             interface => format!("drive: {{backend: plant, address: {place}, interface: {interface}}}"),
@@ -43,6 +43,13 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
         let is_here = *name == axis;
         if *name == "g" && !(is_here && key == "max_skew") {
             text += "    max_skew: 0.2 mm\n";
+        }
+        if *drive_kind == TORQUE {
+            text += "    sim: {model: motor, inertia: 1e-4, rated_torque: 1 Nm, counts_per_turn: 4000}\n";
+            for (usual, value) in [("max_effort", "1000"), ("torque_constant", "100")] {
+                let line = format!("    {usual}: {value}\n");
+                text += if is_here && key == usual { "" } else { &line };
+            }
         }
         let root = Row::find(key).map_or(key, |(_, row)| row.root());
         let root = if root.starts_with("pos") && root.contains("fact") { "scale" } else { root };
@@ -61,8 +68,17 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
 }
 
 /// The axes of the rig, and how their drives are commanded.
-pub(super) const DRIVES: [(&str, &str); 5] =
-    [("line", "virtual"), ("x", "position"), ("v", "velocity"), ("o", "open_loop"), ("g", GANTRY)];
+pub(super) const DRIVES: [(&str, &str); 7] = [
+    ("line", "virtual"),
+    ("x", "position"),
+    ("v", "velocity"),
+    ("o", "open_loop"),
+    ("p", "velocity, regulator: pid"),
+    ("t", TORQUE),
+    ("g", GANTRY),
+];
+/// Its loops are closed here down to the effort.
+const TORQUE: &str = "torque, regulator: pid";
 /// It has two drives, which the others have not.
 const GANTRY: &str = "gantry";
 

@@ -48,6 +48,35 @@ fn trajectory_passes() {
 }
 
 #[test]
+fn motors_pass() {
+    passes_on("motor.yaml", "motor.yaml");
+}
+
+/// Proves: MACS-REG-01, MACS-REG-05, MACS-REG-08, MACS-REG-09, MACS-REG-12
+#[test]
+fn the_position_loop_of_macs_passes() {
+    passes_on("macs_loop.yaml", "macs/position_loop.yaml");
+}
+
+/// Proves: MACS-AMP-01, MACS-AMP-04, MACS-AMP-08
+#[test]
+fn the_cascade_of_an_axis_with_interface_torque_passes() {
+    passes_on("torque.yaml", "macs/torque_loop.yaml");
+}
+
+/// Proves: MACS-REG-09, MACS-REG-10
+#[test]
+fn feed_forward_passes() {
+    passes_on("macs_loop.yaml", "macs/feed_forward.yaml");
+}
+
+/// Proves: AMK-SAK-05, AMK-SIDIFF-12
+#[test]
+fn compensation_of_the_following_error_passes() {
+    passes_on("loops.yaml", "amk/sak.yaml");
+}
+
+#[test]
 fn wf_closed_loop_passes() {
     passes_on("wf_closed.yaml", "wf/closed_loop.yaml");
 }
@@ -79,7 +108,10 @@ fn no_scenario_is_forgotten_here() {
     // The folders are those of the vocabularies and of homing, which tests/vocabularies.rs plays.
     names.retain(|name| name.ends_with(".yaml"));
     names.sort();
-    assert_eq!(names, ["first_move.yaml", "home.yaml", "motion.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]);
+    assert_eq!(
+        names,
+        ["first_move.yaml", "home.yaml", "motion.yaml", "motor.yaml", "stop.yaml", "sync.yaml", "trajectory.yaml"]
+    );
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! The loops of the amplifier (AXA).
 
-use super::super::{Applies, BASE, Group, MLONG, Range, Row, System, Value};
+use super::super::{Applies, BASE, Effect, Group, MLONG, Range, Row, System, Value, int};
+use crate::parameter::amplifier::MAX_CURRENT;
 
 const AMPLIFIER_ROW: Row = Row { system: System::Macs, group: Group::Amplifier, applies: Applies::Drive, ..BASE };
+/// Of the loops that are closed here.
+const TORQUE_ROW: Row = Row { applies: Applies::Torque, ..AMPLIFIER_ROW };
 
 pub(in super::super) const ROWS: &[Row] = &[
     Row {
@@ -11,10 +14,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "90",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(200),
-        missing: "velocity and current loops",
         description: "Proportional gain of the velocity loop.",
         source: "MACS-AMP-04",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.proportional),
+        set: |p, v| p.amplifier.proportional = int(v).unwrap_or(p.amplifier.proportional),
+        ..TORQUE_ROW
     },
     Row {
         key: "velkint",
@@ -22,11 +26,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "91",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(5),
-        missing: "velocity and current loops",
         description: "Integral gain of the velocity loop.",
         source: "MACS-AMP-04",
         note: "A-27: law and scale are not printed; an error of 1 at full speed is taken.",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.integral),
+        set: |p, v| p.amplifier.integral = int(v).unwrap_or(p.amplifier.integral),
+        ..TORQUE_ROW
     },
     Row {
         key: "curkprop",
@@ -34,7 +39,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "92",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(200),
-        missing: "velocity and current loops",
+        missing: "a power stage whose voltage is given here",
         description: "Proportional gain of the current loop.",
         source: "MACS-AMP-07",
         ..AMPLIFIER_ROW
@@ -45,7 +50,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "93",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(100),
-        missing: "velocity and current loops",
+        missing: "a power stage whose voltage is given here",
         description: "Integral gain of the current loop.",
         source: "MACS-AMP-07",
         note: "D08: the detail calls it AXR; AXA is taken.",
@@ -57,11 +62,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "94",
         unit: "mA",
         range: Range::Int(0, 60_000),
-        default: Value::Int(2000),
-        missing: "velocity and current loops",
+        default: Value::Int(MAX_CURRENT),
         description: "Largest current of the motor, where there is a current loop (ampmode 0 and 2).",
         source: "MACS-AMP-08",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.max_current),
+        set: |p, v| p.amplifier.max_current = int(v).unwrap_or(p.amplifier.max_current),
+        ..TORQUE_ROW
     },
     Row {
         key: "ampcommtype",
@@ -69,7 +75,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "95",
         range: Range::Int(0, 6),
         default: Value::Int(0),
-        missing: "velocity and current loops",
+        missing: "a power stage whose voltage is given here",
         description: "Motor: 0 none, 1 with brushes, 2, 3 brushless with hall sensors at 120 or 60 deg, 4, 5 stepper, 6 coupled amplifiers.",
         source: "MACS-AMP-09",
         ..AMPLIFIER_ROW
@@ -81,7 +87,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "Hz",
         range: Range::Int(10_000, 50_000),
         default: Value::Int(24_000),
-        missing: "velocity and current loops",
+        missing: "a power stage whose voltage is given here",
         description: "Frequency of the power stage; multiples of 8000 Hz are best.",
         source: "MACS-AMP-10",
         note: "D03: the name is AMPWMFREQ in the overview and one step is given in kHz; AMPPWMFREQ in Hz is taken.",
@@ -93,10 +99,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "97",
         range: Range::Int(0, 3),
         default: Value::Int(0),
-        missing: "velocity and current loops",
         description: "Loops below the position loop: 0 velocity and current, 1 velocity, 2 current, 3 none.",
         source: "MACS-AMP-01",
-        ..AMPLIFIER_ROW
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.amplifier.mode),
+        set: |p, v| p.amplifier.mode = int(v).unwrap_or(p.amplifier.mode),
+        ..TORQUE_ROW
     },
     Row {
         key: "velkilim",
@@ -104,10 +112,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "103",
         range: Range::Int(0, 32_767),
         default: Value::Int(1000),
-        missing: "velocity and current loops",
         description: "Bound of the sum of errors of the velocity loop, either way.",
         source: "MACS-AMP-05",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.limit),
+        set: |p, v| p.amplifier.limit = int(v).unwrap_or(p.amplifier.limit),
+        ..TORQUE_ROW
     },
     Row {
         key: "curkilim",
@@ -115,7 +124,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "104",
         range: Range::Int(0, 32_767),
         default: Value::Int(1000),
-        missing: "velocity and current loops",
+        missing: "a power stage whose voltage is given here",
         description: "Bound of the sum of errors of the current loop, either way.",
         source: "MACS-AMP-05",
         ..AMPLIFIER_ROW
@@ -127,10 +136,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "velocity and current loops",
         description: "Time of the filter of the squared current; more than 0 watches it, 0 does not.",
         source: "MACS-I2T-01",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.heat_time),
+        set: |p, v| p.amplifier.heat_time = int(v).unwrap_or(p.amplifier.heat_time),
+        ..TORQUE_ROW
     },
     Row {
         key: "i2tlimit",
@@ -139,11 +149,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "A^2/1000",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "velocity and current loops",
         description: "Filtered squared current beyond which error 99 comes.",
         source: "MACS-I2T-03",
         note: "A-29: 0 with a filter time is taken as it stands: any current is too much.",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.heat_limit),
+        set: |p, v| p.amplifier.heat_limit = int(v).unwrap_or(p.amplifier.heat_limit),
+        ..TORQUE_ROW
     },
     Row {
         key: "curftime",
@@ -152,11 +163,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "ms",
         range: Range::Int(0, MLONG),
         default: Value::Int(0),
-        missing: "velocity and current loops",
         description: "Time of the filter of the current that is shown; 0 no filter.",
         source: "MACS-I2T-05",
         note: "D07: range and group are not given; 0 to MLONG ms in AXA is taken.",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.amplifier.current_time),
+        set: |p, v| p.amplifier.current_time = int(v).unwrap_or(p.amplifier.current_time),
+        ..TORQUE_ROW
     },
     Row {
         key: "ampencno",
@@ -164,7 +176,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "126",
         range: Range::Int(1, MLONG),
         default: Value::Int(-1),
-        missing: "velocity and current loops",
+        missing: "an encoder of the velocity loop alone",
         description: "Encoder of the velocity loop: -1 that of the position loop, else its number.",
         source: "MACS-AMP-06",
         note: "D01: the group is AXA in the overview and AXB in the detail; AXA is taken. The default lies outside the range.",
@@ -177,7 +189,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc/turn",
         range: Range::Int(1, MLONG),
         default: Value::Int(-1),
-        missing: "velocity and current loops",
+        missing: "an encoder of the velocity loop alone",
         description: "Increments of that encoder in one turn; -1: not set.",
         source: "MACS-AMP-06",
         note: "D01, D02: the group is AXA in the overview and AXB in the detail, AXA is taken; the default means not set and lies outside the range.",
@@ -190,7 +202,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "rpm",
         range: Range::Int(1, 65_535),
         default: Value::Int(0),
-        missing: "velocity and current loops",
+        missing: "an encoder of the velocity loop alone",
         description: "Speed of that encoder that is full output; 0: not set, VELMAX.",
         source: "MACS-AMP-06",
         note: "D01, D02: the group is AXA in the overview and AXB in the detail, AXA is taken; the default means not set and lies outside the range.",

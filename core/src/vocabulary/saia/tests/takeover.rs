@@ -84,6 +84,7 @@ impl Bench {
             modulo: None,
             unit: 1000.0,
             interface: self.interface,
+            regulates: false,
             wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,

@@ -96,6 +96,7 @@ impl Bench {
             modulo: self.modulo,
             unit: MM as f64,
             interface: Some(self.interface),
+            regulates: false,
             wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,

@@ -1,0 +1,126 @@
+//! The loops below the position loop, for a drive that takes an effort.
+//!
+//! Law      AMPMODE 0: the output of the position loop is a velocity in parts of max_velocity; the velocity loop makes an effort in
+//!          parts of max_effort of what is missing of it. AMPMODE 2: that output is the effort itself. Both within what
+//!          AMPMAXCUR allows, where currents are known
+//! Reads    the output of the position loop, the changes of the actual position, the effort that the drive tells
+//! Writes   the effort for the drive; velocity, current and heat that are shown; the error of I2TLIMIT
+//! Refuses  parameters that these loops cannot run with
+//! Source   MACS-AMP-01, MACS-AMP-02, MACS-AMP-04, MACS-AMP-08, MACS-I2T-01..05
+
+use super::reaction::Failure;
+use super::{Axis, Context};
+use crate::code::Code;
+use crate::drive::Interface;
+use crate::event::{Event, Kind, Number, Severity};
+use crate::regulator::{Heat, HeatFilter, I2t, VelocityEstimator, VelocityLoop};
+use serde::{Deserialize, Serialize};
+
+/// What these loops keep from cycle to cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct EffortLoops {
+    velocity: VelocityLoop,
+    /// None while the axis is off.
+    estimator: Option<VelocityEstimator>,
+    /// Way of the axis since it was switched on (inc), which no new coordinate changes.
+    way: i64,
+    /// -1 to 1
+    output: f64,
+    /// Ready for the cycle, with the parameters that it was made of.
+    watch: Option<I2t>,
+    heat: HeatFilter,
+    is_told: bool,
+}
+
+impl EffortLoops {
+    pub(super) fn is_sound(&self) -> bool {
+        self.velocity.is_sound()
+            && self.estimator.is_none_or(|estimator| estimator.is_sound())
+            && self.output.abs() <= 1.0
+            && self.watch.is_none_or(|watch| watch.is_sound())
+            && self.heat.is_sound()
+    }
+
+    /// The loops go off: no output, no past. What is warm cools on.
+    fn clear(&mut self) {
+        *self = Self { watch: self.watch, heat: self.heat, is_told: self.is_told, ..Self::default() };
+    }
+}
+
+impl Axis {
+    /// Is its drive given efforts?
+    #[inline]
+    pub(super) fn takes_effort(&self) -> bool {
+        !self.is_virtual() && self.setup.interface == Interface::Torque
+    }
+
+    /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop.
+    pub(super) fn close_effort(&mut self, asked: f64) -> f64 {
+        if !self.is_on() {
+            self.effort_loops.clear();
+            return 0.0;
+        }
+        let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
+        let moved = self.actual.change.floor();
+        loops.way = loops.way.wrapping_add(moved);
+        if loops.estimator.is_none() {
+            // Parameters that make none are refused.
+            loops.estimator = p.estimator(self.setup.cycle_ns).ok();
+        }
+        let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
+        let most = p.most();
+        let output = if p.has_velocity_loop() {
+            let error = asked - velocity / self.parameters.max_velocity;
+            loops.velocity.step(&p.velocity_gains(self.setup.cycle_ns), error)
+        } else {
+            asked
+        };
+        loops.output = if output.is_finite() { output.clamp(-most, most) } else { 0.0 };
+        loops.output * p.max_effort.unwrap_or_default()
+    }
+
+    /// Its velocity as the velocity loop sees it (inc/s); 0 without one.
+    pub(super) fn estimated_velocity(&self) -> f64 {
+        self.effort_loops.estimator.map_or(0.0, |estimator| estimator.velocity())
+    }
+
+    /// The effort that is asked for in parts of the full one, -1 to 1.
+    pub(super) fn effort_output(&self) -> f64 {
+        self.effort_loops.output
+    }
+
+    /// AMP_GETCUR (mA) and AMP_I2TVALUE (A^2/1000).
+    pub(super) fn shown_current(&self) -> (f64, f64) {
+        (self.effort_loops.heat.current(), self.effort_loops.heat.value())
+    }
+
+    /// Does the current have to be watched while nothing moves?
+    pub(super) fn watches_current(&self) -> bool {
+        self.takes_effort() && self.parameters.amplifier.torque_constant > 0.0
+    }
+
+    /// Watches the current that the drive tells, also of an axis that is off: a motor cools.
+    pub(super) fn supervise_current(&mut self, cx: &mut Context<'_>) {
+        if !self.watches_current() {
+            return;
+        }
+        let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
+        let settings = p.heat(self.setup.cycle_ns);
+        let watch = loops.watch.filter(|watch| watch.settings() == settings).unwrap_or_else(|| I2t::new(settings));
+        loops.watch = Some(watch);
+        let current = self.shown.effort() / p.torque_constant * 1000.0;
+        let heat = loops.heat.step(&watch, current);
+        let (value, limit) = (Number::Real(loops.heat.value()), Number::Real(f64::from(settings.limit)));
+        let was_told = std::mem::replace(&mut loops.is_told, heat != Heat::Fine);
+        match heat {
+            Heat::TooMuch if self.is_on() => {
+                self.raise(cx, Failure::of(Code::I2T_LIMIT).with(value, limit).lasting(was_told).before_motion());
+            }
+            Heat::Warning if !was_told => {
+                let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::I2T_NEAR);
+                cx.events.push(Event { position: self.actual.position, ..event.with(value, limit) });
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! The integer PID of the positioning module as the loop of an axis: 12 bits of a 16-bit sum, max_velocity 100000 inc/s at 2048.
+
+use super::super::rig::{Rig, X, at, saia_verb, to};
+use super::{lag, velocity_config};
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::{ConfigError, MachineConfig};
+use crate::object::AxisSet;
+use crate::parameter::{Change, Row, Value};
+use crate::regulator::Law;
+use crate::sim::Model;
+use crate::vocabulary::saia::Command;
+
+/// KProp, KInt, KDer; IL 32767, SampI 0.
+fn integer_config(kprop: i32, kint: i32, kder: i32) -> MachineConfig {
+    let mut config = velocity_config(0);
+    config.axes[1].law = Law::Integer;
+    let p = &mut config.axes[1].parameters.vocabularies.saia;
+    (p.kprop, p.kint, p.kder, p.intl, p.sampi) = (kprop, kint, kder, 32_767, 0);
+    config
+}
+
+fn enabled(model: Model, config: MachineConfig) -> Rig {
+    let mut rig = Rig::with(config, [model, Model::Ideal]);
+    rig.enable();
+    rig
+}
+
+/// U = KProp e, its top 12 bits of 2048 the velocity: at 50000 inc/s, half of it, the code is 1024 and U 16384; at KProp 16 e is 1024.
+///
+/// Proves: SAIA-PID-01, SAIA-EXT-06, SAIA-SW-01
+#[test]
+fn at_constant_speed_the_error_makes_the_velocity() {
+    for (kprop, behind) in [(16, 1024), (64, 256)] {
+        let mut rig = enabled(lag(2), integer_config(kprop, 0, 0));
+        rig.give(Action::Move(at(X, 50_000.0)));
+        rig.run(4_000);
+        // A step of the converter is 1/2048, 48.8 inc/s, and 16/kprop inc of error.
+        assert!((rig.int("x.regulator.error") - behind).abs() <= 3, "{kprop}: {}", rig.int("x.regulator.error"));
+        assert!((rig.real("x.regulator.output") - 0.5).abs() <= 2.0 / 2048.0);
+        let code = rig.real("x.regulator.output") * 2048.0;
+        assert_eq!(code, code.round(), "whole steps of the converter");
+        assert_eq!(rig.int("x.error"), 0);
+    }
+}
+
+/// The integral part takes the error away, three samples in most cycles of 1 ms.
+///
+/// Proves: SAIA-PID-01, SAIA-PID-02
+#[test]
+fn the_integral_part_takes_the_error_away() {
+    let mut rig = enabled(Model::Ideal, integer_config(64, 1, 0));
+    rig.give(Action::Move(at(X, 20_000.0)));
+    rig.run(4_000);
+    assert!(rig.int("x.regulator.error").abs() <= 25, "{}", rig.int("x.regulator.error"));
+    let goal = rig.give(Action::Move(to(X, 5_000)));
+    rig.run(6_000);
+    assert_eq!(rig.done(goal).len(), 1);
+}
+
+/// Off, and on again: no output, no past. Commands of the module move the axis on the same loop, and its registers are loaded by them.
+///
+/// Proves: SAIA-PID-05, SAIA-PID-06
+#[test]
+fn the_commands_of_the_module_run_on_its_regulator() {
+    let mut rig = enabled(lag(2), integer_config(64, 0, 8));
+    rig.plant.drive(0).unwrap().jump(-100);
+    rig.run(1);
+    assert!(rig.real("x.regulator.output") > 0.0);
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(200);
+    assert_eq!((rig.real("x.regulator.output"), rig.real("x.output.velocity")), (0.0, 0.0));
+    rig.give(saia_verb(&[Command::Initialise]));
+    rig.give(saia_verb(&[Command::Start]));
+    rig.run(500);
+    assert_eq!((rig.int("x.enabled"), rig.int("x.saia.regulator_off")), (1, 0));
+    rig.plant.drive(0).unwrap().jump(-100);
+    rig.run(2);
+    let code = rig.real("x.regulator.output") * 2048.0;
+    assert!(code > 0.0);
+    assert_eq!(rig.int("x.saia.output"), code as i64, "what drives it is what is shown");
+}
+
+#[test]
+fn a_register_out_of_range_closes_no_loop() {
+    let mut config = integer_config(40_000, 0, 0);
+    let expected = ConfigError::NotBuilt { axis: "x".into(), key: "saia.kprop", code: Code::GAIN_RANGE };
+    assert_eq!(config.check(), Err(expected));
+    config.axes[1].parameters.vocabularies.saia.kprop = 64;
+    let mut rig = enabled(Model::Ideal, config);
+    let row = Row::find("saia.kder").expect("a row").0;
+    let refused = rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Int(-1) }])));
+    let sentence = rig.refusal(refused);
+    assert!(sentence.starts_with("x: saia.kder -1 is beyond the register of the integer PID"), "{sentence}");
+}

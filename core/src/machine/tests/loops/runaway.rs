@@ -1,0 +1,131 @@
+//! A loop closed here that loses its axis: no axis runs away.
+
+use super::super::rig::{Rig, X, at, cases, config, to};
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::MachineConfig;
+use crate::drive::Interface;
+use crate::regulator::Law;
+use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage, VelocityLag};
+use proptest::prelude::*;
+
+const ALLOWED: i64 = 4_000;
+
+fn looped(interface: Interface, law: Law, reaction: i64) -> MachineConfig {
+    let mut config = config(0);
+    let axis = &mut config.axes[1];
+    (axis.interface, axis.law) = (interface, law);
+    let p = &mut axis.parameters;
+    (p.max_following_error, p.error_reaction) = (ALLOWED, reaction);
+    p.amplifier.max_effort = Some(1000.0);
+    p.pid.velocity = 1000;
+    config
+}
+
+fn motor(inertia: f64, friction: f64) -> MotorData {
+    MotorData {
+        inertia,
+        friction: Friction { viscous: 1e-4, coulomb: friction, holding: friction },
+        load: Load { inertia: 2.5e-4, ..Load::default() },
+        coupling: None,
+        amplifier: Amplifier { stage: Stage::Torque { rated: 1.0, lag_ns: 0 }, limit: 3.0, dead_time_ns: 0 },
+        reading: Reading { counts_per_turn: 62_832.0, noise: 0.0, seed: 1, at_load: false },
+    }
+}
+
+fn model(interface: Interface, data: MotorData) -> Model {
+    match interface {
+        Interface::Torque => Model::Motor(Motor::new(data).unwrap()),
+        _ => Model::Velocity(VelocityLag::new(5_000_000, 1_000_000).unwrap()),
+    }
+}
+
+/// Motor and encoder do not agree: at the first disturbance the loop drives the axis away. It is off before it is further away than
+/// twice what is allowed, and what it does from there on is coast.
+#[test]
+fn a_sense_wired_the_wrong_way_ends_without_power() {
+    for interface in [Interface::Velocity, Interface::Torque] {
+        for law in Law::ALL {
+            let config = looped(interface, law, 2);
+            let mut rig = Rig::with(config, [model(interface, motor(2.5e-4, 0.0)).wired(true), Model::Ideal]);
+            rig.enable();
+            rig.give(Action::Move(to(X, 10_000)));
+            let mut furthest = 0;
+            for _ in 0..5_000 {
+                rig.run(1);
+                if rig.int("x.enabled") == 1 {
+                    furthest = furthest.max(rig.int("x.following_error").abs());
+                }
+            }
+            let case = format!("{interface:?} {law:?}");
+            assert_eq!(rig.int("x.enabled"), 0, "{case}");
+            assert!(rig.int("x.error") == i64::from(Code::FOLLOWING_ERROR.0), "{case}");
+            assert!(rig.events.iter().any(|event| event.code == Code::RUNAWAY), "{case}");
+            assert!(furthest <= 2 * ALLOWED + 200, "{case}: {furthest}");
+            assert_eq!((rig.real("x.output.velocity"), rig.real("x.output.effort")), (0.0, 0.0), "{case}");
+        }
+    }
+}
+
+/// Too little torque for the way that is asked: the loop stops the axis, and it is no runaway.
+#[test]
+fn an_amplifier_that_saturates_stops_on_its_loop() {
+    let mut config = looped(Interface::Torque, Law::Pid, 2);
+    // 12.5 per mille of 1 Nm on 5e-4 kg m^2: 2.5e5 inc/s^2, against 5e5 of the goal: 400 inc are missing once both are at 20000 inc/s.
+    config.axes[1].parameters.amplifier.max_effort = Some(12.5);
+    config.axes[1].parameters.amplifier.proportional = 5_000;
+    config.axes[1].parameters.max_following_error = 300;
+    let mut rig = Rig::with(config, [model(Interface::Torque, motor(2.5e-4, 0.0)), Model::Ideal]);
+    rig.enable();
+    rig.give(Action::Move(at(X, 20_000.0)));
+    rig.run(5_000);
+    assert_eq!((rig.int("x.error"), rig.state("x")), (i64::from(Code::FOLLOWING_ERROR.0), "ERROR_STOP"));
+    assert_eq!(rig.int("x.enabled"), 1);
+    assert!(rig.int("x.following_error").abs() <= 3, "{}", rig.int("x.following_error"));
+    assert!(!rig.events.iter().any(|event| event.code == Code::RUNAWAY));
+}
+
+proptest! {
+    #![proptest_config(cases(40))]
+
+    /// Whatever goes wrong with encoder, sense or torque while the axis moves: within 100 ms of the following error that is not allowed it is
+    /// off, or on its way to where it was to stop.
+    #[test]
+    fn no_axis_runs_away(
+        is_torque in any::<bool>(),
+        law in prop::sample::select(&Law::ALL[..]),
+        reaction in 0_i64..5,
+        inertia in 1e-5..5e-3_f64,
+        friction in 0.0..0.1_f64,
+        velocity in -90_000.0..90_000.0_f64,
+        fault in 0..3_u8,
+        when in 100_u64..1_500,
+    ) {
+        let interface = if is_torque { Interface::Torque } else { Interface::Velocity };
+        let inverted = fault == 0;
+        let config = looped(interface, law, reaction);
+        let mut rig = Rig::with(config, [model(interface, motor(inertia, friction)).wired(inverted), Model::Ideal]);
+        rig.enable();
+        rig.give(Action::Move(at(X, velocity)));
+        rig.run(when);
+        match fault {
+            1 => rig.plant.drive(0).unwrap().jam(true),
+            2 => rig.plant.drive(0).unwrap().jump(if velocity > 0.0 { -9_000 } else { 9_000 }),
+            _ => {}
+        }
+        let mut since = None;
+        for cycle in 0..3_000_u64 {
+            rig.run(1);
+            let error = rig.int("x.following_error").abs();
+            let is_on = rig.int("x.enabled") == 1 || rig.state("x") == "ERROR_STOP" && rig.real("x.output.effort") != 0.0;
+            prop_assert!(!is_on || error <= 2 * ALLOWED + 1_000, "cycle {}: {} behind", cycle, error);
+            let begun = *since.get_or_insert(cycle);
+            if !(is_on && error > ALLOWED) {
+                since = None;
+            } else {
+                // A stop from 90000 inc/s takes 90 ms of ramp and 50 ms of patience.
+                prop_assert!(cycle - begun <= 400, "cycle {}: {} behind for {} ms", cycle, error, cycle - begun);
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Parameters of the loops below the position loop: what MACS gives its power stage, and what is native beside that.
+
+use crate::code::Code;
+use crate::regulator::{EstimatorError, I2tSettings, MotionModel, VelocityEstimator, VelocityGains, VelocityMethod};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// How the velocity of the velocity loop is found.
+pub const ESTIMATORS: &[&str] = &["difference", "filtered", "alpha_beta", "kalman"];
+
+/// AMPMAXCUR when none is given (mA).
+pub(in crate::parameter) const MAX_CURRENT: i64 = 2000;
+
+/// The parameters of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Amplifier {
+    /// Effort of the full output (in the drive's unit).
+    pub max_effort: Option<f64>,
+    /// Effort for each ampere (in the drive's unit); 0: currents are not known.
+    pub torque_constant: f64,
+    /// AMPMODE
+    pub mode: i64,
+    /// AMPMAXCUR (mA)
+    pub max_current: i64,
+    /// VELKPROP
+    pub proportional: i64,
+    /// VELKINT
+    pub integral: i64,
+    /// VELKILIM
+    pub limit: i64,
+    /// Place in [`ESTIMATORS`].
+    pub estimator: i64,
+    /// Of the filter or the observer (Hz).
+    pub bandwidth: f64,
+    /// Standard deviation of the acceleration that the Kalman filter expects (inc/s^2).
+    pub acceleration: f64,
+    /// I2TFTIME (ms)
+    pub heat_time: i64,
+    /// I2TLIMIT (A^2/1000)
+    pub heat_limit: i64,
+    /// CURFTIME (ms)
+    pub current_time: i64,
+}
+
+impl Amplifier {
+    /// Gains of the velocity loop, a sample in each cycle.
+    pub fn velocity_gains(&self, cycle_ns: u64) -> VelocityGains {
+        VelocityGains {
+            proportional: whole(self.proportional),
+            integral: whole(self.integral),
+            limit: whole(self.limit),
+            cycle: milliseconds(cycle_ns),
+        }
+    }
+
+    /// What watches the current.
+    pub fn heat(&self, cycle_ns: u64) -> I2tSettings {
+        I2tSettings {
+            time: whole(self.heat_time),
+            limit: whole(self.heat_limit),
+            shown_time: whole(self.current_time),
+            cycle: milliseconds(cycle_ns),
+        }
+    }
+
+    /// Has the axis a velocity loop here?
+    pub fn has_velocity_loop(&self) -> bool {
+        self.mode == 0
+    }
+
+    /// What finds the velocity, at rest.
+    ///
+    /// # Errors
+    /// A setting that the cycle is too long or too short for.
+    pub fn estimator(&self, cycle_ns: u64) -> Result<VelocityEstimator, EstimatorError> {
+        let method = match self.estimator {
+            1 => VelocityMethod::Filtered { time: 1.0 / (TAU * self.bandwidth) },
+            2 => VelocityMethod::AlphaBeta { bandwidth: TAU * self.bandwidth },
+            3 => VelocityMethod::Kalman { model: MotionModel::ConstantVelocity { acceleration: self.acceleration } },
+            _ => VelocityMethod::Difference,
+        };
+        VelocityEstimator::new(method, cycle_ns as f64 / 1e9)
+    }
+
+    /// Can the loops run with these?
+    ///
+    /// # Errors
+    /// The key that cannot be, and why.
+    pub fn check(&self, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
+        if self.max_effort.is_none() {
+            return Err(("max_effort", Code::EFFORT_MISSING));
+        }
+        if !matches!(self.mode, 0 | 2) {
+            return Err(("ampmode", Code::NO_POWER_STAGE));
+        }
+        if self.estimator(cycle_ns).is_err() {
+            return Err(("velocity_loop.acceleration", Code::ESTIMATOR_RANGE));
+        }
+        let currents = [
+            ("ampmaxcur", self.max_current, MAX_CURRENT),
+            ("i2tftime", self.heat_time, 0),
+            ("i2tlimit", self.heat_limit, 0),
+            ("curftime", self.current_time, 0),
+        ];
+        let asked = currents.into_iter().find(|(_, value, usual)| self.torque_constant == 0.0 && value != usual);
+        asked.map_or(Ok(()), |(key, ..)| Err((key, Code::CURRENT_UNKNOWN)))
+    }
+
+    /// The largest output, 0 to 1: AMPMAXCUR, where currents are known.
+    pub fn most(&self) -> f64 {
+        let full = self.max_effort.unwrap_or_default();
+        if self.torque_constant == 0.0 || full == 0.0 {
+            return 1.0;
+        }
+        (self.torque_constant * self.max_current as f64 / 1000.0 / full).clamp(0.0, 1.0)
+    }
+}
+
+/// Rows keep it within 32 bits.
+fn whole(value: i64) -> i32 {
+    value.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+}
+
+fn milliseconds(cycle_ns: u64) -> f64 {
+    cycle_ns as f64 / 1e6
+}
