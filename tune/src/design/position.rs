@@ -1,0 +1,173 @@
+//! The position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
+
+use super::search::{Found, Search};
+use super::{DesignError, INTEGRAL, Law, Targets, Wish};
+use crate::discrete::{Discrete, radius, turn};
+use crate::loops::{Inner, Loops, PositionLaw, gain, pid};
+use crate::model::{Dynamics, Model};
+use crate::response::frequency::{Margins, grid};
+use core::f64::consts::TAU;
+use lineshaft_core::regulator::{K_OUT, PidGains, Window};
+
+/// Largest KPROP, KDER, KINT and KILIM.
+const MOST: f64 = 65_000.0;
+
+/// Largest FFVEL and FFACC.
+const MOST_FORWARD: f64 = 100_000.0;
+
+/// Derivative times that are tried for a drive of efforts (samples): so many per octave, over so many octaves.
+const TIMES: (u32, u32) = (3, 12);
+
+/// Part of the stiffness that an integral part may cost where its gain would be less than 1.
+const INTEGRAL_WORTH: f64 = 0.5;
+
+/// Output that the integral part may hold beside what friction and load need, and how much more of that.
+const RESERVE: (f64, f64) = (0.05, 1.5);
+
+pub(super) fn design(
+    model: &Model,
+    wish: &Wish,
+    cycles: u32,
+    velocity: Option<Inner>,
+) -> Result<(Loops, Margins), DesignError> {
+    let position = match wish.law {
+        Law::Proportional => PositionLaw::Proportional { kv: 1.0 },
+        Law::Pid { .. } => PositionLaw::Pid { gains: PidGains::default(), cycles },
+    };
+    let loops = Loops { position, velocity, max_velocity: wish.max_velocity, max_acceleration: wish.max_acceleration };
+    let axis = loops.axis(model)?;
+    let period = model.cycle * f64::from(cycles);
+    let grid = grid(model, period);
+    let found = match wish.law {
+        Law::Proportional => proportional(&axis, &grid, period, wish),
+        Law::Pid { timer } => with_pid(model, &loops, &axis, &grid, period, wish, timer),
+    };
+    let found = found.ok_or_else(|| wish.targets.unreachable("position"))?;
+    Ok((Loops { position: found.gains, ..loops }, found.margins))
+}
+
+fn proportional(axis: &Discrete, grid: &[f64], period: f64, wish: &Wish) -> Option<Found<PositionLaw>> {
+    let targets = &wish.targets;
+    let search = Search::new(grid, period, axis, &[gain(1.0)], targets);
+    let rounded = |weights: &[f64]| {
+        let weight = *weights.first()?;
+        let law = PositionLaw::Proportional { kv: weight * wish.max_velocity };
+        (weight <= targets.ripple).then(|| (law, vec![weight]))
+    };
+    let poles = |law: &PositionLaw| radius(&law.law(wish.max_velocity).then(axis).closed());
+    search.fastest(|_| vec![1.0], rounded, poles, 0.0)
+}
+
+fn with_pid(
+    model: &Model,
+    loops: &Loops,
+    axis: &Discrete,
+    grid: &[f64],
+    period: f64,
+    wish: &Wish,
+    timer: u32,
+) -> Option<Found<PositionLaw>> {
+    let targets = &wish.targets;
+    let laws = [pid(1.0, 0.0, 0.0), pid(0.0, 1.0, 0.0), pid(0.0, 0.0, 1.0)];
+    let search = Search::new(grid, period, axis, &laws, targets);
+    let base = PidGains {
+        bandwidth: 1000,
+        window: Window::default(),
+        period_ms: i64::from(timer),
+        ..forward(model, loops, axis, period)
+    };
+    let need = need(model, loops);
+    let cycles = loops.cycles();
+    let poles = |law: &PositionLaw| radius(&law.law(wish.max_velocity).then(axis).closed());
+    let times = times(model, loops, period);
+    let best = |least: f64| {
+        let rounded = |weights: &[f64]| rounded(weights, least, &base, need, cycles, targets);
+        let mut best: Option<Found<PositionLaw>> = None;
+        for &time in &times {
+            let shape = |crossover: f64| {
+                let integral = if targets.integral { crossover / INTEGRAL } else { 0.0 };
+                vec![1.0, time, integral]
+            };
+            let softer = best.as_ref().map_or(0.0, |best| best.weight);
+            best = search.fastest(shape, rounded, poles, softer).or(best);
+        }
+        best
+    };
+    let free = best(0.0);
+    if !targets.integral {
+        return free;
+    }
+    // The least integral part there is may be too much, or cost too much.
+    let price = INTEGRAL_WORTH * free.as_ref().map_or(0.0, |free| free.weight);
+    best(1.0).filter(|whole| whole.weight >= price).or(free)
+}
+
+/// Derivative times (samples).
+fn times(model: &Model, loops: &Loops, period: f64) -> Vec<f64> {
+    match (model.dynamics, loops.velocity) {
+        (Dynamics::Effort { .. }, None) => {
+            let (per, octaves) = TIMES;
+            (0..=per * octaves).map(|k| libm::exp2(f64::from(k) / f64::from(per))).collect()
+        }
+        (Dynamics::Effort { .. }, Some(_)) => vec![0.0, 0.5, 1.0, 2.0, 4.0],
+        (Dynamics::Velocity { time_constant, .. }, _) => {
+            let lag = time_constant / period;
+            vec![0.0, 0.5, 1.0, 2.0, 4.0, 0.5 * lag, lag]
+        }
+    }
+}
+
+/// The gains with these weights, KINT no smaller than `least`.
+fn rounded(
+    weights: &[f64],
+    least: f64,
+    base: &PidGains,
+    need: f64,
+    cycles: u32,
+    targets: &Targets,
+) -> Option<(PositionLaw, Vec<f64>)> {
+    let [proportional, derivative, integral] = *weights else { return None };
+    let [proportional, derivative, integral] = [proportional, derivative, integral].map(|part| (part * K_OUT).round());
+    let integral = integral.max(least);
+    let fits = proportional >= 1.0 && [proportional, derivative, integral].iter().all(|gain| *gain <= MOST);
+    let is_calm = (proportional + derivative + integral) / K_OUT <= targets.ripple;
+    let limit = if integral > 0.0 { (need * K_OUT / integral).ceil().min(MOST) } else { 0.0 };
+    let gains = PidGains {
+        proportional: proportional as i64,
+        derivative: derivative as i64,
+        integral: integral as i64,
+        limit: limit as i64,
+        ..*base
+    };
+    let weights = vec![proportional / K_OUT, derivative / K_OUT, integral / K_OUT];
+    (fits && is_calm).then_some((PositionLaw::Pid { gains, cycles }, weights))
+}
+
+/// What the integral part has to be able to hold (parts of the output).
+fn need(model: &Model, loops: &Loops) -> f64 {
+    let part = match (model.dynamics, loops.velocity) {
+        // The velocity loop holds friction and load itself.
+        (Dynamics::Effort { .. }, Some(_)) => 0.0,
+        (Dynamics::Effort { acceleration, coulomb, load, .. }, None) => (coulomb + load.abs()) / acceleration,
+        (Dynamics::Velocity { gain, offset, .. }, _) => offset.abs() / gain,
+    };
+    (RESERVE.0 + RESERVE.1 * part).min(1.0)
+}
+
+/// FFVEL and FFACC.
+fn forward(model: &Model, loops: &Loops, axis: &Discrete, period: f64) -> PidGains {
+    let per = |value: f64| (1000.0 * value).round().clamp(0.0, MOST_FORWARD) as i64;
+    let (velocity, acceleration) = match (model.dynamics, loops.velocity) {
+        (Dynamics::Effort { acceleration, viscous, .. }, None) => {
+            (viscous * loops.max_velocity / acceleration, loops.max_acceleration / acceleration)
+        }
+        _ => {
+            // At a low frequency what takes velocities is a gain and a delay.
+            let omega = TAU * 1e-3 * 0.5 / period;
+            let seen = axis.at(turn(omega * period)) * crate::discrete::C64::new(0.0, omega);
+            let (gain, delay) = (crate::discrete::size(seen), -libm::atan2(seen.im, seen.re) / omega);
+            (loops.max_velocity / gain, delay * loops.max_acceleration / gain)
+        }
+    };
+    PidGains { velocity: per(velocity), acceleration: per(acceleration), ..PidGains::default() }
+}

@@ -1,0 +1,106 @@
+//! The fastest gains of a law that keep their margins.
+//!
+//! Law      for each shape of a law its gain is set for one crossover after the other, from high to low, and rounded as its rows want it;
+//!          the first one whose rounded gains are stable and keep all margins is the shape's best
+//! Reads    what each part of the law makes of the axis, over frequency
+//! Writes   gains
+//! Refuses  nothing: where none keeps them, there is none
+
+use super::Targets;
+use crate::discrete::{C64, Discrete, size};
+use crate::response::frequency::{Margins, margins, sampled};
+
+/// Highest crossover in parts of the sampling frequency.
+const HIGHEST: f64 = 0.25;
+
+/// Points of the grid between two crossovers that are tried first.
+const STRIDE: usize = 4;
+
+/// What a law is tried on.
+pub(super) struct Search<'a> {
+    pub(super) grid: &'a [f64],
+    pub(super) period: f64,
+    /// What each part of the law with the gain 1 makes of the axis, at each frequency.
+    pub(super) parts: Vec<Vec<C64>>,
+    pub(super) targets: &'a Targets,
+}
+
+/// Gains with their margins.
+pub(super) struct Found<G> {
+    pub(super) gains: G,
+    /// The first of its weights.
+    pub(super) weight: f64,
+    pub(super) margins: Margins,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(grid: &'a [f64], period: f64, axis: &Discrete, laws: &[Discrete], targets: &'a Targets) -> Self {
+        let axis = sampled(axis, grid, period);
+        let of = |law: &Discrete| sampled(law, grid, period).iter().zip(&axis).map(|(l, g)| l * g).collect();
+        Self { grid, period, parts: laws.iter().map(of).collect(), targets }
+    }
+
+    fn open(&self, weights: &[f64], at: usize) -> C64 {
+        self.parts.iter().zip(weights).fold(C64::new(0.0, 0.0), |sum, (part, weight)| sum + part[at] * *weight)
+    }
+
+    /// `shape` gives the weights of the parts at a crossover (rad per sample); `rounded` what can be set of them, with its
+    /// weights; `poles` the largest magnitude of a pole of the loop that they close. A first weight of `softer` or less is not looked for.
+    pub(super) fn fastest<G: Copy>(
+        &self,
+        shape: impl Fn(f64) -> Vec<f64>,
+        rounded: impl Fn(&[f64]) -> Option<(G, Vec<f64>)>,
+        poles: impl Fn(&G) -> f64,
+        softer: f64,
+    ) -> Option<Found<G>> {
+        let highest = self.grid.iter().rposition(|f| f * self.period <= HIGHEST)?;
+        let attempt = |at: usize| self.attempt(at, &shape, &rounded, &poles);
+        let mut at = highest;
+        loop {
+            if self.weights(at, &shape).first().is_none_or(|weight| *weight <= softer) {
+                return None;
+            }
+            if let Some(found) = attempt(at) {
+                // Between this one and the one before it there may be a faster one.
+                return (at + 1..(at + STRIDE).min(highest + 1)).rev().find_map(attempt).or(Some(found));
+            }
+            at = at.checked_sub(STRIDE)?;
+        }
+    }
+
+    /// For a crossover at that point of the grid.
+    fn weights(&self, at: usize, shape: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+        let mut weights = shape(core::f64::consts::TAU * self.grid[at] * self.period);
+        let size = size(self.open(&weights, at));
+        weights.iter_mut().for_each(|weight| *weight /= size);
+        weights
+    }
+
+    fn attempt<G>(
+        &self,
+        at: usize,
+        shape: impl Fn(f64) -> Vec<f64>,
+        rounded: impl Fn(&[f64]) -> Option<(G, Vec<f64>)>,
+        poles: impl Fn(&G) -> f64,
+    ) -> Option<Found<G>> {
+        let weights = self.weights(at, shape);
+        // Far from its margin before it is rounded: not worth the rest.
+        if self.angle(self.open(&weights, at)) < self.targets.phase_margin - 5.0 {
+            return None;
+        }
+        let (gains, weights) = rounded(&weights)?;
+        let open: Vec<C64> = (0..self.grid.len()).map(|at| self.open(&weights, at)).collect();
+        let found = margins(self.grid, &open);
+        if !self.targets.are_kept(&found) {
+            return None;
+        }
+        let margins = Margins { radius: poles(&gains), ..found };
+        let weight = weights.first().copied().unwrap_or(0.0);
+        margins.is_stable().then_some(Found { gains, weight, margins })
+    }
+
+    /// From -1 (degrees, 0 to 180).
+    fn angle(&self, open: C64) -> f64 {
+        libm::atan2(-open.im, -open.re).abs() * 180.0 / core::f64::consts::PI
+    }
+}

@@ -1,0 +1,55 @@
+//! The velocity loop: VELKPROP, VELKINT, VELKILIM.
+
+use super::search::Search;
+use super::{DesignError, INNER_INTEGRAL, Wish};
+use crate::discrete::Discrete;
+use crate::loops::{Inner, LoopError, pi};
+use crate::model::Model;
+use crate::response::frequency::{Margins, grid, velocity_radius};
+use lineshaft_core::regulator::{VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityMethod};
+
+/// Largest magnitude of each gain.
+const MOST: f64 = 32_767.0;
+
+/// Gains whose integral part alone can hold the whole output.
+fn gains(proportional: f64, integral: f64, cycle: f64) -> Option<VelocityGains> {
+    if !(1.0..=MOST).contains(&proportional) || !(0.0..=MOST).contains(&integral) {
+        return None;
+    }
+    let limit = if integral > 0.0 { (1.0 / (integral * VELOCITY_GAIN * VELOCITY_SUM)).ceil().min(MOST) } else { 0.0 };
+    Some(VelocityGains {
+        proportional: proportional as i32,
+        integral: integral as i32,
+        limit: limit as i32,
+        cycle: 1000.0 * cycle,
+    })
+}
+
+pub(super) fn design(model: &Model, wish: &Wish, method: VelocityMethod) -> Result<(Inner, Margins), DesignError> {
+    let (targets, cycle) = (&wish.targets, model.cycle);
+    let axis = Discrete::of(model);
+    let estimator = Discrete::estimator(method, cycle).map_err(LoopError::from)?;
+    // What one increment does at once.
+    let per_increment = estimator.d.abs() * VELOCITY_GAIN / wish.max_velocity;
+    let seen = axis.then(&estimator).scaled(1.0 / wish.max_velocity);
+    let grid = grid(model, cycle);
+    let search = Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets);
+    let shape = |crossover: f64| {
+        let integral = if targets.integral { crossover / INNER_INTEGRAL } else { 0.0 };
+        vec![1.0, integral]
+    };
+    let rounded = |weights: &[f64]| {
+        let [proportional, integral] = *weights else { return None };
+        let gains = gains(
+            (proportional / VELOCITY_GAIN).round(),
+            (integral / (VELOCITY_GAIN * 1000.0 * cycle)).round(),
+            cycle,
+        )?;
+        let is_calm = f64::from(gains.proportional) * per_increment <= targets.ripple;
+        let (proportional, integral) = Inner { gains, method }.weights();
+        is_calm.then_some((gains, vec![proportional, integral]))
+    };
+    let radius = |gains: &VelocityGains| velocity_radius(&Inner { gains: *gains, method }.law().then(&seen).closed());
+    let found = search.fastest(shape, rounded, radius, 0.0).ok_or_else(|| targets.unreachable("velocity"))?;
+    Ok((Inner { gains: found.gains, method }, found.margins))
+}

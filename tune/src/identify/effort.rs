@@ -1,0 +1,318 @@
+//! A drive that takes efforts: acceleration, frictions, load, delay, and a resonance where there is one.
+
+use super::fit::{Beginning, Fit, Stretches, least};
+use super::{Deviation, Identified, Refusal, Squares, WORTH};
+use crate::discrete::Delayed;
+use crate::model::{Dynamics, Model, Resonance, first_order, second_order};
+use crate::record::Record;
+use core::f64::consts::TAU;
+use core::ops::Range;
+
+/// Longest stretch (s): a position forgets its beginning no sooner than that.
+const STRETCH: f64 = 0.2;
+
+/// Shortest stretch (cycles).
+const LEAST_STRETCH: usize = 24;
+
+/// Time over which the sense of a motion is judged, either way (s), and the least of it (cycles).
+const SENSE: (f64, usize) = (0.01, 4);
+
+/// Way within that time, there and back, from which on the sense is known (inc).
+const SENSE_WAY: f64 = 3.0;
+
+/// Way of two cycles from which on it is told (inc), and the part of it below which an axis hesitates.
+const HESITATES: (f64, f64) = (4.0, 0.25);
+
+/// Longest delay of the search (cycles).
+const MOST_DELAY: f64 = 20.0;
+
+/// Dampings at which the search for a resonance begins.
+const DAMPINGS: [f64; 2] = [0.02, 0.1];
+
+/// Frequencies at which it begins, per octave.
+const PER_OCTAVE: f64 = 8.0;
+
+struct Search<'a> {
+    record: &'a Record,
+    way: Vec<f64>,
+    /// As they are without a resonance.
+    stretches: Stretches,
+    /// Of viscous friction, Coulomb friction and the load.
+    resisting: [Vec<f64>; 3],
+}
+
+/// Where the sense is known, and which it is.
+fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
+    let reach = ((SENSE.0 / record.cycle) as usize).max(SENSE.1);
+    let sense = |k: usize| {
+        let (Some(before), Some(after)) = (k.checked_sub(reach).and_then(|k| way.get(k)), way.get(k + reach)) else {
+            return 0.0;
+        };
+        let moved = after - before;
+        // A motor on a spring may stand for a moment, or turn, while all of it goes on.
+        let (Some(last), Some(next)) = (k.checked_sub(1).and_then(|k| way.get(k)), way.get(k + 1)) else { return 0.0 };
+        let (usual, here) = (moved.abs() / reach as f64, moved.signum() * (next - last));
+        let hesitates = usual >= HESITATES.0 && here < HESITATES.1 * usual;
+        if moved.abs() < SENSE_WAY || hesitates { 0.0 } else { moved.signum() }
+    };
+    let rough: Vec<f64> = (0..way.len()).map(sense).collect();
+    // Near a turn the window has seen both senses.
+    let is_sure = |k: usize| {
+        let from = k.saturating_sub(reach);
+        rough.get(from..=k + reach).is_some_and(|near| near.iter().all(|s| *s == rough[k]))
+    };
+    (0..way.len()).map(|k| if is_sure(k) { rough[k] } else { 0.0 }).collect()
+}
+
+/// Stretches in one known sense, none longer than `longest`.
+fn one_way(senses: &[f64], longest: usize) -> Vec<Range<usize>> {
+    let mut ranges = Vec::new();
+    let mut from = 0;
+    for k in 0..=senses.len() {
+        let goes_on = k < senses.len() && senses[k] == senses[from] && k - from < longest;
+        if goes_on {
+            continue;
+        }
+        if senses.get(from).is_some_and(|s| *s != 0.0) && k - from >= LEAST_STRETCH {
+            ranges.push(from..k);
+        }
+        from = k;
+    }
+    ranges
+}
+
+impl<'a> Search<'a> {
+    fn new(record: &'a Record) -> Self {
+        let (cycle, way) = (record.cycle, record.way());
+        let mut senses = senses(record, &way);
+        let longest =
+            ((STRETCH / cycle) as usize).clamp(2 * LEAST_STRETCH, record.positions.len().max(2 * LEAST_STRETCH));
+        let mut ranges = one_way(&senses, longest);
+        if ranges.is_empty() {
+            // Too short a motion for its friction: what is left is whether it reacts, and in which sense.
+            ranges.push(0..record.positions.len());
+            senses.fill(0.0);
+        }
+        let stretches = Stretches::new(ranges, Beginning::Motion, &way);
+        let mean = way.iter().sum::<f64>() / way.len() as f64;
+        let mut sum = 0.0;
+        let passed: Vec<f64> = way
+            .windows(2)
+            .map(|pair| {
+                sum += 0.5 * (pair[0] + pair[1] - 2.0 * mean) * cycle;
+                -sum
+            })
+            .collect();
+        let passed: Vec<f64> = core::iter::once(0.0).chain(passed).collect();
+        // A constant that acts over a whole stretch: where in the record it began to is left to the beginning of the stretch.
+        let square = |k: usize| -0.5 * (k as f64 * cycle) * (k as f64 * cycle);
+        let load: Vec<f64> = (0..way.len()).map(square).collect();
+        let coulomb: Vec<f64> = load.iter().zip(&senses).map(|(x, s)| x * s).collect();
+        let resisting = [passed, coulomb, load];
+        Self { record, way, stretches, resisting }
+    }
+
+    fn delay(&self, at: f64) -> f64 {
+        at.abs().min(MOST_DELAY) * self.record.cycle
+    }
+
+    /// Frequency (rad/s) and damping of a place of the search: their logarithms.
+    fn resonance(&self, at: &[f64]) -> (f64, f64) {
+        let most = 0.95 * core::f64::consts::PI / self.record.cycle;
+        (libm::exp(at[1]).min(most), libm::exp(at[2]).clamp(1e-4, 0.9))
+    }
+
+    /// Acceleration, viscous and Coulomb friction, load, and with three places the share of the resonance.
+    fn columns(&self, at: &[f64]) -> Vec<Vec<f64>> {
+        let of = |system| Delayed::of(&system, self.record.cycle, self.delay(at[0])).response(self.record.inputs());
+        let mut columns = vec![of(first_order(1.0, 0.0))];
+        columns.extend(self.resisting.iter().cloned());
+        if at.len() > 1 {
+            let (omega, damping) = self.resonance(at);
+            columns.push(of(second_order(omega, damping)));
+        }
+        columns
+    }
+
+    /// Stretches that know nothing of how their swing began.
+    fn stretches(&self, at: &[f64]) -> Stretches {
+        let beginning = if at.len() > 1 {
+            let (omega, damping) = self.resonance(at);
+            Beginning::Swing(omega * self.record.cycle, damping)
+        } else {
+            Beginning::Motion
+        };
+        self.stretches.beginning_with(beginning, &self.way)
+    }
+
+    fn fit(&self, at: &[f64]) -> Fit {
+        if at.len() > 1 {
+            Self::fitted(&self.stretches(at), &self.columns(at))
+        } else {
+            Self::fitted(&self.stretches, &self.columns(at))
+        }
+    }
+
+    fn fitted(stretches: &Stretches, columns: &[Vec<f64>]) -> Fit {
+        stretches.fit(&columns.iter().map(|column| stretches.reduced(column)).collect::<Vec<_>>())
+    }
+
+    fn without_resonance(&self) -> (Vec<f64>, f64) {
+        let mut best = (vec![0.0], f64::INFINITY);
+        for half in 0..(2.0 * MOST_DELAY) as u32 {
+            let at = vec![0.5 * f64::from(half)];
+            let left = self.fit(&at).left;
+            if left < best.1 {
+                best = (at, left);
+            }
+        }
+        least(&best.0, &[0.3], 25, |at| self.fit(at).left)
+    }
+
+    /// From the delay that a rigid axis would have: half a resonance may hide in it.
+    fn with_resonance(&self, delay: f64) -> (Vec<f64>, f64) {
+        let cycle = self.record.cycle;
+        let (low, high) = (4.0 / STRETCH.min(self.stretches.len() as f64 * cycle), 0.4 / cycle);
+        let steps = (libm::log2(high / low).max(0.0) * PER_OCTAVE) as u32;
+        let mut best = (vec![delay, 0.0, 0.0], f64::INFINITY);
+        for step in 0..=steps {
+            let omega = libm::log(TAU * low * libm::exp2(f64::from(step) / PER_OCTAVE));
+            for damping in DAMPINGS {
+                let at = vec![delay, omega, libm::log(damping)];
+                let left = self.fit(&at).left;
+                if left < best.1 {
+                    best = (at, left);
+                }
+            }
+        }
+        // Twice: a simplex may lie down before it is there.
+        let (at, _) = least(&best.0, &[0.3, 0.05, 0.5], 70, |at| self.fit(at).left);
+        least(&at, &[-0.2, 0.02, 0.2], 50, |at| self.fit(at).left)
+    }
+
+    /// What is left changes by that where one of the search's places does: delay (s), frequency (Hz), damping.
+    fn slopes(&self, at: &[f64], fit: &Fit) -> Vec<Vec<f64>> {
+        let step = 1e-3;
+        let predicted = |at: &[f64]| {
+            let mut sum = vec![0.0; self.way.len()];
+            for (column, figure) in self.columns(at).iter().zip(&fit.figures) {
+                sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += figure * x);
+            }
+            sum
+        };
+        let here = predicted(at);
+        let (omega, damping) = if at.len() > 1 { self.resonance(at) } else { (1.0, 1.0) };
+        let per = [self.record.cycle, omega / TAU, damping];
+        (0..at.len())
+            .map(|place| {
+                let mut far = at.to_vec();
+                // The delay is a magnitude.
+                far[place] = if place == 0 { far[place].abs() } else { far[place] } + step;
+                predicted(&far).iter().zip(&here).map(|(f, h)| (f - h) / (step * per[place])).collect()
+            })
+            .collect()
+    }
+}
+
+pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
+    let search = Search::new(record);
+    let (rigid, rigid_left) = search.without_resonance();
+    let mut at = rigid;
+    let (swinging, left) = search.with_resonance(at[0]);
+    let found = search.fit(&swinging);
+    let ratio = found.figures[4] / found.figures[0];
+    // A ratio that is none belongs to something else than two masses.
+    let has_resonance = left < WORTH * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
+    if has_resonance {
+        at = swinging;
+    }
+    let fit = search.fit(&at);
+    let acceleration = fit.figures[0];
+    let stretches = search.stretches(&at);
+    let without = Search::fitted(&stretches, &search.resisting).left;
+    let squares = Squares { whole: stretches.whole(), without, left: fit.left };
+    let (explained, nrmse) = squares.judge(acceleration, "inc/s^2")?;
+    let mut columns = search.columns(&at);
+    columns.extend(search.slopes(&at, &fit));
+    let columns: Vec<_> = columns.iter().map(|column| stretches.reduced(column)).collect();
+    let sd = stretches.deviations(&columns, &fit);
+    let of = |column: usize| sd.get(column).copied().unwrap_or(0.0);
+    let resonance = has_resonance.then(|| {
+        let (omega, damping) = search.resonance(&at);
+        Resonance { frequency: omega / TAU, damping, inertia_ratio: ratio }
+    });
+    let nothing_below = |figure: f64| figure.max(0.0);
+    let dynamics = Dynamics::Effort {
+        acceleration,
+        viscous: nothing_below(fit.figures[1]),
+        coulomb: nothing_below(fit.figures[2]),
+        load: fit.figures[3],
+        resonance,
+    };
+    let model = Model { cycle: record.cycle, delay: search.delay(at[0]), dynamics };
+    model.check()?;
+    let mut deviation = Deviation {
+        gain: of(0),
+        viscous: of(1),
+        coulomb: of(2),
+        load: of(3),
+        delay: of(if has_resonance { 5 } else { 4 }),
+        ..Deviation::default()
+    };
+    if has_resonance {
+        deviation.frequency = of(6);
+        deviation.damping = of(7);
+        deviation.inertia_ratio = (of(4) / acceleration).max(ratio * of(0) / acceleration);
+    }
+    Ok(Identified { model, deviation, explained, nrmse })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Takes;
+
+    fn record(way: impl Fn(f64) -> f64) -> Record {
+        let mut record = Record::with_capacity(1e-3, Takes::Effort, 400);
+        for k in 0..400 {
+            record.push(0.1, way(f64::from(k)).floor() as i64);
+        }
+        record
+    }
+
+    fn of(way: impl Fn(f64) -> f64) -> Vec<f64> {
+        let record = record(way);
+        senses(&record, &record.way())
+    }
+
+    /// Up to 200, down behind it; 20 cycles beside the turn and at both ends are not sure.
+    #[test]
+    fn a_sense_is_known_away_from_its_turns() {
+        let senses = of(|k| 20.0 * k.min(400.0 - k));
+        for (k, sense) in senses.iter().enumerate() {
+            match k {
+                22..=170 => assert_eq!(*sense, 1.0, "{k}"),
+                230..=376 => assert_eq!(*sense, -1.0, "{k}"),
+                190..=210 => assert_eq!(*sense, 0.0, "{k}"),
+                _ => {}
+            }
+        }
+        assert_eq!(one_way(&senses, 100).iter().map(|range| range.len().min(99)).filter(|n| *n == 99).count(), 2);
+        assert!(of(|_| 0.0).iter().all(|sense| *sense == 0.0));
+    }
+
+    /// A coarse encoder counts once in many cycles and goes on all the same.
+    #[test]
+    fn a_coarse_encoder_does_not_hesitate() {
+        assert!(of(|k| 0.3 * k)[30..370].iter().all(|sense| *sense == 1.0));
+    }
+
+    /// All of it goes on at 20 inc per cycle, but the motor swings by as much and stands for a moment in each period.
+    #[test]
+    fn a_motor_that_swings_hesitates() {
+        let senses = of(|k| 20.0 * k + 60.0 * libm::sin(k / 3.0));
+        assert!(senses[30..370].contains(&0.0));
+        // A swing of half of that never stands.
+        assert!(of(|k| 20.0 * k + 25.0 * libm::sin(k / 3.0))[30..370].iter().all(|sense| *sense == 1.0));
+    }
+}

@@ -1,0 +1,208 @@
+//! Frequency response of a loop, and its margins.
+//!
+//! Law      phase margin: the least angle between the open loop and -1 where its magnitude is 1; gain margin: the least factor above 1
+//!          that brings it to -1, gain reduction: the least one below 1; sensitivity: the largest |1 / (1 + L)|.
+//!          Stable: all poles of the closed loop inside the unit circle
+//! Reads    loops, a model
+//! Writes   points on a grid up to half the sampling frequency, margins
+//! Refuses  loops that do not suit the model
+//!
+//! Between two points logarithm and angle are taken for straight.
+
+use crate::discrete::{C64, Discrete, poles, radius, size, turn};
+use crate::loops::{LoopError, Loops};
+use crate::model::{Dynamics, Model};
+use core::f64::consts::PI;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// Margins of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Margins {
+    /// Highest frequency at which the magnitude of the open loop is 1 (Hz); 0 where there is none.
+    pub crossover: f64,
+    /// Degrees, 0 to 180.
+    pub phase: f64,
+    /// dB; infinite where no gain is too much.
+    pub gain: f64,
+    /// dB by which the gain may fall; infinite where none is too little.
+    pub reduction: f64,
+    /// Largest sensitivity, 1 or more.
+    pub sensitivity: f64,
+    /// Largest magnitude of a pole of the closed loop.
+    pub radius: f64,
+}
+
+impl Margins {
+    /// Are all poles inside the unit circle?
+    pub fn is_stable(&self) -> bool {
+        self.radius < 1.0
+    }
+}
+
+/// A frequency of the response.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Hz
+    pub frequency: f64,
+    /// Of the open loop (dB).
+    pub open_gain: f64,
+    /// Of the open loop (degrees), going on from the point before.
+    pub open_phase: f64,
+    /// Of the closed loop (dB).
+    pub closed_gain: f64,
+    /// Of the closed loop (degrees), going on from the point before.
+    pub closed_phase: f64,
+}
+
+/// The response of a loop.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bode {
+    /// From low to high.
+    pub points: Vec<Point>,
+    /// Of the loop.
+    pub margins: Margins,
+}
+
+/// Points of a grid without a resonance.
+const POINTS: u32 = 500;
+
+/// Points around a resonance, and how far they go in parts of its frequency.
+const NEAR: (u32, f64) = (200, 0.3);
+
+/// Decades of a grid.
+const DECADES: f64 = 5.0;
+
+/// Frequencies (Hz) up to half the sampling frequency.
+pub(crate) fn grid(model: &Model, period: f64) -> Vec<f64> {
+    let highest = 0.5 / period;
+    let spread = |k: u32| highest * libm::exp10(DECADES * (f64::from(k) / f64::from(POINTS) - 1.0));
+    let mut grid: Vec<f64> = (0..POINTS).map(spread).collect();
+    if let Dynamics::Effort { resonance: Some(r), .. } = model.dynamics {
+        for centre in [r.frequency, r.frequency / (1.0 + r.inertia_ratio).sqrt()] {
+            let near = |k: u32| centre * (1.0 + NEAR.1 * (2.0 * f64::from(k) / f64::from(NEAR.0) - 1.0));
+            grid.extend((0..=NEAR.0).map(near).filter(|f| *f < highest));
+        }
+    }
+    grid.push(highest);
+    grid.sort_by(f64::total_cmp);
+    grid.dedup();
+    grid
+}
+
+/// Of a system at each frequency.
+pub(crate) fn sampled(system: &Discrete, grid: &[f64], period: f64) -> Vec<C64> {
+    grid.iter().map(|frequency| system.at(turn(2.0 * PI * frequency * period))).collect()
+}
+
+/// All margins but the poles.
+pub(crate) fn margins(grid: &[f64], open: &[C64]) -> Margins {
+    let mut margins = Margins {
+        crossover: 0.0,
+        phase: 180.0,
+        gain: f64::INFINITY,
+        reduction: f64::INFINITY,
+        sensitivity: 1.0,
+        radius: f64::INFINITY,
+    };
+    for value in open {
+        margins.sensitivity = margins.sensitivity.max(1.0 / size(value + 1.0));
+    }
+    for (f, l) in grid.windows(2).zip(open.windows(2)) {
+        let (&[f0, f1], &[l0, l1]) = (f, l) else { continue };
+        let (high, low) = (libm::log(size(l0)), libm::log(size(l1)));
+        let (from, to) = angles(l0, l1);
+        if (high > 0.0) != (low > 0.0) {
+            let part = high / (high - low);
+            margins.crossover = f0 * libm::pow(f1 / f0, part);
+            let angle = from + part * (to - from);
+            margins.phase = margins.phase.min(to_180(angle).abs());
+        }
+        // 0 is the direction of -1 itself.
+        if from.abs() < PI / 2.0 && (from > 0.0) != (to > 0.0) {
+            let part = from / (from - to);
+            margins.cross(high + part * (low - high));
+        }
+    }
+    // At half the sampling frequency all is real.
+    if let Some(last) = open.last().filter(|last| last.re < 0.0) {
+        margins.cross(libm::log(size(*last)));
+    }
+    margins
+}
+
+impl Margins {
+    fn cross(&mut self, logarithm: f64) {
+        let db = logarithm * 20.0 / core::f64::consts::LN_10;
+        if db < 0.0 {
+            self.gain = self.gain.min(-db);
+        } else {
+            self.reduction = self.reduction.min(db);
+        }
+    }
+}
+
+/// Angles of two neighbours, from -1 on, the second one on the nearer way from the first (rad).
+fn angles(l0: C64, l1: C64) -> (f64, f64) {
+    let from = libm::atan2(-l0.im, -l0.re);
+    let way = l1 * l0.conj();
+    (from, from + libm::atan2(way.im, way.re))
+}
+
+/// Degrees of an angle, -180 to 180.
+fn to_180(angle: f64) -> f64 {
+    libm::atan2(libm::sin(angle), libm::cos(angle)) * 180.0 / PI
+}
+
+fn response(grid: &[f64], open: &[C64], radius: f64) -> Bode {
+    let db = |value: C64| 20.0 * libm::log10(size(value));
+    let mut points: Vec<Point> = Vec::with_capacity(grid.len());
+    for (&frequency, &l) in grid.iter().zip(open) {
+        let closed = l / (l + 1.0);
+        let before = points.last().copied();
+        let goes_on = |value: C64, before: Option<f64>| {
+            let phase = libm::atan2(value.im, value.re) * 180.0 / PI;
+            before.map_or(phase, |before| phase - 360.0 * ((phase - before) / 360.0).round())
+        };
+        points.push(Point {
+            frequency,
+            open_gain: db(l),
+            open_phase: goes_on(l, before.map(|p| p.open_phase)),
+            closed_gain: db(closed),
+            closed_phase: goes_on(closed, before.map(|p| p.closed_phase)),
+        });
+    }
+    Bode { points, margins: Margins { radius, ..margins(grid, open) } }
+}
+
+/// The response of the position loop.
+///
+/// # Errors
+/// Loops that do not suit the model.
+pub fn bode(model: &Model, loops: &Loops) -> Result<Bode, LoopError> {
+    loops.check(model)?;
+    let period = model.cycle * f64::from(loops.cycles());
+    let chain = loops.position_chain(&loops.axis(model)?);
+    let grid = grid(model, period);
+    Ok(response(&grid, &sampled(&chain, &grid, period), radius(&chain.closed())))
+}
+
+/// The response of the velocity loop; none where there is none.
+///
+/// # Errors
+/// Loops that do not suit the model.
+pub fn velocity_bode(model: &Model, loops: &Loops) -> Result<Option<Bode>, LoopError> {
+    loops.check(model)?;
+    let Some(inner) = &loops.velocity else { return Ok(None) };
+    let chain = inner.chain(&Discrete::of(model), model.cycle, loops.max_velocity)?;
+    let grid = grid(model, model.cycle);
+    Ok(Some(response(&grid, &sampled(&chain, &grid, model.cycle), velocity_radius(&chain.closed()))))
+}
+
+/// A velocity loop does not see where its axis is: one pole at 1 is the position's, not the loop's.
+pub(crate) fn velocity_radius(closed: &DMatrix<f64>) -> f64 {
+    let mut all = poles(closed);
+    let far = |z: &C64| size(z - 1.0);
+    all.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    if all.is_empty() { f64::INFINITY } else { all.iter().skip(1).fold(0.0_f64, |most, &z| most.max(size(z))) }
+}

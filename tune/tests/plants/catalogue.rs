@@ -1,0 +1,133 @@
+//! The axes, with what is true of them and what is expected of their loops.
+
+use super::simulator::{Axis, Mechanics};
+use lineshaft_core::regulator::VelocityMethod;
+use lineshaft_tune::{Dynamics, Law, Model, Resonance};
+use std::f64::consts::TAU;
+
+/// An axis and the loops that are tried on it.
+pub(crate) struct Named {
+    pub(crate) name: &'static str,
+    pub(crate) axis: Axis,
+    pub(crate) loops: Vec<Tried>,
+    /// Acceleration of its move (turns/s^2).
+    pub(crate) acceleration: f64,
+}
+
+/// Loops, and the most that they may do.
+pub(crate) struct Tried {
+    pub(crate) law: Law,
+    pub(crate) velocity: Option<VelocityMethod>,
+    /// Overshoot of a step (%), settling behind a step and behind a move (s).
+    pub(crate) overshoot: f64,
+    pub(crate) settling: f64,
+}
+
+/// Of the motor (kg m^2).
+const MOTOR: f64 = 2e-4;
+
+/// Viscous friction (Nm s/rad).
+const VISCOUS: f64 = 2e-3;
+
+/// At full command (Nm).
+const FULL: f64 = 2.0;
+
+fn torque(ratio: f64, coulomb: f64, gravity: f64, spring: Option<(f64, f64)>) -> Mechanics {
+    let (motor, load) = (MOTOR, ratio * MOTOR);
+    Mechanics::Torque { full: FULL, motor, load, viscous: VISCOUS, coulomb, stiction: 1.1 * coulomb, gravity, spring }
+}
+
+fn axis(mechanics: Mechanics, encoder: f64, delay: f64) -> Axis {
+    Axis { mechanics, encoder, cycle: 1e-3, delay, wired: 1.0 }
+}
+
+/// Stiffness and damping of a spring on which a motor and a load of that ratio swing so, without friction.
+fn spring(ratio: f64, hz: f64, damping: f64) -> Option<(f64, f64)> {
+    let reduced = MOTOR * ratio / (1.0 + ratio);
+    let omega = TAU * hz;
+    Some((reduced * omega * omega, 2.0 * damping * omega * reduced))
+}
+
+fn pid(timer: u32, overshoot: f64, settling: f64) -> Tried {
+    Tried { law: Law::Pid { timer }, velocity: None, overshoot, settling }
+}
+
+fn cascade(law: Law, time: f64, overshoot: f64, settling: f64) -> Tried {
+    Tried { law, velocity: Some(VelocityMethod::Filtered { time }), overshoot, settling }
+}
+
+pub(crate) fn all() -> Vec<Named> {
+    let rigid = |ratio, coulomb, gravity| axis(torque(ratio, coulomb, gravity, None), 8192.0, 2.5e-4);
+    let usual = || {
+        vec![
+            pid(1, 20.0, 0.2),
+            cascade(Law::Proportional, 0.001, 8.0, 0.1),
+            cascade(Law::Pid { timer: 1 }, 0.001, 22.0, 0.12),
+        ]
+    };
+    vec![
+        Named { name: "1:1", axis: rigid(1.0, 0.06, 0.0), loops: usual(), acceleration: 200.0 },
+        Named { name: "1:5", axis: rigid(5.0, 0.06, 0.0), loops: usual(), acceleration: 130.0 },
+        Named {
+            name: "1:30",
+            axis: rigid(30.0, 0.06, 0.0),
+            loops: vec![pid(2, 30.0, 0.4), cascade(Law::Proportional, 0.003, 10.0, 0.2)],
+            acceleration: 20.0,
+        },
+        Named { name: "friction", axis: rigid(5.0, 0.5, 0.0), loops: usual(), acceleration: 100.0 },
+        Named { name: "vertical", axis: rigid(5.0, 0.06, 0.2), loops: usual(), acceleration: 100.0 },
+        Named {
+            name: "elastic",
+            axis: axis(torque(3.0, 0.06, 0.0, spring(3.0, 60.0, 0.03)), 8192.0, 2.5e-4),
+            loops: vec![cascade(Law::Proportional, 0.01, 8.0, 0.6)],
+            acceleration: 40.0,
+        },
+        Named {
+            name: "coarse",
+            axis: axis(torque(5.0, 0.06, 0.0, None), 500.0, 2.5e-4),
+            loops: vec![pid(4, 10.0, 0.15), cascade(Law::Proportional, 0.005, 10.0, 0.2)],
+            acceleration: 100.0,
+        },
+        Named {
+            name: "velocity",
+            axis: axis(Mechanics::Velocity { full: 300.0, lag: 6e-3 }, 2000.0, 1.5e-3),
+            loops: vec![
+                Tried { law: Law::Proportional, velocity: None, overshoot: 10.0, settling: 0.06 },
+                pid(1, 20.0, 0.1),
+                pid(4, 20.0, 0.1),
+            ],
+            acceleration: 200.0,
+        },
+    ]
+}
+
+impl Axis {
+    /// What is to be found.
+    pub(crate) fn truth(&self) -> Model {
+        let inc = self.encoder / TAU;
+        let dynamics = match self.mechanics {
+            Mechanics::Velocity { full, lag } => {
+                Dynamics::Velocity { gain: full * inc, time_constant: lag, offset: 0.0 }
+            }
+            Mechanics::Torque { full, motor, load, viscous, coulomb, gravity, spring, .. } => {
+                let whole = motor + load;
+                let resonance = spring.map(|(stiffness, damping)| {
+                    let reduced = motor * load / whole;
+                    let omega = (stiffness / reduced).sqrt();
+                    // The motor has load/whole of the swing, squared by its inertia.
+                    let of_motor = viscous / motor * load / whole;
+                    let damping = (damping / reduced + of_motor) / (2.0 * omega);
+                    Resonance { frequency: omega / TAU, damping, inertia_ratio: load / motor }
+                });
+                Dynamics::Effort {
+                    acceleration: full / whole * inc,
+                    viscous: viscous / whole,
+                    coulomb: coulomb / whole * inc,
+                    load: gravity / whole * inc,
+                    resonance,
+                }
+            }
+        };
+        Model { cycle: self.cycle, delay: self.delay, dynamics }
+    }
+}
