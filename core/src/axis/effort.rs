@@ -56,7 +56,7 @@ impl Axis {
 
     /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop.
     pub(super) fn close_effort(&mut self, asked: f64) -> f64 {
-        if !self.is_on() {
+        if !self.has_loops() {
             self.effort_loops.clear();
             return 0.0;
         }
@@ -71,7 +71,7 @@ impl Axis {
         let most = p.most();
         let output = if p.has_velocity_loop() {
             let error = asked - velocity / self.parameters.max_velocity;
-            loops.velocity.step(&p.velocity_gains(self.setup.cycle_ns), error)
+            loops.velocity.step_within(&p.velocity_gains(self.setup.cycle_ns), error, most)
         } else {
             asked
         };

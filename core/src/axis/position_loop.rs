@@ -1,7 +1,7 @@
 //! The position loop that is closed here, for a drive that does not close it.
 //!
 //! Law      one of [`Law`], once a cycle while the axis is on: its output, 1 for the full reference, which is max_velocity where
-//!          the drive takes velocities. An axis that is off has no output, and its loop no past
+//!          the drive takes velocities. An axis that is off, or whose drive homes by itself, has no output, and its loop no past
 //! Reads    command and actual position of the cycle
 //! Writes   the output, and through it what the drive is asked for
 //! Refuses  a TIMER that is no whole number of cycles; what the loops below it cannot run with
@@ -75,6 +75,11 @@ impl Axis {
         !self.is_virtual() && closes_loop(Some(self.setup.interface))
     }
 
+    /// Do the loops run that are closed here? A drive that homes by itself closes its own.
+    pub(super) fn has_loops(&self) -> bool {
+        self.is_on() && !self.homing.is_in_drive()
+    }
+
     /// Does its loop change its output while nothing moves?
     pub(super) fn regulates(&self) -> bool {
         let has_past = self.setup.law != Law::Proportional || self.takes_effort();
@@ -84,7 +89,7 @@ impl Axis {
     /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities.
     #[inline]
     pub(super) fn close_loop(&mut self) -> f64 {
-        if !self.is_on() {
+        if !self.has_loops() {
             self.position_loop = PositionLoop::default();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();

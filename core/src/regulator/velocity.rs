@@ -90,43 +90,49 @@ pub struct VelocityLoop {
 impl VelocityLoop {
     /// One sample: the output within +-1. `error` is in parts of full speed; no number is 0.
     pub fn step(&mut self, gains: &VelocityGains, error: f64) -> f64 {
+        self.step_within(gains, error, 1.0)
+    }
+
+    /// The same within +-`most`, 0 to 1: what is beyond does not enter the sum either.
+    pub fn step_within(&mut self, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         let error = measured(error, MOST_ERROR);
+        let most = measured(most, 1.0).max(0.0);
         let fallen = self.fall * gains.cycle;
         self.offset -= within(self.offset, fallen);
         match self.gains {
-            Some(before) if before != *gains => self.exchange(&before, gains, error),
-            _ => self.advance(gains, error),
+            Some(before) if before != *gains => self.exchange(&before, gains, error, most),
+            _ => self.advance(gains, error, most),
         }
     }
 
-    fn advance(&mut self, gains: &VelocityGains, error: f64) -> f64 {
+    fn advance(&mut self, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         self.gains = Some(*gains);
         self.sum = within(self.sum, gains.most());
         let law = self.law(gains, error);
         // An offset must not hide from the sum that its own part is too large already.
-        let room = Room::around(law.min(law + self.offset), law.max(law + self.offset), 1.0);
+        let room = Room::around(law.min(law + self.offset), law.max(law + self.offset), most);
         self.sum = grown(self.sum, error * gains.cycle, gains.most(), gains.worth(), room);
-        self.output(gains, error)
+        self.output(gains, error, most)
     }
 
     /// A sample with other gains than the last one.
-    fn exchange(&mut self, before: &VelocityGains, gains: &VelocityGains, error: f64) -> f64 {
-        let output = self.advance(before, error);
+    fn exchange(&mut self, before: &VelocityGains, gains: &VelocityGains, error: f64, most: f64) -> f64 {
+        let output = self.advance(before, error, most);
         let part = before.worth() * self.sum;
         let carried = if gains.integral == 0 { 0.0 } else { part / gains.worth() };
         self.sum = within(carried, gains.most());
         self.gains = Some(*gains);
-        self.offset = output - within(self.law(gains, error), 1.0);
+        self.offset = output - within(self.law(gains, error), most);
         self.fall = self.offset.abs() / CARRY_TIME;
-        self.output(gains, error)
+        self.output(gains, error, most)
     }
 
     fn law(&self, gains: &VelocityGains, error: f64) -> f64 {
         gains.factor() * error + gains.worth() * self.sum
     }
 
-    fn output(&self, gains: &VelocityGains, error: f64) -> f64 {
-        within(within(self.law(gains, error), 1.0) + self.offset, 1.0)
+    fn output(&self, gains: &VelocityGains, error: f64, most: f64) -> f64 {
+        within(within(self.law(gains, error), most) + self.offset, most)
     }
 
     /// The loop goes off: no sum, no offset.

@@ -248,3 +248,18 @@ proptest! {
         }
     }
 }
+
+/// Within a smaller limit the sum stops where the output is at that limit: 2 e makes 0.4, and the sum the 0.1 that are left to 0.5. At the
+/// first error of the other sign the output comes away from it.
+#[test]
+fn a_smaller_limit_winds_nothing_up() {
+    let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };
+    let mut law = VelocityLoop::default();
+    let outputs: Vec<_> = (0..100).map(|_| law.step_within(&gains, 0.2, 0.5)).collect();
+    assert!(outputs.iter().all(|output| *output <= 0.5) && outputs[99] == 0.5, "{:?}", outputs[99]);
+    let back = law.step_within(&gains, -0.01, 0.5);
+    // -0.02 of the error, 0.1 of the sum less one sample.
+    assert!((back - (0.1 - 0.02 - 0.0005)).abs() < 1e-12, "{back}");
+    assert_eq!(VelocityLoop::default().step_within(&gains, 1.0, 0.0), 0.0);
+    assert_eq!(VelocityLoop::default().step_within(&gains, 1.0, f64::NAN), 0.0);
+}
