@@ -21,7 +21,7 @@ impl Axis {
     #[inline]
     pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
         let Some(input) = input else { return };
-        self.shown.read_effort(self.across(input.effort));
+        self.shown.read_effort(self.told_effort(input.effort));
         if !self.read_counts(input) {
             self.disturb();
         }
@@ -40,6 +40,10 @@ impl Axis {
     #[inline]
     fn go_on(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> Option<()> {
         let error = self.following_error();
+        let standing = self.standing();
+        if self.closes_loop_here() && self.stands_too_long(standing) {
+            return None;
+        }
         if self.supervision_tells() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
             return None;
         }
@@ -60,6 +64,7 @@ impl Axis {
             }
             _ => return None,
         };
+        self.keep_standing(standing);
         self.is_led = matches!(self.generator, Generator::Follow(_));
         self.at_limits.note_within();
         self.command = next;

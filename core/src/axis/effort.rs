@@ -13,8 +13,12 @@ use super::{Axis, Context};
 use crate::code::Code;
 use crate::drive::Interface;
 use crate::event::{Event, Kind, Number, Severity};
+use crate::parameter::Amplifier;
 use crate::regulator::{Heat, HeatFilter, I2t, VelocityEstimator, VelocityLoop};
 use serde::{Deserialize, Serialize};
+
+/// Share of I2TLIMIT below which a warning is over.
+const TOLD_UNTIL: f64 = 0.8;
 
 /// What these loops keep from cycle to cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,9 +37,14 @@ pub(super) struct EffortLoops {
 }
 
 impl EffortLoops {
-    pub(super) fn is_sound(&self) -> bool {
+    /// `cycle_ns`: in which the axis runs with these parameters.
+    pub(super) fn is_sound(&self, p: &Amplifier, cycle_ns: u64) -> bool {
+        let is_made_so = |mut estimator: VelocityEstimator| {
+            estimator.restart();
+            p.estimator(cycle_ns) == Ok(estimator)
+        };
         self.velocity.is_sound()
-            && self.estimator.is_none_or(|estimator| estimator.is_sound())
+            && self.estimator.is_none_or(|estimator| estimator.is_sound() && is_made_so(estimator))
             && self.output.abs() <= 1.0
             && self.watch.is_none_or(|watch| watch.is_sound())
             && self.heat.is_sound()
@@ -54,13 +63,18 @@ impl Axis {
         !self.is_virtual() && self.setup.interface == Interface::Torque
     }
 
-    /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop.
-    pub(super) fn close_effort(&mut self, asked: f64) -> f64 {
+    /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop; nothing is
+    /// stepped where all `is_done`.
+    pub(super) fn close_effort(&mut self, asked: f64, is_done: bool) -> f64 {
         if !self.has_loops() {
             self.effort_loops.clear();
             return 0.0;
         }
+        let (full, _) = self.full_reference();
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
+        if is_done {
+            return loops.output * p.max_effort.unwrap_or_default();
+        }
         let moved = self.actual.change.floor();
         loops.way = loops.way.wrapping_add(moved);
         if loops.estimator.is_none() {
@@ -70,13 +84,19 @@ impl Axis {
         let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
         let most = p.most();
         let output = if p.has_velocity_loop() {
-            let error = asked - velocity / self.parameters.max_velocity;
+            let error = asked - velocity / full;
             loops.velocity.step_within(&p.velocity_gains(self.setup.cycle_ns), error, most)
         } else {
             asked
         };
         loops.output = if output.is_finite() { output.clamp(-most, most) } else { 0.0 };
         loops.output * p.max_effort.unwrap_or_default()
+    }
+
+    /// The effort that the drive tells in the user's sense: that in which it is asked for.
+    #[inline]
+    pub(super) fn told_effort(&self, effort: f64) -> f64 {
+        if self.takes_effort() { self.reference_across(effort) } else { self.across(effort) }
     }
 
     /// Its velocity as the velocity loop sees it (inc/s); 0 without one.
@@ -111,7 +131,9 @@ impl Axis {
         let current = self.shown.effort() / p.torque_constant * 1000.0;
         let heat = loops.heat.step(&watch, current);
         let (value, limit) = (Number::Real(loops.heat.value()), Number::Real(f64::from(settings.limit)));
-        let was_told = std::mem::replace(&mut loops.is_told, heat != Heat::Fine);
+        let was_told = loops.is_told;
+        // One that trembles around the limit is told once.
+        loops.is_told = heat != Heat::Fine || was_told && loops.heat.value() > TOLD_UNTIL * f64::from(settings.limit);
         match heat {
             Heat::TooMuch if self.is_on() => {
                 self.raise(cx, Failure::of(Code::I2T_LIMIT).with(value, limit).lasting(was_told).before_motion());

@@ -492,7 +492,9 @@ impl Axis {
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
             && self.position_loop.is_sound()
-            && self.effort_loops.is_sound()
+            && self.effort_loops.is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
+            && self.can_close_loop()
+            && self.recovery.is_sound()
             && self.vocabularies.is_sound()
             && searches
             && waits
@@ -577,7 +579,7 @@ impl Axis {
     /// Reads the drive, and where the position comes from. Inputs of all axes are read before any axis moves.
     pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
-        self.shown.read(input, self.across(input.effort));
+        self.shown.read(input, self.told_effort(input.effort));
         self.read_source(input, encoders, raw);
     }
 }

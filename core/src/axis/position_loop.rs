@@ -8,8 +8,10 @@
 //! Source   MACS-REG-01, MACS-REG-04, MACS-REG-12, WF-CLC-03
 
 use super::Axis;
+use super::power::Power;
 use crate::code::Code;
-use crate::drive::Interface;
+use crate::drive::{Interface, MODE_HOMING};
+use crate::encoder::source::Feedback;
 use crate::parameter::AxisParameters;
 use crate::regulator::{Law, Pid, PidInput, Proportional};
 use serde::{Deserialize, Serialize};
@@ -20,11 +22,21 @@ pub(super) struct PositionLoop {
     pid: Pid,
     /// -1 to 1
     output: f64,
+    /// The same as a velocity (inc/s).
+    velocity: f64,
+    /// What 1 is: max_velocity and max_acceleration as they were when the axis came to rest last. They hold with the next motion.
+    full: Option<(f64, f64)>,
+    /// A closed brake holds the axis: nothing is stepped.
+    is_held: bool,
+    /// It was stepped in this cycle.
+    #[serde(skip)]
+    is_done: bool,
 }
 
 impl PositionLoop {
     pub(super) fn is_sound(&self) -> bool {
-        self.pid.is_sound() && self.output.abs() <= 1.0
+        let is_full = |(velocity, acceleration): (f64, f64)| velocity > 0.0 && acceleration > 0.0;
+        self.pid.is_sound() && self.output.abs() <= 1.0 && self.velocity.is_finite() && self.full.is_none_or(is_full)
     }
 }
 
@@ -50,10 +62,19 @@ pub fn may_close_loop(
     if interface != Some(Interface::Torque) {
         return Ok(());
     }
-    if law == Law::Proportional && !parameters.amplifier.has_velocity_loop() {
-        return Err(("ampmode", Code::NO_DAMPING));
+    parameters.amplifier.check(cycle_ns)?;
+    if !parameters.amplifier.has_velocity_loop() {
+        match law {
+            Law::Proportional => return Err(("ampmode", Code::NO_DAMPING)),
+            Law::Pid if parameters.pid.derivative == 0 => return Err(("kder", Code::NO_DAMPING)),
+            Law::Pid => {}
+            Law::Integer => crate::vocabulary::check_damping(parameters)?,
+        }
     }
-    parameters.amplifier.check(cycle_ns)
+    if Feedback::decode(parameters.encoder.encodertype) == Some(Feedback::Simulated) {
+        return Err(("encodertype", Code::SIMULATED_EFFORT));
+    }
+    Ok(())
 }
 
 /// Is the position loop of such a drive closed here?
@@ -75,9 +96,34 @@ impl Axis {
         !self.is_virtual() && closes_loop(Some(self.setup.interface))
     }
 
+    /// A cycle begins.
+    #[inline]
+    pub(super) fn begin_loops(&mut self) {
+        self.position_loop.is_done = false;
+    }
+
     /// Do the loops run that are closed here? A drive that homes by itself closes its own.
     pub(super) fn has_loops(&self) -> bool {
-        self.is_on() && !self.homing.is_in_drive()
+        self.is_on() && self.shown.mode() != MODE_HOMING
+    }
+
+    /// Have they their outputs of this cycle already, or does a closed brake hold the axis under power? What it holds is not integrated,
+    /// and the effort stays what it was, for when it opens.
+    fn has_outputs(&mut self) -> bool {
+        let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
+        let is_held =
+            has_brake && self.is_braked() && self.rests() && matches!(self.power, Power::On | Power::SwitchingOff);
+        let was_held = std::mem::replace(&mut self.position_loop.is_held, is_held);
+        if was_held && !is_held {
+            self.position_loop.pid.begin_anew();
+        }
+        std::mem::replace(&mut self.position_loop.is_done, true) || is_held
+    }
+
+    /// Can its loops run with its parameters?
+    pub(super) fn can_close_loop(&self) -> bool {
+        let interface = self.setup.drive.map(|_| self.setup.interface);
+        may_close_loop(interface, self.setup.law, &self.parameters, self.setup.cycle_ns).is_ok()
     }
 
     /// Does its loop change its output while nothing moves?
@@ -86,16 +132,20 @@ impl Axis {
         self.closes_loop_here() && has_past && self.is_on()
     }
 
-    /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities.
+    /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities. True where nothing was stepped.
     #[inline]
-    pub(super) fn close_loop(&mut self) -> f64 {
+    pub(super) fn close_loop(&mut self) -> (f64, bool) {
         if !self.has_loops() {
-            self.position_loop = PositionLoop::default();
+            self.position_loop = PositionLoop { is_done: true, ..PositionLoop::default() };
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }
-            return 0.0;
+            return (0.0, false);
         }
+        if self.has_outputs() {
+            return (self.position_loop.velocity, true);
+        }
+        let (full, rate) = self.full_reference();
         let p = &self.parameters;
         let velocity = match self.setup.law {
             Law::Proportional => {
@@ -105,20 +155,30 @@ impl Axis {
             Law::Pid => {
                 let input = PidInput {
                     error: (self.command.position - self.actual.position).to_f64(),
-                    velocity: self.command.velocity / p.max_velocity,
+                    velocity: self.command.velocity / full,
                     // The acceleration behind a leader that is counted is that of single counts.
-                    acceleration: if self.is_led { 0.0 } else { self.command.acceleration / p.max_acceleration },
+                    acceleration: if self.is_led { 0.0 } else { self.command.acceleration / rate },
                 };
                 let cycles = cycles(p.pid.period_ms, self.setup.cycle_ns).unwrap_or(1);
-                self.position_loop.pid.step(&p.pid, cycles, input) * p.max_velocity
+                self.position_loop.pid.step(&p.pid, cycles, input) * full
             }
             Law::Integer => {
                 let error = self.asked().saturating_sub(self.actual.position.floor());
-                self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * p.max_velocity
+                self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * full
             }
         };
-        self.position_loop.output = (velocity / p.max_velocity).clamp(-1.0, 1.0);
-        velocity
+        let keeps = &mut self.position_loop;
+        (keeps.output, keeps.velocity) = ((velocity / full).clamp(-1.0, 1.0), velocity);
+        (velocity, false)
+    }
+
+    /// What the output 1 is (inc/s, inc/s^2): another max_velocity changes nothing that is under way, unless that needs more.
+    pub(super) fn full_reference(&mut self) -> (f64, f64) {
+        let now = (self.parameters.max_velocity, self.parameters.max_acceleration);
+        let is_enough = |(full, _): &(f64, f64)| !self.rests() && self.command.velocity.abs() <= *full;
+        let full = self.position_loop.full.filter(is_enough).unwrap_or(now);
+        self.position_loop.full = Some(full);
+        full
     }
 
     /// The sum of errors of the PID (inc).

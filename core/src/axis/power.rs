@@ -288,11 +288,11 @@ impl Axis {
     fn drive_reference(&mut self) -> (f64, f64) {
         match self.setup.interface {
             Interface::Position => (self.command.velocity, 0.0),
-            Interface::Velocity => (self.close_loop(), 0.0),
+            Interface::Velocity => (self.close_loop().0, 0.0),
             Interface::OpenLoop => (self.speed(), 0.0),
             Interface::Torque => {
-                self.close_loop();
-                (0.0, self.close_effort(self.regulator_output()))
+                let (_, is_done) = self.close_loop();
+                (0.0, self.close_effort(self.regulator_output(), is_done))
             }
         }
     }

@@ -51,6 +51,7 @@ impl Axis {
     /// How much of this cycle does it need? `is_quiet`: nothing that concerns all axes has changed, and nobody asks for anything.
     #[inline]
     pub fn begin_cycle(&mut self, is_quiet: bool, input: Option<&DriveInput>) -> Pace {
+        self.begin_loops();
         let rhythm = &mut self.rhythm;
         let told = &rhythm.told;
         rhythm.goes_on = is_quiet
@@ -91,7 +92,9 @@ impl Axis {
     pub fn note_rhythm(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
         let found = match self.generator {
             // What moves is told first: that costs it next to nothing.
-            Generator::Rest if !self.regulates() && self.rests_for_good(shown) && !self.shows_a_master(axes) => {
+            Generator::Rest
+                if !self.regulates() && self.is_well() && self.rests_for_good(shown) && !self.shows_a_master(axes) =>
+            {
                 Pace::Passed
             }
             Generator::Plan(_) | Generator::Follow(_) if self.moves_alone() => Pace::Calm,

@@ -593,6 +593,14 @@ codes! {
         remedy: "Check the sense of motor and encoder (posdrct), the encoder and its cable, then reset_errors.",
     }
 
+    /// The encoder stands while the loop that is closed here asks its drive to move.
+    ENCODER_STANDS = 10239, Feedback {
+        says: "the encoder has counted nothing while the drive was asked to move by {asked}; {limit} is allowed",
+        cause: "The loop that is closed here asks its drive to move, and the encoder counts nothing: the encoder is dead, its cable cut, or the \
+            axis is blocked.",
+        remedy: "Free the axis, check the encoder and its cable, then reset_errors.",
+    }
+
     /// The current comes near its limit.
     I2T_NEAR = 10238, NoError {
         says: "the motor is loaded near its I2t limit: {asked}, {limit} is allowed",

@@ -19,7 +19,7 @@ pub fn not_built_here(code: Code) -> &'static str {
             "asks for a voltage, and a drive with interface torque closes its current loop itself; 0 and 2 are allowed"
         }
         Code::NO_DAMPING => {
-            "leaves the effort to the position loop, and a proportional one damps nothing; with regulator proportional 0 is allowed"
+            "damps nothing, and with ampmode 2 the position loop makes the effort itself; ampmode 0, or regulator pid or integer with a derivative gain above 0, is allowed"
         }
         Code::ESTIMATOR_RANGE => {
             "is beyond what a Kalman filter finds at this cycle, from 1e-10 to 1000 times 0.29 inc by the square of the cycle"
@@ -29,6 +29,9 @@ pub fn not_built_here(code: Code) -> &'static str {
         }
         Code::GAIN_RANGE => {
             "is beyond the register of the integer PID, which closes the loop of the axis; 0 to 32767 is allowed, of saia.sampi 0 to 255"
+        }
+        Code::SIMULATED_EFFORT => {
+            "is a simulated encoder, which follows the command: an axis with interface torque would find no velocity of its motor; another one is allowed"
         }
         Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
         Code::WF_NO_CAM_SIDE => {

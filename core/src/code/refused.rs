@@ -448,8 +448,8 @@ codes! {
     /// A proportional position loop without a velocity loop.
     NO_DAMPING = 10075, NoError {
         says: "",
-        cause: "With ampmode 2 the position loop makes the effort itself, and a proportional one damps nothing.",
-        remedy: "Use ampmode 0, or regulator pid with kder.",
+        cause: "With ampmode 2 the position loop makes the effort itself, and without a derivative part it damps nothing.",
+        remedy: "Use ampmode 0, or regulator pid with kder, integer with saia.kder.",
     }
 
     /// An estimator that the cycle cannot run.
@@ -471,6 +471,13 @@ codes! {
         says: "",
         cause: "A gain of the integer PID, which closes the loop of the axis, is beyond its register.",
         remedy: "Give 0 to 32767, of saia.sampi 0 to 255.",
+    }
+
+    /// A simulated encoder for an axis that is given efforts.
+    SIMULATED_EFFORT = 10079, NoError {
+        says: "",
+        cause: "encodertype simulates the encoder of an axis with interface torque, whose loops need the motion of the motor.",
+        remedy: "Use another encodertype.",
     }
 
     /// REVERS asks for outputs or a node, which do not exist yet.

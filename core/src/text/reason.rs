@@ -114,6 +114,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::EFFORT_MISSING
         | Code::ESTIMATOR_RANGE
         | Code::GAIN_RANGE
+        | Code::SIMULATED_EFFORT
         | Code::NO_POWER_STAGE
         | Code::NO_DAMPING
         | Code::CURRENT_UNKNOWN

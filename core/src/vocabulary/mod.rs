@@ -33,6 +33,14 @@ use crate::state::Reference;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
 
+/// Does the integer PID damp a loop without another one below it?
+///
+/// # Errors
+/// The key that does not, and why.
+pub(crate) fn check_damping(parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
+    saia::check_damping(&parameters.vocabularies.saia)
+}
+
 /// Can the integer PID close the loop of an axis with these?
 ///
 /// # Errors

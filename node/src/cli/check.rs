@@ -8,6 +8,7 @@ use crate::scenario::Scenario;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::machine::Machine;
+use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
 use std::path::Path;
 
@@ -91,6 +92,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(crossed_switches(cell));
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
+    warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
     warnings.extend(graph::circles(&cell.machine));
     warnings
 }
@@ -113,6 +115,27 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
             axis.law.name()
         )
     })
+}
+
+/// Gains of a velocity loop that there is not (MACS-AMP-01), and a limit that any current is beyond (A-29).
+fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
+    let name = &axis.name;
+    let is_torque = axis.drive.is_some() && axis.interface == Interface::Torque;
+    let p = &axis.parameters.amplifier;
+    let usual = AxisParameters::new(1.0, 1.0).amplifier;
+    let gains = [
+        ("velkprop", p.proportional, usual.proportional),
+        ("velkint", p.integral, usual.integral),
+        ("velkilim", p.limit, usual.limit),
+    ];
+    let idle = gains.into_iter().filter(move |(_, value, usual)| is_torque && !p.has_velocity_loop() && value != usual);
+    let idle = idle.map(move |(key, value, _)| {
+        format!("{name}: {key} is {value} and does nothing: with ampmode 2 the axis has no velocity loop")
+    });
+    let is_tight = is_torque && p.heat_time > 0 && p.heat_limit == 0;
+    let tight =
+        is_tight.then(|| format!("{name}: i2tlimit is 0: with i2tftime {} any current is error 99", p.heat_time));
+    idle.chain(tight)
 }
 
 /// Limit switches that are none but outputs of the machine (MACS-LIM-07).
@@ -214,6 +237,25 @@ mod tests {
         ] {
             assert_eq!(warned(&format!("{MM}, {keys}")), [""; 0], "{keys}");
         }
+    }
+
+    /// Proves: MACS-I2T-04
+    #[test]
+    fn a_velocity_loop_that_there_is_not_and_a_limit_of_no_current_are_warned_of() {
+        let warned = |keys: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
+                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: torque, regulator: pid}}, max_velocity: 1 m/s, {MM}, \
+                 max_acceleration: 1 m/s^2, max_effort: 1000, torque_constant: 100, kder: 5, {keys}, \
+                 sim: {{model: motor, inertia: 1e-4, rated_torque: 1 Nm, counts_per_turn: 4000}}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        assert_eq!(warned("velkprop: 900"), [""; 0]);
+        let expected = ["x: velkprop is 900 and does nothing: with ampmode 2 the axis has no velocity loop"];
+        assert_eq!(warned("velkprop: 900, ampmode: 2"), expected);
+        assert_eq!(warned("i2tftime: 500"), ["x: i2tlimit is 0: with i2tftime 500 any current is error 99"]);
+        assert_eq!(warned("i2tftime: 500, i2tlimit: 4000"), [""; 0]);
     }
 
     #[test]

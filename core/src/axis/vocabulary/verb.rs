@@ -10,6 +10,7 @@ use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal};
 use crate::parameter::Change;
 use crate::profile::Motion;
+use crate::regulator::Law;
 use crate::vocabulary::{Order, Outcome, Owner, Request, View};
 
 impl Axis {
@@ -28,6 +29,9 @@ impl Axis {
             let refusal = Refusal::new(Code::PARAMETER_OUT_OF_RANGE, self.object());
             let refusal = Refusal { parameter: Some(row), ..refusal.with(change.number(), Number::None) };
             entry.assign(&mut parameters, value).map_err(|_| refusal)?;
+        }
+        if self.setup.law == Law::Integer {
+            self.admits_sense(&parameters)?;
         }
         let barred = self.check_stop_of(cx.cycle).err();
         let view = View { parameters: &parameters, ..self.view(cx.cycle, owner, cx.leads, cx.latches) };

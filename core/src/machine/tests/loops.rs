@@ -1,5 +1,6 @@
 //! The position loop of interface velocity.
 
+mod edges;
 mod integer;
 mod pid;
 mod runaway;

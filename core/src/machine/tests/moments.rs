@@ -384,7 +384,6 @@ const AT_ONCE: &[&str] = &[
     "kprop",
     "kder",
     "kint",
-    "timer",
     "kilim",
     "kilimtime",
     "bandwidth",
@@ -393,8 +392,6 @@ const AT_ONCE: &[&str] = &[
     "regwmin",
     "regwmax",
     // tests/loops/torque.rs
-    "max_effort",
-    "torque_constant",
     "velkprop",
     "velkint",
     "velkilim",

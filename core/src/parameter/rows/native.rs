@@ -251,6 +251,7 @@ pub(super) const ROWS: &[Row] = &[
         default_text: "must be given",
         description: "Effort at the output 1 of the loops, and so the largest one that is asked for.",
         source: "MACS-AMP-02",
+        effect: Effect::Disabled,
         get: |p| option(p.amplifier.max_effort),
         set: |p, v| p.amplifier.max_effort = real(v),
         ..EFFORT
@@ -263,6 +264,7 @@ pub(super) const ROWS: &[Row] = &[
         default: Value::Real(0.0),
         description: "Effort for each ampere of the motor: by it ampmaxcur caps the effort, and i2tftime watches it. 0: currents are not known.",
         source: "MACS-AMP-08",
+        effect: Effect::Disabled,
         get: |p| Value::Real(p.amplifier.torque_constant),
         set: |p, v| p.amplifier.torque_constant = real(v).unwrap_or(p.amplifier.torque_constant),
         ..EFFORT

@@ -119,7 +119,8 @@ impl Pid {
         let error = input.error;
         let share = self.share.step(gains.limit_time, input.velocity != 0.0, gains.period_ms as f64);
         let bound = gains.limit as f64 * share;
-        self.sum = (self.sum + error).clamp(-bound, bound);
+        // Without an integral part nothing is kept that a new gain could let loose.
+        self.sum = if gains.integral == 0 { 0.0 } else { (self.sum + error).clamp(-bound, bound) };
         self.is_out = !gains.window.step(!self.is_out, error);
         let bandwidth = gains.bandwidth as f64 / 1000.0;
         let loop_output = if self.is_out {
@@ -136,9 +137,9 @@ impl Pid {
         Parts { loop_output, forward }
     }
 
-    /// The loop goes off: no output, no past.
-    pub fn clear(&mut self) {
-        *self = Self::default();
+    /// What was under way is over, and its sum stands: the next cycle samples, and the error before it is no past.
+    pub fn begin_anew(&mut self) {
+        (self.before, self.wait) = (None, 0);
     }
 
     /// The sum of errors (inc).
@@ -158,11 +159,26 @@ impl Pid {
             && self.share.is_sound()
             && self.fade.is_sound()
             && self.output.abs() <= 1.0
+            && self.wait <= MOST_CYCLES
+            && self.used.is_none_or(|gains| gains.is_sound())
     }
 }
 
 /// The largest KILIM.
 const MOST_SUM: f64 = 65_000.0;
+/// Cycles of the shortest length in the longest TIMER.
+const MOST_CYCLES: u32 = 8_000;
+
+impl PidGains {
+    /// Are they within the ranges of their rows, as far as the law depends on it?
+    fn is_sound(&self) -> bool {
+        let Self { proportional, derivative, integral, limit, bandwidth, velocity, acceleration, .. } = *self;
+        let gains = [proportional, derivative, integral, limit].iter().all(|gain| (0..=65_000).contains(gain));
+        gains
+            && (0..=1000).contains(&bandwidth)
+            && [velocity, acceleration].iter().all(|share| (0..=100_000).contains(share))
+    }
+}
 
 impl PidInput {
     fn without_nan(self) -> Self {

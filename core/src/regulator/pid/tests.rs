@@ -121,7 +121,7 @@ fn nothing_is_read_between_two_samples() {
 /// Proves: MACS-REG-06, MACS-REG-07
 #[test]
 fn the_sum_is_clamped_with_a_bound_that_falls() {
-    let gains = PidGains { limit: 40, limit_time: 4, ..NEW };
+    let gains = PidGains { integral: 1, limit: 40, limit_time: 4, ..NEW };
     let mut pid = Pid::default();
     let step = |pid: &mut Pid, moves: bool| {
         pid.step(&gains, 1, PidInput { velocity: f64::from(u8::from(moves)) / 2.0, ..at(100.0) });

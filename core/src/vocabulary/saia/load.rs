@@ -63,6 +63,7 @@ impl Saia {
         fresh.load_velocity(p, false)?;
         // Last: it alone touches the deed, and only where it succeeds.
         fresh.load_acceleration(view, false, deed)?;
+        fresh.keep_loop_of(self, view);
         *self = fresh;
         Ok(())
     }
@@ -95,7 +96,15 @@ impl Saia {
         if let Ok((acceleration, usual)) = fresh.acceleration(view, false) {
             (fresh.buffer.acceleration, fresh.buffer.usual) = (acceleration, usual);
         }
+        fresh.keep_loop_of(self, view);
         *self = fresh;
+    }
+
+    /// A regulator that closes the loop of the axis goes on with its past, until the axis is off.
+    fn keep_loop_of(&mut self, before: &Self, view: &View<'_>) {
+        if view.regulates {
+            (self.pid, self.sample_rest) = (before.pid, before.sample_rest);
+        }
     }
 
     pub(super) fn select_mode(&mut self, p: &Parameters) {
@@ -241,7 +250,9 @@ impl Saia {
         self.stop_latch = true;
         self.starting = Default::default();
         self.off_at = Some(view.cycle);
-        self.pid = Pid::default();
+        if !view.regulates {
+            self.pid = Pid::default();
+        }
         *deed = Deed { off: true, ..Deed::default() };
     }
 }

@@ -34,6 +34,14 @@ use crate::position::Position;
 use crate::profile::Motion;
 use pid::{Gains, Pid};
 
+/// Does its regulator damp?
+///
+/// # Errors
+/// The key that does not.
+pub(super) fn check_damping(p: &Parameters) -> Result<(), (&'static str, Code)> {
+    if p.kder == 0 { Err(("saia.kder", Code::NO_DAMPING)) } else { Ok(()) }
+}
+
 /// Can its regulator close the loop of an axis with the registers as they stand?
 ///
 /// # Errors

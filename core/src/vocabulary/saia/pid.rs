@@ -80,7 +80,7 @@ impl Pid {
         let error = error.clamp(i16::MIN.into(), i16::MAX.into()) as i32;
         self.sum = self.grow(gains, options, error);
         let limit = i64::from(gains.limit);
-        let part = part(gains, options, self.sum).clamp(-limit, limit);
+        let part = part(gains, options, self.sum).min(limit).max(-limit);
         self.integral = part as i32;
         if self.wait > 0 {
             self.wait -= 1;
@@ -101,7 +101,7 @@ impl Pid {
         }
         let most = gains.limit / gains.integral;
         let (low, high) = if options.chip_integral { (-most * 256, most * 256 + 255) } else { (-most, most) };
-        sum.clamp(low, high)
+        sum.min(high).max(low)
     }
 
     /// The regulator goes off: no output, no history (SAIA-PID-05, SAIA-PID-06).

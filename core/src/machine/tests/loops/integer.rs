@@ -9,7 +9,7 @@ use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::regulator::Law;
 use crate::sim::Model;
-use crate::vocabulary::saia::Command;
+use crate::vocabulary::saia::{self, Command};
 
 /// KProp, KInt, KDer; IL 32767, SampI 0.
 fn integer_config(kprop: i32, kint: i32, kder: i32) -> MachineConfig {
@@ -92,4 +92,25 @@ fn a_register_out_of_range_closes_no_loop() {
     let refused = rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Int(-1) }])));
     let sentence = rig.refusal(refused);
     assert!(sentence.starts_with("x: saia.kder -1 is beyond the register of the integer PID"), "{sentence}");
+}
+
+/// A verb that writes a register beyond its range writes nothing while the regulator closes the loop, and one that only reads leaves the
+/// loop what it is.
+#[test]
+fn a_verb_neither_breaks_nor_bumps_the_loop() {
+    let mut rig = enabled(lag(2), integer_config(64, 1, 64));
+    rig.give(Action::Move(at(X, 20_000.0)));
+    rig.run(3_000);
+    let before = rig.real("x.output.velocity");
+    rig.give(saia_verb(&[Command::ReadIntegral]));
+    for cycle in 0..200 {
+        rig.run(1);
+        assert!((rig.real("x.output.velocity") - before).abs() < 3_000.0, "cycle {cycle}");
+    }
+    let request = saia::Request { axis: X, ..Default::default() }.with(saia::Register::IntL, Value::Int(-5));
+    let refused = rig.give(Action::vocabulary(request));
+    let sentence = rig.refusal(refused);
+    assert!(sentence.starts_with("x: saia.intl -5 is beyond the register"), "{sentence}");
+    rig.run(100);
+    assert!((rig.real("x.output.velocity") - before).abs() < 3_000.0);
 }

@@ -124,6 +124,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(1),
         description: "Period of the position loop and of the setpoints to the drive.",
         source: "MACS-REG-04",
+        effect: Effect::Disabled,
         get: |p| Value::Int(p.pid.period_ms),
         set: |p, v| p.pid.period_ms = int(v).unwrap_or(p.pid.period_ms),
         ..PID_ROW
