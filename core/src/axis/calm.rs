@@ -40,8 +40,8 @@ impl Axis {
     #[inline]
     fn go_on(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> Option<()> {
         let error = self.following_error();
-        let standing = self.standing();
-        if self.closes_loop_here() && self.stands_too_long(standing) {
+        let standing = self.closes_loop_here().then(|| self.standing());
+        if standing.is_some_and(|standing| self.stands_too_long(standing)) {
             return None;
         }
         if self.supervision_tells() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
@@ -64,7 +64,9 @@ impl Axis {
             }
             _ => return None,
         };
-        self.keep_standing(standing);
+        if let Some(standing) = standing {
+            self.keep_standing(standing);
+        }
         self.is_led = matches!(self.generator, Generator::Follow(_));
         self.at_limits.note_within();
         self.command = next;

@@ -28,9 +28,6 @@ pub(super) struct PositionLoop {
     full: Option<(f64, f64)>,
     /// A closed brake holds the axis: nothing is stepped.
     is_held: bool,
-    /// It was stepped in this cycle.
-    #[serde(skip)]
-    is_done: bool,
 }
 
 impl PositionLoop {
@@ -96,12 +93,6 @@ impl Axis {
         !self.is_virtual() && closes_loop(Some(self.setup.interface))
     }
 
-    /// A cycle begins.
-    #[inline]
-    pub(super) fn begin_loops(&mut self) {
-        self.position_loop.is_done = false;
-    }
-
     /// Do the loops run that are closed here? A drive that homes by itself closes its own.
     pub(super) fn has_loops(&self) -> bool {
         self.is_on() && self.shown.mode() != MODE_HOMING
@@ -117,7 +108,7 @@ impl Axis {
         if was_held && !is_held {
             self.position_loop.pid.begin_anew();
         }
-        std::mem::replace(&mut self.position_loop.is_done, true) || is_held
+        self.note_stepped() || is_held
     }
 
     /// Can its loops run with its parameters?
@@ -136,7 +127,7 @@ impl Axis {
     #[inline]
     pub(super) fn close_loop(&mut self) -> (f64, bool) {
         if !self.has_loops() {
-            self.position_loop = PositionLoop { is_done: true, ..PositionLoop::default() };
+            self.position_loop = PositionLoop::default();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }

@@ -43,6 +43,8 @@ pub(super) struct Rhythm {
     goes_on: bool,
     /// It may switch outputs of the machine in a cycle that is not full.
     switches: bool,
+    /// The loops that are closed here have their outputs of this cycle.
+    has_stepped: bool,
     /// What its drive told then; a virtual axis has none.
     told: DriveInput,
 }
@@ -51,8 +53,8 @@ impl Axis {
     /// How much of this cycle does it need? `is_quiet`: nothing that concerns all axes has changed, and nobody asks for anything.
     #[inline]
     pub fn begin_cycle(&mut self, is_quiet: bool, input: Option<&DriveInput>) -> Pace {
-        self.begin_loops();
         let rhythm = &mut self.rhythm;
+        rhythm.has_stepped = false;
         let told = &rhythm.told;
         rhythm.goes_on = is_quiet
             && match rhythm.found {
@@ -76,9 +78,15 @@ impl Axis {
         self.rhythm.pace == Pace::Full || self.rhythm.switches
     }
 
+    /// Have the loops that are closed here been stepped in this cycle? From now on they have.
+    pub(super) fn note_stepped(&mut self) -> bool {
+        std::mem::replace(&mut self.rhythm.has_stepped, true)
+    }
+
     /// Something beside its own cycle acts on it, or it tells something.
     pub fn disturb(&mut self) {
-        self.rhythm = Rhythm { told: self.rhythm.told, ..Rhythm::default() };
+        let Rhythm { told, has_stepped, .. } = self.rhythm;
+        self.rhythm = Rhythm { told, has_stepped, ..Rhythm::default() };
     }
 
     /// The cycle of an axis that stands still.
