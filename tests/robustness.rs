@@ -275,12 +275,14 @@ fn nobody_loses_a_sample_because_of_another() {
 fn clients_that_were_frozen_beyond_their_lease_work_again() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
-    let mut clients = [Peer::cyclone(&domain), Peer::fastdds(&domain)];
-    for client in &mut clients {
+    // One after the other: who starts in the same instant as the program may share its port (docs/known-limits.md).
+    let mut clients = [Peer::cyclone as fn(&_) -> _, Peer::fastdds].map(|begin| {
+        let mut client = begin(&domain);
         client.run(&format!("axes {NODE} enable turret"));
         client.run("joint-states --count 20 --seconds 10");
-        step(client);
-    }
+        step(&mut client);
+        client
+    });
     // Asked, and not answered before it is frozen.
     clients[0].tell(&format!("axes {NODE} reset_errors turret"));
     for (round, frozen) in [(1, 2), (2, 1)] {
