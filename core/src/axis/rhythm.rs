@@ -8,7 +8,8 @@
 //!          effort), and nothing is told: what the last part of a cycle leaves to the first one of the next is done by then
 //! Reads    the whole state after a full cycle; the inputs of its drive, bit by bit
 //! Writes   nothing but the counts of cycles
-//! Refuses  whoever may depend on what it does not look at: a loop closed here that goes on at rest, vocabularies in use, trajectories, homing, superimposed motions, goals
+//! Refuses  whoever may depend on what it does not look at: a loop closed here that goes on at rest, vocabularies in use,
+//!          trajectories, homing, superimposed motions, goals
 //!          that wait or search, errors, switches, sources with other users. That costs time and changes nothing
 
 use super::power::Power;

@@ -9,6 +9,7 @@
 //! Reads    the following error, command and state of the axis, what its drive was asked for, whether its encoder moves
 //! Writes   the error, which takes the power
 //! Refuses  nothing; where the drive closes the loop, that watches itself
+//! Source   docs/loops.md: no source system says what becomes of such an axis
 
 use super::power::Power;
 use super::reaction::Failure;

@@ -3,7 +3,7 @@
 use super::super::{Applies, BASE, Bare, Effect, Group, MLONG, Measure, Range, Row, System, Value, int};
 
 const REGULATION_ROW: Row = Row { system: System::Macs, group: Group::Regulation, applies: Applies::Drive, ..BASE };
-/// Of the PID loop; a change is faded in within 64 samples.
+/// Of the PID loop; a change is faded in within 64 samples, but for that of the period, which waits until the axis is off.
 const PID_ROW: Row = Row { effect: Effect::AtOnce, applies: Applies::Pid, ..REGULATION_ROW };
 
 /// REVERS: -10 to -90, or rule (0 to 2) + 10 output + 100 node.
