@@ -99,6 +99,8 @@ pub enum Action {
     Phase(Phase),
     /// Ends the coupling of one axis at a place (MC_GearOut, MC_CamOut).
     GearOut(GearOut),
+    /// Opens the position loop of one axis and gives the loops below it their value (OUTAN).
+    OutAn(OutAn),
     /// A verb of a vocabulary on one axis.
     Vocabulary(Request),
     /// Ends the goal that the command of this sequence number started, with a controlled stop.
@@ -232,6 +234,7 @@ impl Action {
                 | Self::Synchronize(_)
                 | Self::Phase(_)
                 | Self::RunFunction(_)
+                | Self::OutAn(_)
                 | Self::Vocabulary(_)
         )
     }
@@ -427,6 +430,32 @@ pub enum LeaveAt {
     Leader(i64),
     /// Where the axis itself is there (inc), likewise.
     Axis(i64),
+}
+
+/// Which of the loops below the position loop a value is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Level {
+    /// The next one, as `ampmode` has it: the value is a velocity, or with `ampmode` 2 an effort.
+    #[default]
+    Setpoint,
+    /// None of them: the value is the effort.
+    Effort,
+}
+
+impl Level {
+    /// The names in requests.
+    pub const NAMES: &'static [(&'static str, Self)] = &[("setpoint", Self::Setpoint), ("effort", Self::Effort)];
+}
+
+/// A value for the loops below the position loop of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutAn {
+    /// The axis.
+    pub axis: u16,
+    /// -1 to 1: parts of `max_velocity` or of `max_effort`.
+    pub value: f64,
+    /// For which loop.
+    pub level: Level,
 }
 
 /// The end of the coupling that one axis has.

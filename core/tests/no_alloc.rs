@@ -49,7 +49,7 @@ macro_rules! kinds {
 
 kinds! {
     Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, Trajectory, HomeAxis,
-    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, Cancel, SetParameters, SaveParameters,
+    SetPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, OutAn, Cancel, SetParameters, SaveParameters,
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
 }
 

@@ -83,7 +83,11 @@ impl Axis {
         }
         let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
         let most = p.most();
-        let output = if p.has_velocity_loop() {
+        let passes_by = self.generator.asks_effort();
+        let output = if passes_by {
+            loops.velocity = VelocityLoop::default();
+            asked
+        } else if p.has_velocity_loop() {
             let error = asked - velocity / full;
             loops.velocity.step_within(&p.velocity_gains(self.setup.cycle_ns), error, most)
         } else {

@@ -3,6 +3,7 @@
 //! Law      a plan, a follower of what leads (one of the machine's leads, or the trajectory of the goal), open loop, or nothing
 
 use super::course::Course;
+use crate::command::Level;
 use crate::object::Leader;
 use crate::sync::Disengage;
 use crate::sync::follower::Follower;
@@ -22,6 +23,8 @@ pub(super) enum Generator {
     Track(Follower),
     /// Open loop: the drive runs at this speed (inc/s), and the command is where it is.
     Open { velocity: f64 },
+    /// OUTAN: the loops below the position loop run at this value (-1 to 1), and the command is where the axis is.
+    OutAn { value: f64, level: Level },
     /// Open loop: switched off in cycle `since`, until the drive stands.
     Coast { since: u64 },
 }
@@ -33,7 +36,13 @@ impl Generator {
             Generator::Plan(course) => course.is_sound(),
             Generator::Follow(_) | Generator::Track(_) => self.follower().is_some_and(Follower::is_sound),
             Generator::Open { velocity } => velocity.is_finite(),
+            Generator::OutAn { value, .. } => value.abs() <= 1.0,
         }
+    }
+
+    /// Does OUTAN give an effort, past the velocity loop?
+    pub(super) fn asks_effort(&self) -> bool {
+        matches!(self, Generator::OutAn { level: Level::Effort, .. })
     }
 
     /// How it follows what leads it; none where nothing does.

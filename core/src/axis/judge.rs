@@ -203,7 +203,7 @@ impl Axis {
         if !self.is_on() {
             return;
         }
-        if self.is_open_loop() {
+        if self.is_open_loop() || self.out_an().is_some() {
             self.judge.following_error = 0;
         } else if !self.is_virtual() {
             self.judge_following(cx, self.following_error());

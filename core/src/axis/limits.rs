@@ -88,7 +88,7 @@ impl Axis {
         let watched = match &self.generator {
             Generator::Plan(course) => course.is_watched(),
             Generator::Follow(_) | Generator::Track(_) => true,
-            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+            Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => false,
         };
         self.watch_beyond(cx.cycle);
         if !watched && !is_added {
@@ -188,7 +188,7 @@ impl Axis {
             Generator::Plan(course) => is_towards(up, course.end_velocity()),
             Generator::Follow(_) => true,
             Generator::Track(_) => !self.is_on_track(),
-            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => false,
+            Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => false,
         };
         [true, false].into_iter().find(|up| {
             let outwards = |place: Position| if *up { place } else { -place };

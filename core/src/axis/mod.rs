@@ -34,6 +34,7 @@ mod marker;
 mod master;
 mod motion;
 mod open_loop;
+mod out_an;
 mod overlay;
 mod pair;
 mod phase;
@@ -455,6 +456,7 @@ impl Axis {
             Action::Move(request) => self.start_move(cx, sequence, request),
             Action::Probe(request) => self.start_probe(cx, sequence, request),
             Action::HomeAxis(request) => self.start_homing(cx, sequence, request.method),
+            Action::OutAn(request) => self.start_out_an(cx, sequence, *request),
             Action::SetPosition(request) => self.set_position(cx, sequence, request.position),
             Action::SetMasterPosition(request) => self.set_master_position(cx, sequence, request.position),
             Action::Synchronize(request) => self.start_synchronize(cx, sequence, request),
@@ -478,6 +480,7 @@ impl Axis {
         let fits = match self.generator {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),
+            Generator::OutAn { .. } => self.closes_loop_here() && self.is_on() && self.gantry().is_none(),
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };

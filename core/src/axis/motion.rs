@@ -17,6 +17,9 @@ impl Axis {
         if self.is_open_loop() {
             return self.advance_open(cx);
         }
+        if let Some((value, level)) = self.out_an() {
+            return self.advance_out_an(cx, value, level);
+        }
         if self.homing.is_in_drive() {
             return self.follow_drive();
         }
@@ -28,7 +31,7 @@ impl Axis {
     fn move_on(&mut self, cx: &mut Context<'_>) {
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
-            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => {
+            Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => {
                 Some(Motion::at_rest(self.command.position))
             }
             // Most cycles of most axes.
@@ -148,6 +151,9 @@ impl Axis {
     pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, limits: &Limits) {
         if self.is_open_loop() {
             return self.switch_speed_off(cx);
+        }
+        if self.out_an().is_some() {
+            return self.leave_to_drive(cx);
         }
         self.reference = Reference::Stop;
         if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion | AxisState::Homing) {

@@ -26,7 +26,11 @@ impl Axis {
 
     /// What needs a position loop is refused without one.
     pub(super) fn check_closed_loop(&self) -> Result<(), Refusal> {
-        if self.is_open_loop() { Err(Refusal::new(Code::OPEN_LOOP, self.object())) } else { Ok(()) }
+        match self.generator {
+            _ if self.is_open_loop() => Err(self.refuse(Code::OPEN_LOOP)),
+            Generator::OutAn { .. } => Err(self.refuse(Code::OUT_AN_RUNS)),
+            _ => Ok(()),
+        }
     }
 
     /// The part of [`advance`](Self::advance) of such an axis.
@@ -54,7 +58,7 @@ impl Axis {
     }
 
     /// The software limit at which it stands or behind it, if `velocity` leads further into it (inc).
-    fn limit_ahead(&self, velocity: f64) -> Option<i64> {
+    pub(super) fn limit_ahead(&self, velocity: f64) -> Option<i64> {
         let limit = self.limit(velocity > 0.0);
         let here = self.actual.position;
         let reached = if velocity > 0.0 { here >= Position::whole(limit) } else { here <= Position::whole(limit) };
@@ -62,7 +66,7 @@ impl Axis {
     }
 
     /// It cannot stop before a limit, as it has no ramp; it is switched off there.
-    fn stop_speed_at(&mut self, cx: &mut Context<'_>, velocity: f64, limit: i64) {
+    pub(super) fn stop_speed_at(&mut self, cx: &mut Context<'_>, velocity: f64, limit: i64) {
         let up = velocity > 0.0;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         let event = Event::new(Severity::Warn, Kind::Limit, self.object(), code);

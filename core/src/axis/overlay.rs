@@ -326,7 +326,7 @@ impl Axis {
                 let rate = usual.acceleration.min(usual.deceleration);
                 Some(Limits { acceleration: rate, deceleration: rate, ..usual })
             }
-            Generator::Rest | Generator::Open { .. } | Generator::Coast { .. } => None,
+            Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => None,
         };
         // The goals that wait will move it beside this one too.
         let used = self.buffer.limits().fold(used, |used, next| {

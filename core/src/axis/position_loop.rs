@@ -137,6 +137,14 @@ impl Axis {
             return (self.position_loop.velocity, true);
         }
         let (full, rate) = self.full_reference();
+        if let Some((value, _)) = self.out_an() {
+            self.position_loop = PositionLoop { output: value, velocity: value * full, ..self.position_loop };
+            self.position_loop.pid.begin_anew();
+            if self.setup.law == Law::Integer {
+                self.vocabularies.open_loop();
+            }
+            return (value * full, false);
+        }
         let p = &self.parameters;
         let velocity = match self.setup.law {
             Law::Proportional => {

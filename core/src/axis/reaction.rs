@@ -167,6 +167,8 @@ impl Axis {
     fn possible(&self, deed: Deed, moment: Moment) -> Deed {
         match deed {
             Deed::Report | Deed::End => deed,
+            // Nothing here holds its position.
+            Deed::Stop { .. } if self.out_an().is_some() => Deed::DriveStops,
             _ if moment == Moment::AtLimit => deed.behind_stop(),
             // There is no power that could go, and no drive.
             _ if self.is_virtual() => deed.behind_stop(),

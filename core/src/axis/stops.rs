@@ -44,7 +44,7 @@ impl Axis {
     fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
         let done = Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence);
         let done = Event { position: self.command.position, ..done };
-        if until == Until::Standstill && self.rests() {
+        if until == Until::Standstill && self.rests() && self.has_stopped_by_itself(cx.cycle) {
             // It stands: what else comes in this cycle does not concern it.
             cx.events.push(done);
         } else if !self.waiting.add(sequence, until) {
@@ -118,10 +118,11 @@ impl Axis {
         if self.state == AxisState::ErrorStop {
             return;
         }
-        if self.is_on() {
+        let is_on = self.is_on();
+        if is_on {
             self.brake_to_rest(cx, &self.stop_limits());
         }
-        if self.is_on() || code != Code::INTERRUPTED {
+        if is_on || code != Code::INTERRUPTED {
             self.set_state(cx, AxisState::Stopping);
         }
     }
@@ -313,6 +314,7 @@ impl Axis {
             }
         }
         self.holding.clears &= locked;
+        let has_stopped = self.has_stopped_by_itself(cx.cycle);
         let position = self.command.position;
         let failed = Some(self.alarm.code()).filter(|code| !code.is_none());
         let (axis, opens) = (self.setup.index, self.is_opening());
@@ -335,7 +337,7 @@ impl Axis {
             }
             _ => {}
         }
-        if stands {
+        if stands && has_stopped {
             end(Until::Standstill, Code::NONE);
         } else if self.goal.is_some_and(|goal| goal.ending.is_none()) {
             end(Until::Standstill, Code::REPLACED);

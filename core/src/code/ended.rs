@@ -601,6 +601,13 @@ codes! {
         remedy: "Free the axis, check the encoder and its cable, then reset_errors.",
     }
 
+    /// Too fast while no position loop holds it.
+    OVERSPEED = 10244, Ends {
+        says: "the axis is too fast for one whose position loop is open: {asked}, {limit} is allowed",
+        cause: "While out_an held the position loop open, the axis was faster than 1.2 max_velocity.",
+        remedy: "Give smaller values, then reset_errors.",
+    }
+
     /// The current comes near its limit.
     I2T_NEAR = 10238, NoError {
         says: "the motor is loaded near its I2t limit: {asked}, {limit} is allowed",

@@ -480,6 +480,34 @@ codes! {
         remedy: "Use another encodertype.",
     }
 
+    /// The loops below the position loop cannot be had alone.
+    OUT_AN_NO_LOOP = 10080, NoError {
+        says: "no loop below its position loop is closed here; `out_an` needs a drive with interface velocity or torque",
+        cause: "out_an opens the position loop that is closed here, and the drive closes that of this axis, or the axis has none.",
+        remedy: "Use move_axis; tune the loops of such a drive in the drive.",
+    }
+
+    /// The position loop is open.
+    OUT_AN_RUNS = 10088, NoError {
+        says: "the position loop is open by `out_an`; a stop or disable ends that",
+        cause: "out_an has opened the position loop of the axis, and the command needs it.",
+        remedy: "Halt or disable the axis, and enable it again.",
+    }
+
+    /// Two drives of one axis.
+    OUT_AN_TWO_DRIVES = 10089, NoError {
+        says: "the axis has two drives, which no position loop would keep square",
+        cause: "out_an was asked of an axis with two drives, which nothing would keep square.",
+        remedy: "Tune such an axis with both drives in their position loops.",
+    }
+
+    /// An effort for a drive that takes none.
+    OUT_AN_NO_EFFORT = 10090, NoError {
+        says: "level effort needs a drive with interface torque",
+        cause: "out_an was to give an effort to a drive that takes velocities.",
+        remedy: "Use level setpoint.",
+    }
+
     /// REVERS asks for outputs or a node, which do not exist yet.
     NO_REVERSING_OUTPUTS = 10054, NoError {
         says: "",

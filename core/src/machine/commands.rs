@@ -86,6 +86,7 @@ impl Machine {
             | Action::Synchronize(_)
             | Action::Phase(_)
             | Action::GearOut(_)
+            | Action::OutAn(_)
             | Action::Vocabulary(_)
             | Action::Cancel { .. } => Ok(true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
@@ -227,6 +228,7 @@ impl Machine {
             }
             Action::Phase(request) => self.shift(told, command.sequence, request),
             Action::GearOut(request) => self.gear_out(told, command.sequence, *request),
+            Action::OutAn(request) => self.give(told, request.axis, command),
             Action::Vocabulary(request) => self.give(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::CommandFunction(request) => {

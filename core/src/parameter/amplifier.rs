@@ -68,18 +68,22 @@ impl Amplifier {
         self.mode == 0
     }
 
+    /// How it finds the velocity.
+    pub fn method(&self) -> VelocityMethod {
+        match self.estimator {
+            1 => VelocityMethod::Filtered { time: 1.0 / (TAU * self.bandwidth) },
+            2 => VelocityMethod::AlphaBeta { bandwidth: TAU * self.bandwidth },
+            3 => VelocityMethod::Kalman { model: MotionModel::ConstantVelocity { acceleration: self.acceleration } },
+            _ => VelocityMethod::Difference,
+        }
+    }
+
     /// What finds the velocity, at rest.
     ///
     /// # Errors
     /// A setting that the cycle is too long or too short for.
     pub fn estimator(&self, cycle_ns: u64) -> Result<VelocityEstimator, EstimatorError> {
-        let method = match self.estimator {
-            1 => VelocityMethod::Filtered { time: 1.0 / (TAU * self.bandwidth) },
-            2 => VelocityMethod::AlphaBeta { bandwidth: TAU * self.bandwidth },
-            3 => VelocityMethod::Kalman { model: MotionModel::ConstantVelocity { acceleration: self.acceleration } },
-            _ => VelocityMethod::Difference,
-        };
-        VelocityEstimator::new(method, cycle_ns as f64 / 1e9)
+        VelocityEstimator::new(self.method(), cycle_ns as f64 / 1e9)
     }
 
     /// Can the loops run with these?

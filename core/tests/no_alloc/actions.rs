@@ -2,9 +2,9 @@
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, Move,
-    MoveMode, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, RunFunction, SetEncoderPosition, SetMasterPosition,
-    SetPosition, Synchronize,
+    Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
+    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, RunFunction,
+    SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize,
 };
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
@@ -105,6 +105,11 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
             _ => Action::vocabulary(module(numbers)),
         };
+    }
+    if numbers.below(40) == 0 {
+        let value = numbers.below(200) as f64 / 100.0 - 1.0;
+        let level = if numbers.below(4) == 0 { Level::Effort } else { Level::Setpoint };
+        return Action::OutAn(OutAn { axis: numbers.below(8) as u16, value, level });
     }
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);

@@ -17,6 +17,7 @@ mod amount;
 mod function;
 mod gear_out;
 mod homing;
+mod out_an;
 mod output;
 mod phase;
 mod probe;
@@ -34,7 +35,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 31] = [
+const VERBS: [&str; 32] = [
     "enable",
     "disable",
     "halt",
@@ -50,6 +51,7 @@ const VERBS: [&str; 31] = [
     "synchronize",
     "phase",
     "gear_out",
+    "out_an",
     "follow_joint_trajectory",
     "cancel",
     "set_parameters",
@@ -219,6 +221,7 @@ impl Reader<'_> {
                 add(deed, id);
             }
             "gear_out" => add(self.gear_out(arguments), None),
+            "out_an" => add(self.out_an(arguments), None),
             "follow_joint_trajectory" => {
                 let (deed, id) = self.follow_joint_trajectory(arguments);
                 add(deed, id);

@@ -174,6 +174,11 @@ impl Axis {
                 self.abandon(cx, Code::REPLACED);
                 self.switch_speed_off(cx);
             }
+            // Where it stands on nothing holds it.
+            Order::StandOnActual if self.out_an().is_some() => {
+                self.abandon(cx, Code::REPLACED);
+                self.leave_to_drive(cx);
+            }
             Order::StandOnActual => {
                 self.abandon(cx, Code::REPLACED);
                 self.reference = Reference::Stop;

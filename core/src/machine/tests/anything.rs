@@ -7,8 +7,8 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Move, MoveMode, Phase, PhaseShift,
-    PhaseSide, Probe, ProbeEdge, SetPosition, Synchronize,
+    Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, Move, MoveMode, OutAn, Phase,
+    PhaseShift, PhaseSide, Probe, ProbeEdge, SetPosition, Synchronize,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -274,6 +274,13 @@ fn leaving() -> impl Strategy<Value = Action> {
     (axis(), at, disengage).prop_map(|(axis, at, disengage)| Action::GearOut(GearOut { axis, at, disengage }))
 }
 
+/// The position loop is opened, where it is closed here.
+fn opening() -> impl Strategy<Value = Action> {
+    let value = prop_oneof![4 => -1.0..1.0_f64, 1 => Just(0.0), 1 => Just(1.5), 1 => Just(f64::NAN)];
+    let level = prop::sample::select(vec![Level::Setpoint, Level::Setpoint, Level::Effort]);
+    (axis(), value, level).prop_map(|(axis, value, level)| Action::OutAn(OutAn { axis, value, level }))
+}
+
 fn probing() -> impl Strategy<Value = Action> {
     let edge = prop::sample::select(vec![ProbeEdge::Rising, ProbeEdge::Falling, ProbeEdge::Both, ProbeEdge::Index]);
     let velocity = prop_oneof![Just(0.0), 100.0..100_000.0_f64];
@@ -400,6 +407,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         3 => command(coupling().boxed()),
         2 => command(phasing().boxed()),
         2 => command(leaving().boxed()),
+        2 => command(opening().boxed()),
         1 => command(loading().boxed()),
         3 => command(following().boxed()),
         2 => command(probing().boxed()),
@@ -436,7 +444,7 @@ fn ends(action: &Action) -> usize {
         | Action::ResetErrors(axes) => axes.len(),
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
-        Action::Vocabulary(_) => 0,
+        Action::Vocabulary(_) | Action::OutAn(_) => 0,
         Action::SetPosition(_) | Action::LoadTable { .. } | Action::LoadProgram { .. } => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
@@ -450,7 +458,11 @@ fn ends(action: &Action) -> usize {
 fn motions(rig: &Rig) -> [Option<(f64, f64)>; 3] {
     AXES.map(|name| {
         let axis = rig.machine.config().axes.iter().find(|axis| axis.name == name)?;
-        if axis.interface == Interface::OpenLoop {
+        let places = ["command", "actual"].map(|of| rig.int(&format!("{name}.{of}.position")));
+        // Behind out_an as well.
+        let is_opened =
+            axis.interface == Interface::Velocity && rig.state(name) == "CONTINUOUS_MOTION" && places[0] == places[1];
+        if axis.interface == Interface::OpenLoop || is_opened {
             return None;
         }
         let free = rig.int(&format!("{name}.enabled")) == 1 && rig.state(name) != "SYNCHRONIZED_MOTION";

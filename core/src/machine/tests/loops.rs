@@ -2,6 +2,7 @@
 
 mod edges;
 mod integer;
+mod out_an;
 mod pid;
 mod runaway;
 mod torque;

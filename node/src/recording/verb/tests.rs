@@ -6,9 +6,9 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, MasterPosition, MemoryValue,
-    Move, MoveMode, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition, SetMasterPosition, SetPosition,
-    Setpoint, Synchronize as Coupling,
+    BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, MasterPosition,
+    MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition,
+    SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
 };
 use lineshaft_core::function::Order;
 use lineshaft_core::machine::Machine;
@@ -340,6 +340,14 @@ fn the_end_of_a_coupling_names_its_place() {
     desk.is(&kept, &format!("{head}{fields}}}}}"));
     let fields = r#""position","disengage":"as_goal""#;
     desk.is(&out(LeaveAt::Axis(0), None), &format!("{head}{fields}}}}}"));
+}
+
+#[test]
+fn a_value_for_the_lower_loops_names_its_level() {
+    let desk = Desk::new();
+    let of = |value, level| Action::OutAn(OutAn { axis: 1, value, level });
+    desk.is(&of(0.125, Level::Setpoint), r#"{"out_an":{"axis":"turret","value":0.125}}"#);
+    desk.is(&of(-1.0, Level::Effort), r#"{"out_an":{"axis":"turret","value":-1.0,"level":"effort"}}"#);
 }
 
 #[test]

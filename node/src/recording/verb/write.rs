@@ -3,8 +3,9 @@
 use super::{saia, trajectory, wf};
 use crate::program;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt,
-    MasterPosition, Move, MoveMode, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints, Synchronize as Coupling,
+    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt, Level,
+    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
+    Synchronize as Coupling,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
@@ -91,6 +92,12 @@ enum Verb<'a> {
         increments: Option<i64>,
         #[serde(skip_serializing_if = "Option::is_none")]
         disengage: Option<&'static str>,
+    },
+    OutAn {
+        axis: &'a str,
+        value: Scalar,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        level: Option<&'static str>,
     },
     FollowJointTrajectory(trajectory::FollowJointTrajectory<'a>),
     Cancel {
@@ -314,6 +321,11 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::Synchronize(request) => Verb::Synchronize(synchronize(id, request, config)),
         Action::Phase(request) => phase(id, request, config),
         Action::GearOut(request) => gear_out(*request, config),
+        Action::OutAn(OutAn { axis: of, value, level }) => Verb::OutAn {
+            axis: axis(*of, config),
+            value: Scalar::Real(*value),
+            level: (*level == Level::Effort).then_some("effort"),
+        },
         Action::Vocabulary(Request::Saia(request)) => Verb::Saia(saia::saia(request, axis(request.axis, config))),
         Action::Vocabulary(Request::Wf(request)) => Verb::Wf(wf::wf(request, axis(request.axis, config))),
         Action::Cancel { goal } => Verb::Cancel { id: goal.to_string() },

@@ -3,8 +3,8 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    CamRequest, GearOutRequest, HomeRequest, MoveRequest, PhaseRequest, PointRequest, ProbeRequest, Rates,
-    SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
+    CamRequest, GearOutRequest, HomeRequest, MoveRequest, OutAnRequest, PhaseRequest, PointRequest, ProbeRequest,
+    Rates, SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
 };
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
@@ -431,6 +431,14 @@ proptest! {
         let increments = if at == 0 { 0 } else { increments };
         if let Ok(request) = DESK.config.resolve_gear_out(&GearOutRequest { axis, at, increments, disengage }) {
             comes_back(&Action::GearOut(request))?;
+        }
+    }
+
+    #[test]
+    fn every_value_of_lower_loops_that_a_request_makes(axis in axis(), value in -1.1..1.1_f64, is_effort in any::<bool>()) {
+        let level = if is_effort { Level::Effort } else { Level::Setpoint };
+        if let Ok(request) = DESK.config.resolve_out_an(&OutAnRequest { axis, value, level }) {
+            comes_back(&Action::OutAn(request))?;
         }
     }
 

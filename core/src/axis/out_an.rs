@@ -1,0 +1,128 @@
+//! OUTAN: the loops below the position loop run at a value, and nothing holds the position.
+//!
+//! Law      command = actual position. The value is the output of the position loop: a velocity in parts of max_velocity, or with
+//!          AMPMODE 2 an effort in parts of max_effort; level effort passes the velocity loop by. Whatever ends it (halt, stop, disable, an error)
+//!          leaves the axis to the stop of its drive and takes the power then: no loop here knows yet whether it could stop it
+//! Reads    values that commands give, place and velocity of the axis, its limits
+//! Writes   the generator; the error of a limit that it would not stop before, and of too much velocity
+//! Refuses  a drive that closes its position loop, or is one of two; an axis that moves; values beyond 1, or further into a limit
+//! Source   MACS-AMP-02, MACS-CMD-28
+
+use super::power::Power;
+use super::reaction::Failure;
+use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
+use crate::command::{Level, OutAn};
+use crate::event::{Number, Refusal};
+use crate::position::Position;
+use crate::profile::Motion;
+
+/// Above this part of max_velocity an axis without position loop is too fast.
+const OVERSPEED: f64 = 1.2;
+/// As many increments of a cycle are no velocity but rounding.
+const ROUNDING: f64 = 2.0;
+
+impl Axis {
+    /// What OUTAN asks for now, and of which loop.
+    #[inline]
+    pub(super) fn out_an(&self) -> Option<(f64, Level)> {
+        match self.generator {
+            Generator::OutAn { value, level } => Some((value, level)),
+            _ => None,
+        }
+    }
+
+    pub(super) fn start_out_an(&mut self, cx: &mut Context<'_>, sequence: u64, request: OutAn) -> Result<(), Refusal> {
+        let OutAn { value, level, .. } = request;
+        self.check_out_an(request)?;
+        if self.out_an().is_some() {
+            self.generator = Generator::OutAn { value, level };
+        } else {
+            self.abandon(cx, Code::REPLACED);
+            self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::OutAn { value, level });
+        }
+        self.command = self.opened_motion(value, level);
+        self.accepted(cx, sequence);
+        Ok(())
+    }
+
+    fn check_out_an(&self, OutAn { value, level, .. }: OutAn) -> Result<(), Refusal> {
+        if !self.closes_loop_here() {
+            return Err(self.refuse(Code::OUT_AN_NO_LOOP));
+        }
+        if self.gantry().is_some() {
+            return Err(self.refuse(Code::OUT_AN_TWO_DRIVES));
+        }
+        if level == Level::Effort && !self.takes_effort() {
+            return Err(self.refuse(Code::OUT_AN_NO_EFFORT));
+        }
+        if !(-1.0..=1.0).contains(&value) {
+            return Err(self.refuse(Code::BAD_NUMBER).with(Number::Real(value), Number::Real(1.0)));
+        }
+        self.check_free()?;
+        if self.out_an().is_none() && (!self.rests() || self.goal.is_some()) {
+            return Err(self.not_at_standstill());
+        }
+        // An effort against the motion brakes first, and then leads back.
+        let is_velocity = self.asks_velocity(level);
+        self.check_forward(if is_velocity { value } else { -1.0 })?;
+        self.check_velocity_switches(value)?;
+        if let Some(limit) = self.limit_ahead(value) {
+            let asked = Number::Velocity(value * self.parameters.max_velocity);
+            return Err(self.refuse(Code::LIMIT_VIOLATION).with(asked, Number::Position(limit)));
+        }
+        Ok(())
+    }
+
+    /// Is a value of that level a velocity? Else it is an effort.
+    fn asks_velocity(&self, level: Level) -> bool {
+        level == Level::Setpoint && (!self.takes_effort() || self.parameters.amplifier.has_velocity_loop())
+    }
+
+    /// Where it is, and the velocity that is asked for (inc/s); 0 with an effort.
+    fn opened_motion(&mut self, value: f64, level: Level) -> Motion {
+        let (full, _) = self.full_reference();
+        let velocity = if self.asks_velocity(level) { value * full } else { 0.0 };
+        Motion { velocity, ..Motion::at_rest(self.actual.position) }
+    }
+
+    /// The part of [`advance`](Self::advance) of such an axis.
+    pub(super) fn advance_out_an(&mut self, cx: &mut Context<'_>, value: f64, level: Level) {
+        let next = self.opened_motion(value, level);
+        // An effort has a way as well.
+        let towards = if next.velocity == 0.0 { value } else { next.velocity };
+        if self.stop_at_switch(cx, Motion { velocity: towards, ..next }) {
+            return;
+        }
+        self.command = next;
+        let (velocity, most) = (self.actual.velocity, self.parameters.max_velocity * OVERSPEED);
+        if velocity.abs() > most + ROUNDING / self.cycle_s() {
+            let found = (Number::Velocity(velocity), Number::Velocity(most));
+            return self.raise(cx, Failure::of(Code::OVERSPEED).with(found.0, found.1));
+        }
+        if let Some(limit) = self.limit_ahead(value).or_else(|| self.limit_reached(velocity)) {
+            let way = if velocity == 0.0 { value } else { velocity };
+            self.stop_speed_at(cx, way, limit);
+        }
+    }
+
+    /// The software limit before which a drive that stops with max_deceleration as soon as it can would not stand (inc).
+    fn limit_reached(&self, velocity: f64) -> Option<i64> {
+        let answer = self.cycle_s() * (self.delay() + 2) as f64;
+        let way = velocity * (answer + velocity.abs() / (2.0 * self.stop_limits().deceleration));
+        let end = self.actual.position + Position::from_f64(way);
+        let limit = self.limit(velocity > 0.0);
+        let is_beyond = if velocity > 0.0 { end > Position::whole(limit) } else { end < Position::whole(limit) };
+        (velocity != 0.0 && is_beyond).then_some(limit)
+    }
+
+    /// The end: the drive stops by itself, and then its power goes.
+    pub(super) fn leave_to_drive(&mut self, cx: &mut Context<'_>) {
+        self.reference = Reference::Stop;
+        self.power = Power::DriveStops { since: cx.cycle, then_off: true };
+        self.stand_on_actual();
+        if matches!(self.state, AxisState::ContinuousMotion) {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
+    }
+}
