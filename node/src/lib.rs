@@ -17,3 +17,4 @@ pub mod run;
 pub mod scenario;
 pub mod store;
 pub mod table;
+pub mod tune;

@@ -64,6 +64,50 @@ pub struct Bode {
     pub margins: Margins,
 }
 
+impl Bode {
+    /// Where the phase margin is: the magnitude is 1, and the angle to -1 the least.
+    pub fn at_phase_margin(&self) -> Option<Point> {
+        let found = self.pairs().filter(|(a, b)| (a.open_gain > 0.0) != (b.open_gain > 0.0));
+        let found = found.map(|(a, b)| a.towards(b, a.open_gain / (a.open_gain - b.open_gain)));
+        found.min_by(|a, b| a.margin().abs().total_cmp(&b.margin().abs()))
+    }
+
+    /// Where the gain margin is: the direction is that of -1, the magnitude below 1 and the largest such one.
+    pub fn at_gain_margin(&self) -> Option<Point> {
+        let crossed = self.pairs().filter_map(|(a, b)| {
+            let (from, to) = (a.margin(), a.margin() + b.open_phase - a.open_phase);
+            let crosses = from.abs() < 90.0 && (from > 0.0) != (to > 0.0);
+            crosses.then(|| a.towards(b, from / (from - to)))
+        });
+        // At half the sampling frequency all is real.
+        let last = self.points.last().filter(|last| last.margin().abs() < 90.0).copied();
+        crossed.chain(last).filter(|at| at.open_gain < 0.0).max_by(|a, b| a.open_gain.total_cmp(&b.open_gain))
+    }
+
+    fn pairs(&self) -> impl Iterator<Item = (&Point, &Point)> {
+        self.points.iter().zip(self.points.iter().skip(1))
+    }
+}
+
+impl Point {
+    /// From -1 on (degrees, -180 to 180).
+    fn margin(&self) -> f64 {
+        to_180((self.open_phase + 180.0) * PI / 180.0)
+    }
+
+    /// So far on the way to another one: the frequency by its logarithm.
+    fn towards(&self, to: &Self, part: f64) -> Self {
+        let between = |from: f64, to: f64| from + part * (to - from);
+        Self {
+            frequency: self.frequency * libm::pow(to.frequency / self.frequency, part),
+            open_gain: between(self.open_gain, to.open_gain),
+            open_phase: between(self.open_phase, to.open_phase),
+            closed_gain: between(self.closed_gain, to.closed_gain),
+            closed_phase: between(self.closed_phase, to.closed_phase),
+        }
+    }
+}
+
 /// Points of a grid without a resonance.
 const POINTS: u32 = 500;
 

@@ -1,12 +1,15 @@
 //! How an axis answers with given loops: over frequency, and in time.
 //!
-//! Law      `frequency.rs`: open and closed loop, margins, sensitivity. `time.rs`: the laws of the core on the model
+//! Law      `frequency.rs`: open and closed loop, margins, sensitivity. `time.rs`: the laws of the core on the model.
+//!          `retrace.rs`: a record as its model would have moved
 //! Reads    a model, loops
 //! Writes   points, figures
 //! Refuses  loops that do not suit the model
 
 pub(crate) mod frequency;
+mod retrace;
 mod time;
 
 pub use frequency::{Bode, Margins, Point, bode, velocity_bode};
+pub use retrace::retrace;
 pub use time::{Figures, Move, Sample, Trace, simulate};

@@ -138,18 +138,18 @@ struct Part {
 }
 
 /// The model that moves.
-struct Plant {
-    state: DVector<f64>,
+pub(super) struct Plant {
+    pub(super) state: DVector<f64>,
     /// Before and behind the change of the input.
     parts: [Option<Part>; 2],
     /// Inputs that have not begun to act, the newest one first.
-    past: Vec<f64>,
+    pub(super) past: Vec<f64>,
     /// What acts at the input 0, in parts of the full command.
     bias: f64,
 }
 
 impl Plant {
-    fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let system = model.continuous();
         let (friction, bias) = match model.dynamics {
             Dynamics::Velocity { gain, offset, .. } => (0.0, offset / gain),
@@ -172,7 +172,7 @@ impl Plant {
         }
     }
 
-    fn cycle(&mut self, input: f64) {
+    pub(super) fn cycle(&mut self, input: f64) {
         self.past.rotate_right(1);
         self.past[0] = input;
         let (older, newer) = (self.past[self.past.len() - 1], self.past[self.past.len() - 2]);

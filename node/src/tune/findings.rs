@@ -1,0 +1,296 @@
+//! What tuning has found of an axis, before and after.
+//!
+//! Law      each side is shown on the model that was found: margins from its frequency response, overshoot, settling and following error from
+//!          a step and a move that are simulated with the loops of the core
+//! Reads    a model, loops as they are, loops that were designed
+//! Writes   figures, curves and gains; nothing that moves
+//! Refuses  a record without a model ([`Refusal`]). Loops that cannot be shown, and gains that do not exist, are sentences of the findings
+//!
+//! What a designed loop says nothing of (BANDWIDTH, KILIMTIME, REGWMIN, REGWMAX) stays as it is, and is part of what is shown.
+
+use lineshaft_core::config::AxisConfig;
+use lineshaft_core::parameter::{Range, Row};
+use lineshaft_core::regulator::PidGains;
+use lineshaft_tune::{
+    Bode, Design, DesignError, Identified, LoopError, Loops, Move, PositionLaw, Record, Refusal, Trace, Wish, bode,
+    design, identify, simulate, velocity_bode,
+};
+use serde::Serialize;
+
+/// An axis, and what it is moved by to be shown.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Subject {
+    /// Its name in the cell.
+    pub axis: String,
+    /// Name of its unit.
+    pub unit: String,
+    /// Increments in one of it.
+    pub increments: f64,
+    /// Way around the target in which it counts as reached (inc).
+    pub window: f64,
+    /// Of the move (inc/s).
+    pub velocity: f64,
+    /// Of the move (inc/s^2).
+    pub acceleration: f64,
+}
+
+/// Least window (inc).
+const LEAST_WINDOW: f64 = 3.0;
+
+impl Subject {
+    /// An axis of a cell, moved as a goal moves it that gives no rates; its window is `in_position_window`, 3 inc at least.
+    pub fn of(axis: &AxisConfig) -> Self {
+        let parameters = &axis.parameters;
+        Self {
+            axis: axis.name.clone(),
+            unit: axis.scale.unit().to_string(),
+            increments: 1.0 / axis.scale.rate_to_unit(1.0),
+            window: (parameters.in_position_window as f64).max(LEAST_WINDOW),
+            velocity: parameters.default_velocity.unwrap_or(0.5 * parameters.max_velocity),
+            acceleration: parameters.default_acceleration.unwrap_or(0.5 * parameters.max_acceleration),
+        }
+    }
+}
+
+/// A gain, by the key of its parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Gain {
+    /// As cells, ROS and docs/parameters.md have it.
+    pub key: &'static str,
+    /// As it is; none where the loops that are have no such gain.
+    pub old: Option<f64>,
+    /// As it was found.
+    pub new: f64,
+}
+
+impl Gain {
+    /// Would it be another one?
+    pub fn changes(&self) -> bool {
+        self.old != Some(self.new)
+    }
+
+    /// The new value as cells write it.
+    pub fn written(&self) -> String {
+        self.new.to_string()
+    }
+}
+
+/// How the axis answers with given loops.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Answer {
+    /// The loops.
+    pub loops: Loops,
+    /// Response of the open and the closed position loop.
+    pub position: Bode,
+    /// Of the velocity loop; none where there is none.
+    pub velocity: Option<Bode>,
+    /// A step of the command.
+    pub step: Trace,
+    /// A move.
+    pub moved: Trace,
+}
+
+impl Answer {
+    /// Are all loops stable?
+    pub fn is_stable(&self) -> bool {
+        let inner = self.velocity.as_ref().is_none_or(|bode| bode.margins.is_stable());
+        inner && self.position.margins.is_stable()
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Findings {
+    /// Of which axis.
+    pub subject: Subject,
+    /// The model, its deviations, how much it explains.
+    pub identified: Identified,
+    /// What was wished.
+    pub wish: Wish,
+    /// The step of both answers.
+    pub step: Move,
+    /// The move of both answers.
+    pub to: Move,
+    /// With the gains as they are, or why that cannot be shown.
+    pub before: Result<Answer, String>,
+    /// With those that were found, or why there are none.
+    pub after: Result<Answer, String>,
+    /// In the order of the loops, from the position inwards; empty where there are none.
+    pub gains: Vec<Gain>,
+}
+
+/// Part of the full output that a step may ask for by its proportional gain.
+const STEP_OUTPUT: f64 = 0.3;
+
+/// Least and largest step (inc).
+const STEPS: (f64, f64) = (10.0, 1e9);
+
+/// Time of a step in periods of the crossover, and its bounds (s).
+const STEP_TIME: (f64, f64, f64) = (15.0, 0.05, 3.0);
+
+/// Time behind a move (s).
+const REST: f64 = 0.5;
+
+/// Most cycles of a move.
+const MOST_CYCLES: f64 = 60_000.0;
+
+impl Findings {
+    /// Finds the model of a record and gains for it; `before` are the loops as they are.
+    ///
+    /// # Errors
+    /// Why there is no model.
+    pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
+        let identified = identify(record)?;
+        let designed = design(&identified.model, wish);
+        Ok(Self::of(subject, identified, wish, before, designed))
+    }
+
+    /// Of a model and a design that are there.
+    pub fn of(
+        subject: Subject,
+        identified: Identified,
+        wish: &Wish,
+        before: &Loops,
+        designed: Result<Design, DesignError>,
+    ) -> Self {
+        let after = designed.map_err(|error| error.to_string()).and_then(|found| as_set(&found.loops, before));
+        let trials = Trials::new(&subject, &identified, before, after.as_ref().ok());
+        let answer = |loops: &Loops| trials.answer(loops).map_err(|error| error.to_string());
+        let gains = after.as_ref().map_or_else(|_| Vec::new(), |after| gains(before, after));
+        Self {
+            wish: *wish,
+            step: trials.step,
+            to: trials.to,
+            before: answer(before),
+            after: after.and_then(|after| answer(&after)),
+            gains,
+            subject,
+            identified,
+        }
+    }
+
+    /// Gains that would be others.
+    pub fn changes(&self) -> Vec<Gain> {
+        self.gains.iter().filter(|gain| gain.changes()).copied().collect()
+    }
+}
+
+/// Loops that were designed as the parameters of an axis have them: what the design leaves open stays, kv has four digits.
+fn as_set(designed: &Loops, before: &Loops) -> Result<Loops, String> {
+    let position = match (designed.position, before.position) {
+        (PositionLaw::Proportional { kv }, _) => PositionLaw::Proportional { kv: servo_gain(kv)? },
+        (PositionLaw::Pid { gains, cycles }, PositionLaw::Pid { gains: old, .. }) => {
+            let PidGains { limit_time, bandwidth, window, .. } = old;
+            PositionLaw::Pid { gains: PidGains { limit_time, bandwidth, window, ..gains }, cycles }
+        }
+        (position, _) => position,
+    };
+    Ok(Loops { position, ..*designed })
+}
+
+const KV: &str = "position_loop.kv";
+
+/// Rounded down, so that margins only grow, and within the range of its parameter.
+fn servo_gain(kv: f64) -> Result<f64, String> {
+    let Some((_, Row { range: Range::Real(least, most), .. })) = Row::find(KV) else { return Ok(kv) };
+    let kv = four_digits_down(kv.min(*most));
+    if kv >= *least { Ok(kv) } else { Err(format!("{KV} would be {kv} 1/s; {least:.4} to {most:.1} 1/s is permitted")) }
+}
+
+fn four_digits_down(value: f64) -> f64 {
+    if value <= 0.0 || !value.is_finite() {
+        return value;
+    }
+    let digits = (3 - value.log10().floor() as i32).clamp(0, 9);
+    let shift = 10_f64.powi(digits);
+    (value * shift * (1.0 + f64::EPSILON)).floor() / shift
+}
+
+/// The gains of loops, by the keys of their parameters.
+fn values(loops: &Loops) -> Vec<(&'static str, f64)> {
+    let mut values = match loops.position {
+        PositionLaw::Proportional { kv } => vec![(KV, kv)],
+        PositionLaw::Pid { gains, .. } => vec![
+            ("kprop", gains.proportional as f64),
+            ("kder", gains.derivative as f64),
+            ("kint", gains.integral as f64),
+            ("kilim", gains.limit as f64),
+            ("ffvel", gains.velocity as f64),
+            ("ffacc", gains.acceleration as f64),
+            ("timer", gains.period_ms as f64),
+        ],
+    };
+    if let Some(inner) = loops.velocity {
+        values.extend([
+            ("velkprop", f64::from(inner.gains.proportional)),
+            ("velkint", f64::from(inner.gains.integral)),
+            ("velkilim", f64::from(inner.gains.limit)),
+        ]);
+    }
+    values
+}
+
+fn gains(before: &Loops, after: &Loops) -> Vec<Gain> {
+    let old = values(before);
+    let find = |key: &str| old.iter().find(|(known, _)| *known == key).map(|(_, value)| *value);
+    values(after).into_iter().map(|(key, new)| Gain { key, old: find(key), new }).collect()
+}
+
+/// What both sides are shown by.
+struct Trials<'a> {
+    identified: &'a Identified,
+    window: f64,
+    step: Move,
+    step_time: f64,
+    to: Move,
+}
+
+impl<'a> Trials<'a> {
+    fn new(subject: &Subject, identified: &'a Identified, before: &Loops, after: Option<&Loops>) -> Self {
+        let model = &identified.model;
+        let stiffest = [Some(before), after].into_iter().flatten().map(stiffness).fold(0.0, f64::max);
+        let distance = round_down((STEP_OUTPUT / stiffest).clamp(STEPS.0, STEPS.1));
+        let crossover = bode(model, after.unwrap_or(before)).map_or(0.0, |bode| bode.margins.crossover);
+        let (periods, least, most) = STEP_TIME;
+        let (least, most) = (least.max(100.0 * model.cycle), most.max(200.0 * model.cycle));
+        let step_time = (periods / crossover).clamp(least, most);
+        // As long at constant velocity as it takes to get there.
+        let longest = MOST_CYCLES * model.cycle * subject.acceleration / 3.0;
+        let velocity = subject.velocity.min(longest);
+        let way = 2.0 * velocity * velocity / subject.acceleration;
+        let to = Move::Trapezoid { distance: way.max(1.0), velocity, acceleration: subject.acceleration };
+        Self { identified, window: subject.window, step: Move::Step { distance }, step_time, to }
+    }
+
+    fn answer(&self, loops: &Loops) -> Result<Answer, LoopError> {
+        let model = &self.identified.model;
+        let move_time = self.to.duration() + REST.max(100.0 * model.cycle);
+        Ok(Answer {
+            loops: *loops,
+            position: bode(model, loops)?,
+            velocity: velocity_bode(model, loops)?,
+            step: simulate(model, loops, &self.step, self.step_time, self.window)?,
+            moved: simulate(model, loops, &self.to, move_time, self.window)?,
+        })
+    }
+}
+
+/// Output of a lasting error of one increment, by the proportional gains.
+fn stiffness(loops: &Loops) -> f64 {
+    use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN};
+    let position = match loops.position {
+        PositionLaw::Proportional { kv } => kv / loops.max_velocity,
+        PositionLaw::Pid { gains, .. } => gains.proportional as f64 / K_OUT,
+    };
+    position * loops.velocity.map_or(1.0, |inner| f64::from(inner.gains.proportional.abs()) * VELOCITY_GAIN)
+}
+
+/// To 1, 2 or 5 times a power of ten.
+fn round_down(value: f64) -> f64 {
+    let power = 10_f64.powi(value.log10().floor() as i32);
+    let part = value / power;
+    power * if part >= 5.0 { 5.0 } else if part >= 2.0 { 2.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests;

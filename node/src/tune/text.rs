@@ -1,0 +1,315 @@
+//! Findings as people read them on a terminal.
+//!
+//! Law      a block for the model, one for the loops before and after, one for the gains; then a sentence for each thing to be known.
+//!          Columns are as wide as their widest entry; each number has its unit, in increments and in the unit of the axis
+//! Reads    findings
+//! Writes   lines of ASCII
+//! Refuses  nothing
+//!
+//! A deviation counts as large beyond a tenth of its figure, where it also is more than a loop could tell: a tenth of a cycle, or two
+//! hundredths of the full output.
+
+use super::findings::{Answer, Findings, Subject};
+use lineshaft_tune::{Bode, Dynamics, Move};
+use std::fmt::Write as _;
+
+/// Below this share (%) a model is weak.
+const WELL_EXPLAINED: f64 = 95.0;
+
+/// Largest deviation in parts of its figure.
+const MOST_DEVIATION: f64 = 0.1;
+
+/// What a loop can tell: parts of a cycle, parts of the full output.
+const TELLS: (f64, f64) = (0.1, 0.02);
+
+/// A figure of the model.
+struct Figure {
+    name: &'static str,
+    value: f64,
+    deviation: f64,
+    /// Its unit; of a place or one of its rates: how many seconds it is divided by.
+    unit: Unit,
+    /// A deviation below that matters to nobody.
+    tells: f64,
+}
+
+#[derive(Clone, Copy)]
+enum Unit {
+    /// By so many seconds.
+    Rate(u32),
+    Other(&'static str),
+    /// Shown in ms.
+    Time,
+}
+
+impl Findings {
+    /// What has to be known of them, a sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut said = Vec::new();
+        let explained = self.identified.explained;
+        if explained < WELL_EXPLAINED {
+            said.push(format!(
+                "The model explains {explained:.0} % of the motion; below {WELL_EXPLAINED:.0} % gains that follow from it are doubtful."
+            ));
+        }
+        for figure in self.figures() {
+            let part = figure.deviation / figure.value.abs();
+            if part > MOST_DEVIATION && figure.deviation > figure.tells {
+                said.push(format!(
+                    "The {} is known to {:.0} % only; a longer excitation, or one with more way, tells it better.",
+                    figure.name,
+                    100.0 * part.min(9.99)
+                ));
+            }
+        }
+        match &self.before {
+            Ok(before) if !before.is_stable() => {
+                said.push("With the gains that are set the model is unstable.".to_owned());
+            }
+            Ok(_) => {}
+            Err(sentence) => said.push(format!("The loops that are set cannot be shown: {sentence}.")),
+        }
+        if let Err(sentence) = &self.after {
+            said.push(format!("There are no gains: {sentence}."));
+        }
+        said
+    }
+
+    /// The report.
+    pub fn text(&self) -> String {
+        let subject = &self.subject;
+        let mut text = format!("axis {}", subject.axis);
+        if subject.has_unit() {
+            let _ = write!(text, ", {} inc in 1 {}", short(subject.increments), subject.unit);
+        }
+        let _ = writeln!(text, "\n\nmodel of a drive of {}, {}:", self.takes(), self.share());
+        text += &table(&self.figures().iter().map(|figure| figure.row(subject)).collect::<Vec<_>>());
+        let _ = writeln!(text, "\nloops:");
+        text += &table(&self.loops());
+        if !self.gains.is_empty() {
+            let _ = writeln!(text, "\ngains:");
+            text += &table(&self.gain_rows());
+        }
+        for sentence in self.warnings() {
+            let _ = write!(text, "\n{sentence}");
+        }
+        if !text.ends_with('\n') {
+            text.push('\n');
+        }
+        text
+    }
+
+    fn takes(&self) -> &'static str {
+        match self.identified.model.dynamics {
+            Dynamics::Velocity { .. } => "velocities",
+            Dynamics::Effort { .. } => "efforts",
+        }
+    }
+
+    fn share(&self) -> String {
+        let explained = self.identified.explained;
+        // Rounded to 100 % it would seem to know everything.
+        let explained = if explained > 99.995 { "more than 99.99".to_owned() } else { short(explained) };
+        format!("which explains {explained} % of the motion")
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        let (model, deviation) = (&self.identified.model, &self.identified.deviation);
+        let (of_cycle, of_output) = (TELLS.0 * model.cycle, TELLS.1);
+        let figure = |name, value, deviation, unit, tells| Figure { name, value, deviation, unit, tells };
+        let mut figures = match model.dynamics {
+            Dynamics::Velocity { gain, time_constant, offset } => vec![
+                figure("velocity at full command", gain, deviation.gain, Unit::Rate(1), 0.0),
+                figure("velocity at no command", offset, deviation.offset, Unit::Rate(1), of_output * gain),
+                figure("time constant", time_constant, deviation.time_constant, Unit::Time, of_cycle),
+            ],
+            Dynamics::Effort { acceleration, viscous, coulomb, load, .. } => {
+                let tells = of_output * acceleration;
+                let by_velocity = tells / self.wish.max_velocity;
+                vec![
+                    figure("acceleration at full command", acceleration, deviation.gain, Unit::Rate(2), 0.0),
+                    figure("viscous friction", viscous, deviation.viscous, Unit::Other("1/s"), by_velocity),
+                    figure("Coulomb friction", coulomb, deviation.coulomb, Unit::Rate(2), tells),
+                    figure("load", load, deviation.load, Unit::Rate(2), tells),
+                ]
+            }
+        };
+        figures.push(figure("delay", model.delay, deviation.delay, Unit::Time, of_cycle));
+        if let Dynamics::Effort { resonance: Some(r), .. } = model.dynamics {
+            figures.extend([
+                figure("resonance", r.frequency, deviation.frequency, Unit::Other("Hz"), 0.0),
+                figure("its damping", r.damping, deviation.damping, Unit::Other(""), 0.0),
+                figure("inertia of the load by the motor's", r.inertia_ratio, deviation.inertia_ratio, Unit::Other(""), 0.0),
+            ]);
+        }
+        figures
+    }
+
+    fn loops(&self) -> Vec<Vec<String>> {
+        let sides = [self.before.as_ref().ok(), self.after.as_ref().ok()];
+        let row = |name: String, of: &dyn Fn(&Answer) -> String| {
+            let of = |side: Option<&Answer>| side.map_or_else(|| "-".to_owned(), of);
+            vec![name, of(sides[0]), of(sides[1])]
+        };
+        let mut rows = vec![vec![String::new(), "before".to_owned(), "after".to_owned()]];
+        rows.extend(margin_rows("position loop", &row, &|answer| Some(&answer.position)));
+        if sides.iter().flatten().any(|side| side.velocity.is_some()) {
+            rows.extend(margin_rows("velocity loop", &row, &|answer| answer.velocity.as_ref()));
+        }
+        let subject = &self.subject;
+        let window = subject.place(subject.window);
+        rows.push(vec![format!("step of {}", subject.place(self.step.distance()))]);
+        rows.push(row("  overshoot".to_owned(), &|answer| percent(answer.step.figures.overshoot)));
+        rows.push(row(format!("  within {window} after"), &|answer| settled(answer.step.figures.settling)));
+        let at = match self.to {
+            Move::Trapezoid { velocity, .. } => format!(" at {}", subject.rate(velocity, 1)),
+            Move::Step { .. } => String::new(),
+        };
+        rows.push(vec![format!("move of {}{at}", subject.place(self.to.distance()))]);
+        rows.push(row("  following error".to_owned(), &|answer| subject.place(answer.moved.figures.following_error)));
+        rows.push(row(format!("  within {window} after"), &|answer| settled(answer.moved.figures.settling)));
+        rows
+    }
+
+    fn gain_rows(&self) -> Vec<Vec<String>> {
+        let unit = |key: &str| if key == "timer" { " ms" } else if key.ends_with("kv") { " 1/s" } else { "" };
+        let mut rows = vec![vec![String::new(), "before".to_owned(), "after".to_owned()]];
+        rows.extend(self.gains.iter().map(|gain| {
+            let old = gain.old.map_or_else(|| "-".to_owned(), |old| format!("{}{}", short(old), unit(gain.key)));
+            let new = format!("{}{}", gain.written(), unit(gain.key));
+            let same = if gain.changes() { "" } else { "as it is" };
+            vec![format!("  {}", gain.key), old, new, same.to_owned()]
+        }));
+        rows
+    }
+}
+
+type Row<'r> = &'r dyn Fn(String, &dyn Fn(&Answer) -> String) -> Vec<String>;
+
+fn margin_rows(name: &str, row: Row<'_>, bode: &dyn Fn(&Answer) -> Option<&Bode>) -> Vec<Vec<String>> {
+    let of = |answer: &Answer, text: &dyn Fn(&Bode) -> String| {
+        bode(answer).map_or_else(|| "-".to_owned(), |bode| if bode.margins.is_stable() { text(bode) } else { "unstable".to_owned() })
+    };
+    vec![
+        vec![name.to_owned()],
+        row("  crossover".to_owned(), &|answer| of(answer, &|bode| frequency(bode.margins.crossover))),
+        row("  phase margin".to_owned(), &|answer| of(answer, &|bode| format!("{:.0} deg", bode.margins.phase))),
+        row("  gain margin".to_owned(), &|answer| of(answer, &|bode| decibel(bode.margins.gain))),
+    ]
+}
+
+impl Figure {
+    fn row(&self, subject: &Subject) -> Vec<String> {
+        let (own, in_unit) = match self.unit {
+            Unit::Rate(order) => (subject.counted(self.value, order), subject.in_unit(self.value, order)),
+            Unit::Other(unit) => (with_unit(self.value, unit), String::new()),
+            Unit::Time => (format!("{} ms", short(1000.0 * self.value)), String::new()),
+        };
+        let deviation = match self.unit {
+            Unit::Rate(order) => subject.counted(self.deviation, order),
+            Unit::Other(unit) => with_unit(self.deviation, unit),
+            Unit::Time => format!("{} ms", rounded(1000.0 * self.deviation, 2)),
+        };
+        let mut row = vec![format!("  {}", self.name), own, format!("+-{deviation}")];
+        if subject.has_unit() {
+            row.push(in_unit);
+        }
+        row
+    }
+}
+
+impl Subject {
+    pub(super) fn has_unit(&self) -> bool {
+        self.unit != "inc"
+    }
+
+    /// `s`, `s^2`..
+    fn by(order: u32) -> String {
+        match order {
+            0 => String::new(),
+            1 => "/s".to_owned(),
+            order => format!("/s^{order}"),
+        }
+    }
+
+    fn counted(&self, value: f64, order: u32) -> String {
+        format!("{} inc{}", short(value), Self::by(order))
+    }
+
+    /// In the unit of the axis; a share of one, such as 0.1 mm, is a factor.
+    fn in_unit(&self, value: f64, order: u32) -> String {
+        let times = if self.unit.starts_with(|c: char| c.is_ascii_digit()) { "* " } else { "" };
+        format!("{} {times}{}{}", short(value / self.increments), self.unit, Self::by(order))
+    }
+
+    /// A way: in increments where it is a few of them, else in the unit.
+    pub(super) fn place(&self, increments: f64) -> String {
+        if !self.has_unit() || increments.abs() < 1000.0 { self.counted(increments, 0) } else { self.in_unit(increments, 0) }
+    }
+
+    pub(super) fn rate(&self, value: f64, order: u32) -> String {
+        if self.has_unit() { self.in_unit(value, order) } else { self.counted(value, order) }
+    }
+}
+
+/// Rows with columns below each other: the first one to the left, the others to the right.
+fn table(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    // A line that has one entry alone is a heading, and asks for no room.
+    let entries = || rows.iter().filter(|row| row.len() > 1);
+    let width = |column: usize| entries().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max();
+    let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::from("  ");
+        for (column, entry) in row.iter().enumerate() {
+            let width = widths.get(column).copied().unwrap_or(0);
+            let _ = if column == 0 { write!(line, "{entry:<width$}") } else { write!(line, "  {entry:>width$}") };
+        }
+        text += line.trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    format!("{} {unit}", short(value)).trim_end().to_owned()
+}
+
+fn percent(value: f64) -> String {
+    format!("{value:.0} %")
+}
+
+fn settled(time: Option<f64>) -> String {
+    time.map_or_else(|| "not reached".to_owned(), |time| format!("{} ms", rounded(1000.0 * time, 3)))
+}
+
+pub(super) fn frequency(value: f64) -> String {
+    if value > 0.0 { format!("{} Hz", rounded(value, 3)) } else { "none".to_owned() }
+}
+
+pub(super) fn decibel(value: f64) -> String {
+    if value.is_finite() { format!("{value:.1} dB") } else { "without end".to_owned() }
+}
+
+/// With four digits.
+fn short(value: f64) -> String {
+    rounded(value, 4)
+}
+
+/// With so many digits, whole numbers with all of theirs; very large and very small ones with a power of ten.
+pub(super) fn rounded(value: f64, digits: i32) -> String {
+    let size = value.abs();
+    if size == 0.0 || !value.is_finite() {
+        return if value == 0.0 { "0".to_owned() } else { value.to_string() };
+    }
+    if size >= 1e9 || size < 1e-4 {
+        return format!("{value:.*e}", (digits - 1).max(0) as usize);
+    }
+    let behind = (digits - 1 - size.log10().floor() as i32).max(0) as usize;
+    let text = format!("{value:.behind$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests;
