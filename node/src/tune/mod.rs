@@ -9,8 +9,10 @@
 //! It moves no axis, and knows no machine that runs.
 
 mod findings;
+mod plot;
 #[cfg(test)]
 mod test_axes;
 mod text;
 
 pub use findings::{Answer, Findings, Gain, Subject};
+pub use plot::{draw_plot, write_plot};

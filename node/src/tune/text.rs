@@ -166,7 +166,8 @@ impl Findings {
             Move::Step { .. } => String::new(),
         };
         rows.push(vec![format!("move of {}{at}", subject.place(self.to.distance()))]);
-        rows.push(row("  following error".to_owned(), &|answer| subject.place(answer.moved.figures.following_error)));
+        let error = |answer: &Answer| format!("{} inc", rounded(answer.moved.figures.following_error, 3));
+        rows.push(row("  following error".to_owned(), &error));
         rows.push(row(format!("  within {window} after"), &|answer| settled(answer.moved.figures.settling)));
         rows
     }
@@ -206,8 +207,8 @@ impl Figure {
             Unit::Time => (format!("{} ms", short(1000.0 * self.value)), String::new()),
         };
         let deviation = match self.unit {
-            Unit::Rate(order) => subject.counted(self.deviation, order),
-            Unit::Other(unit) => with_unit(self.deviation, unit),
+            Unit::Rate(order) => format!("{} inc{}", rounded(self.deviation, 2), Subject::by(order)),
+            Unit::Other(unit) => format!("{} {unit}", rounded(self.deviation, 2)).trim_end().to_owned(),
             Unit::Time => format!("{} ms", rounded(1000.0 * self.deviation, 2)),
         };
         let mut row = vec![format!("  {}", self.name), own, format!("+-{deviation}")];

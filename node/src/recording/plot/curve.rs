@@ -144,6 +144,13 @@ pub(super) fn lines(window: &Window<'_>, is_stepped: bool, width: f64) -> Vec<Li
     reducer.finish()
 }
 
+/// The parts of a curve of such points (px from the left, value) without those that no number has.
+pub(super) fn reduced(points: impl Iterator<Item = (f64, f64)>) -> Vec<Line> {
+    let mut reducer = Reducer::default();
+    points.for_each(|(x, value)| reducer.push(x, value));
+    reducer.finish()
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Numbered {
     number: usize,

@@ -10,6 +10,7 @@
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
 mod canvas;
+mod chart;
 mod curve;
 mod file;
 mod lane;
@@ -26,6 +27,7 @@ mod sort;
 mod tests;
 mod text;
 
+pub use chart::{Axis, Chart, Curve, Look, Pin, Sheet, Spacing, draw_chart};
 pub use file::{Target, replace, write};
 
 use super::series::{Mark, Series};

@@ -47,6 +47,35 @@ pub(super) fn ticks(low: f64, high: f64, most: f64, powers: bool) -> Ticks {
     Ticks { values, labels, power: 0, base: Some(text(first)) }
 }
 
+/// Marks of a logarithmic axis from `low` to `high`, both above 0: each digit of each power of ten. Those have labels that do not stand
+/// closer than `room` decades; powers of ten come first, then 2 and 5.
+pub(super) fn decades(low: f64, high: f64, room: f64) -> Ticks {
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let slack = 1.0 + 1e-9;
+    let places = (first..=last).flat_map(|power| (1..=9).map(move |digit| (digit, power)));
+    let places: Vec<(i64, i32)> = places
+        .filter(|&(digit, power)| (low / slack..=high * slack).contains(&value(digit, power)))
+        .take(200)
+        .collect();
+    // From 2 to 5 it is as far as from 5 to 2 of the next power, nearly: 0.3 of a decade is the nearest.
+    let named: &[i64] = if room <= 0.3 { &[1, 2, 5] } else { &[1] };
+    let every = if room <= 1.0 { 1 } else { room.ceil().min(300.0) as i32 };
+    let label = |&(digit, power): &(i64, i32)| match named.contains(&digit) && power.rem_euclid(every) == 0 {
+        true if (-3..=5).contains(&power) => grouped(&decimal(digit, power)),
+        true => format!("{digit}e{power}").replace('-', "\u{2212}"),
+        false => String::new(),
+    };
+    let labels = places.iter().map(label).collect();
+    Ticks { values: places.iter().map(|&(digit, power)| value(digit, power)).collect(), labels, power: 0, base: None }
+}
+
+/// Marks from `low` to `high` at whole multiples of `step`.
+pub(super) fn multiples(low: f64, high: f64, step: f64) -> Ticks {
+    let (start, end) = ((low / step - 1e-6).ceil(), (high / step + 1e-6).floor());
+    let values: Vec<f64> = (0..=(end - start).clamp(0.0, 200.0) as i64).map(|k| (start + k as f64) * step).collect();
+    Ticks { labels: values.iter().map(|&value| number(value)).collect(), values, power: 0, base: None }
+}
+
 /// The smallest of 1, 2, 5 times a power of ten that is `raw` or more, or 25, 250.. where the half makes no
 /// further digit: digits and exponent.
 fn step(raw: f64) -> (u8, i32) {
@@ -183,6 +212,26 @@ mod tests {
         let ticks = ticks(1e12, 1e12 + 1.0, 4.0, true);
         assert_eq!(ticks.base.as_deref(), Some("1\u{2009}000\u{2009}000\u{2009}000\u{2009}000.0"));
         assert_eq!(ticks.labels, ["+0.0", "+0.5", "+1.0"]);
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_each_digit_and_labels_where_there_is_room() {
+        let ticks = decades(0.5, 20.0, 0.2);
+        assert_eq!(ticks.values, [0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 20.0]);
+        let labels: Vec<&str> = ticks.labels.iter().map(String::as_str).filter(|label| !label.is_empty()).collect();
+        assert_eq!(labels, ["0.5", "1", "2", "5", "10", "20"]);
+        let narrow = decades(0.5, 20.0, 0.5).labels;
+        assert_eq!(narrow.iter().filter(|label| !label.is_empty()).collect::<Vec<_>>(), ["1", "10"]);
+        let far = decades(1e-9, 1e9, 3.0).labels;
+        let far: Vec<&str> = far.iter().map(String::as_str).filter(|label| !label.is_empty()).collect();
+        assert_eq!(far, ["1e\u{2212}9", "1e\u{2212}6", "0.001", "1", "1000", "1e6", "1e9"]);
+    }
+
+    #[test]
+    fn multiples_of_a_step_lie_within() {
+        let ticks = multiples(-230.0, -10.0, 45.0);
+        assert_eq!(ticks.values, [-225.0, -180.0, -135.0, -90.0, -45.0]);
+        assert_eq!(ticks.labels[1], "\u{2212}180");
     }
 
     #[test]

@@ -19,7 +19,6 @@ fn both_sides_are_shown_on_the_model_that_was_found() {
     assert!(after.position.margins.phase >= 60.0 && after.position.margins.gain >= 6.0);
     assert!(after.position.margins.crossover > 2.0 * before.position.margins.crossover);
     assert!(after.moved.figures.following_error < 0.1 * before.moved.figures.following_error);
-    assert!(after.step.figures.settling < before.step.figures.settling || before.step.figures.settling.is_none());
 }
 
 #[test]
