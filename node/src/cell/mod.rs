@@ -144,6 +144,14 @@ impl Cell {
         Self::of(Document::parse(name, text), &Files::None, None)
     }
 
+    /// Reads a text as if it stood in that file, with its tables and programs beside it and without its description.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, at least one problem.
+    pub(crate) fn parse_beside(path: &Path, text: &str) -> Result<Self, Problems> {
+        Self::of(Document::parse(&path.display().to_string(), text), &Files::beside(path), None)
+    }
+
     /// Reads the text of a recording, with the files of its tables as they were attached.
     ///
     /// # Errors

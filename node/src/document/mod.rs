@@ -26,11 +26,13 @@
 //!
 //! No other room knows the YAML parser.
 
+mod edit;
 mod map;
 mod parse;
 mod problem;
 mod value;
 
+pub use edit::{Fixed, Source};
 pub use map::Map;
 pub use problem::{Place, Problem, Problems};
 pub use value::{Allowed, Value};

@@ -289,7 +289,14 @@ fn stiffness(loops: &Loops) -> f64 {
 fn round_down(value: f64) -> f64 {
     let power = 10_f64.powi(value.log10().floor() as i32);
     let part = value / power;
-    power * if part >= 5.0 { 5.0 } else if part >= 2.0 { 2.0 } else { 1.0 }
+    power
+        * if part >= 5.0 {
+            5.0
+        } else if part >= 2.0 {
+            2.0
+        } else {
+            1.0
+        }
 }
 
 #[cfg(test)]

@@ -8,11 +8,13 @@
 //!
 //! It moves no axis, and knows no machine that runs.
 
+mod apply;
 mod findings;
 mod plot;
 #[cfg(test)]
 mod test_axes;
 mod text;
 
+pub use apply::{ApplyError, apply, by_hand, edited};
 pub use findings::{Answer, Findings, Gain, Subject};
 pub use plot::{draw_plot, write_plot};

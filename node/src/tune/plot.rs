@@ -7,10 +7,8 @@
 //! Refuses  as figures do ([`Problem`]); a record that is none has no panel
 
 use super::findings::{Answer, Findings};
-use super::text::{decibel, frequency, rounded};
-use crate::recording::plot::{
-    Axis, Chart, Curve, Look, Pin, Problem, Sheet, Spacing, Target, draw_chart, replace,
-};
+use super::text::{decibel, frequency, rounded, share};
+use crate::recording::plot::{Axis, Chart, Curve, Look, Pin, Problem, Sheet, Spacing, Target, draw_chart, replace};
 use lineshaft_tune::{Bode, Point, Record, retrace};
 use std::path::Path;
 
@@ -88,7 +86,8 @@ fn response(sides: &[Side<'_>]) -> [Sheet; 2] {
     let curves = |of: &dyn Fn(&Point) -> f64| -> Vec<Curve> {
         let curve = |(name, look, answer): &Side<'_>| {
             let turned = turned(&answer.position);
-            let points = answer.position.points.iter().filter(is_shown).map(|point| (point.frequency, of(&turned(point))));
+            let points =
+                answer.position.points.iter().filter(is_shown).map(|point| (point.frequency, of(&turned(point))));
             let is_stable = answer.position.margins.is_stable();
             let name = if is_stable { (*name).to_owned() } else { format!("{name}: unstable") };
             Curve { name, look: *look, points: points.collect() }
@@ -225,7 +224,7 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
         curve("modelled", Look::Other, over_time(&mut modelled.iter().map(|way| way * per))),
     ];
     let left = over_time(&mut measured().zip(&modelled).map(|(way, model)| way - model));
-    let left = vec![curve("measured - modelled", Look::New, left)];
+    let left = vec![curve("measured - modelled", Look::Other, left)];
     let mean = left.iter().flat_map(|curve| &curve.points).map(|point| point.1 * point.1).sum::<f64>();
     let mean = (mean / record.positions.len() as f64).sqrt();
     let sheet = |label: String, curves: Vec<Curve>, lines, height, is_joined| {
@@ -241,7 +240,7 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
             is_joined,
         }
     };
-    let explained = format!("explained: {} %", rounded(findings.identified.explained, 4));
+    let explained = format!("explained: {} %", share(findings.identified.explained));
     Some([
         sheet(format!("record ({way_unit})"), ways, vec![explained], HEIGHTS[3], true),
         sheet("left (inc)".to_owned(), left, vec![format!("RMS: {} inc", rounded(mean, 2))], HEIGHTS[4], false),

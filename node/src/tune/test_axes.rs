@@ -2,9 +2,7 @@
 
 use super::Subject;
 use lineshaft_core::regulator::{PidGains, VelocityGains, VelocityMethod};
-use lineshaft_tune::{
-    Drive, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, Wish,
-};
+use lineshaft_tune::{Drive, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, Wish};
 
 /// inc per turn
 const TURN: f64 = 2000.0;
@@ -44,7 +42,8 @@ pub(super) fn cascade() -> (Wish, Loops) {
     let wish = Wish { law: Law::Proportional, velocity: Some(method), max_velocity: 45.0 * TURN, ..wish() };
     let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };
     let position = PositionLaw::Proportional { kv: 1000.0 / 60.0 };
-    let loops = Loops { position, velocity: Some(Inner { gains, method }), max_velocity: wish.max_velocity, ..before() };
+    let loops =
+        Loops { position, velocity: Some(Inner { gains, method }), max_velocity: wish.max_velocity, ..before() };
     (wish, loops)
 }
 

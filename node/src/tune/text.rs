@@ -82,7 +82,12 @@ impl Findings {
         if subject.has_unit() {
             let _ = write!(text, ", {} inc in 1 {}", short(subject.increments), subject.unit);
         }
-        let _ = writeln!(text, "\n\nmodel of a drive of {}, {}:", self.takes(), self.share());
+        let _ = writeln!(
+            text,
+            "\n\nmodel of a drive of {}, which explains {} % of the motion:",
+            self.takes(),
+            share(self.identified.explained)
+        );
         text += &table(&self.figures().iter().map(|figure| figure.row(subject)).collect::<Vec<_>>());
         let _ = writeln!(text, "\nloops:");
         text += &table(&self.loops());
@@ -104,13 +109,6 @@ impl Findings {
             Dynamics::Velocity { .. } => "velocities",
             Dynamics::Effort { .. } => "efforts",
         }
-    }
-
-    fn share(&self) -> String {
-        let explained = self.identified.explained;
-        // Rounded to 100 % it would seem to know everything.
-        let explained = if explained > 99.995 { "more than 99.99".to_owned() } else { short(explained) };
-        format!("which explains {explained} % of the motion")
     }
 
     fn figures(&self) -> Vec<Figure> {
@@ -139,7 +137,13 @@ impl Findings {
             figures.extend([
                 figure("resonance", r.frequency, deviation.frequency, Unit::Other("Hz"), 0.0),
                 figure("its damping", r.damping, deviation.damping, Unit::Other(""), 0.0),
-                figure("inertia of the load by the motor's", r.inertia_ratio, deviation.inertia_ratio, Unit::Other(""), 0.0),
+                figure(
+                    "inertia of the load by the motor's",
+                    r.inertia_ratio,
+                    deviation.inertia_ratio,
+                    Unit::Other(""),
+                    0.0,
+                ),
             ]);
         }
         figures
@@ -173,7 +177,15 @@ impl Findings {
     }
 
     fn gain_rows(&self) -> Vec<Vec<String>> {
-        let unit = |key: &str| if key == "timer" { " ms" } else if key.ends_with("kv") { " 1/s" } else { "" };
+        let unit = |key: &str| {
+            if key == "timer" {
+                " ms"
+            } else if key.ends_with("kv") {
+                " 1/s"
+            } else {
+                ""
+            }
+        };
         let mut rows = vec![vec![String::new(), "before".to_owned(), "after".to_owned()]];
         rows.extend(self.gains.iter().map(|gain| {
             let old = gain.old.map_or_else(|| "-".to_owned(), |old| format!("{}{}", short(old), unit(gain.key)));
@@ -189,7 +201,10 @@ type Row<'r> = &'r dyn Fn(String, &dyn Fn(&Answer) -> String) -> Vec<String>;
 
 fn margin_rows(name: &str, row: Row<'_>, bode: &dyn Fn(&Answer) -> Option<&Bode>) -> Vec<Vec<String>> {
     let of = |answer: &Answer, text: &dyn Fn(&Bode) -> String| {
-        bode(answer).map_or_else(|| "-".to_owned(), |bode| if bode.margins.is_stable() { text(bode) } else { "unstable".to_owned() })
+        bode(answer).map_or_else(
+            || "-".to_owned(),
+            |bode| if bode.margins.is_stable() { text(bode) } else { "unstable".to_owned() },
+        )
     };
     vec![
         vec![name.to_owned()],
@@ -245,7 +260,11 @@ impl Subject {
 
     /// A way: in increments where it is a few of them, else in the unit.
     pub(super) fn place(&self, increments: f64) -> String {
-        if !self.has_unit() || increments.abs() < 1000.0 { self.counted(increments, 0) } else { self.in_unit(increments, 0) }
+        if !self.has_unit() || increments.abs() < 1000.0 {
+            self.counted(increments, 0)
+        } else {
+            self.in_unit(increments, 0)
+        }
     }
 
     pub(super) fn rate(&self, value: f64, order: u32) -> String {
@@ -291,6 +310,11 @@ pub(super) fn frequency(value: f64) -> String {
 
 pub(super) fn decibel(value: f64) -> String {
     if value.is_finite() { format!("{value:.1} dB") } else { "without end".to_owned() }
+}
+
+/// How much is explained (%); rounded to 100 it would seem to be all.
+pub(super) fn share(explained: f64) -> String {
+    if explained > 99.99 { "more than 99.99".to_owned() } else { short(explained) }
 }
 
 /// With four digits.

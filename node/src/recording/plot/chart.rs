@@ -114,7 +114,7 @@ const TITLE_HEIGHT: f64 = 34.0;
 const AXIS: f64 = 52.0;
 const JOINED: f64 = 12.0;
 /// A mark for each (px): upwards, to the right, and between two labels of a logarithmic axis.
-const MARKS: (f64, f64, f64) = (34.0, 80.0, 34.0);
+const MARKS: (f64, f64, f64) = (26.0, 80.0, 34.0);
 /// Swatch of a legend (px).
 const SWATCH: f64 = 44.0;
 /// Free around the text of a pin (px).
@@ -317,15 +317,19 @@ impl Placed<'_> {
         }
     }
 
-    /// Where a text of that width has room beside a line: to the right of its middle, to the left, at its ends.
+    /// Where a text of that width has room beside a line: at its middle, else at its ends. Curves fall: what reaches up to one has room
+    /// to the left, what reaches down to it to the right, and what stands on it above to the right.
     fn beside(&self, from: Point, to: Point, width: f64, taken: &[Room]) -> Option<Room> {
         let (width, height) = (width + 2.0 * AIR, SMALL + 2.0 * AIR);
         let gap = 2.0 * DOT;
         let middle = point((from.x + to.x) / 2.0, (from.y + to.y) / 2.0);
-        let heights = [middle.y, to.y - height, to.y + height, from.y - height, from.y + height];
-        let places = heights.into_iter().flat_map(|y| [(middle.x + gap, y), (middle.x - gap - width, y)]);
-        let mut rooms = places
-            .map(|(left, y)| Room { left, top: y - height / 2.0, right: left + width, end: y + height / 2.0 });
+        let ends = [to.y - height, to.y + height, from.y - height, from.y + height];
+        let heights = (from != to).then_some(middle.y).into_iter().chain(ends);
+        let (right, left) = (middle.x + gap, middle.x - gap - width);
+        let sides = if to.y < from.y { [left, right] } else { [right, left] };
+        let places = heights.flat_map(|y| sides.map(|x| (x, y)));
+        let mut rooms =
+            places.map(|(left, y)| Room { left, top: y - height / 2.0, right: left + width, end: y + height / 2.0 });
         rooms.find(|room| self.room.holds(room) && !taken.iter().any(|other| other.meets(room)))
     }
 

@@ -53,10 +53,7 @@ fn a_servo_gain_is_rounded_down_and_within_its_range() {
     assert_eq!(servo_gain(30.0), Ok(30.0));
     assert_eq!(servo_gain(117.79), Ok(117.7));
     assert_eq!(servo_gain(1e5), Ok(1666.0));
-    assert_eq!(
-        servo_gain(0.1).unwrap_err(),
-        "position_loop.kv would be 0.1 1/s; 0.1667 to 1666.7 1/s is permitted"
-    );
+    assert_eq!(servo_gain(0.1).unwrap_err(), "position_loop.kv would be 0.1 1/s; 0.1667 to 1666.7 1/s is permitted");
 }
 
 #[test]
