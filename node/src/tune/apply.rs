@@ -150,7 +150,6 @@ fn assign(machine: &mut MachineConfig, axis: &str, gains: &[Gain], name: &str) -
             Range::Int(..) | Range::Among(_) if gain.new.fract() != 0.0 => return Err(refuse()),
             Range::Int(..) | Range::Among(_) => Value::Int(gain.new as i64),
             Range::Real(..) | Range::PositiveUpTo(_) => Value::Real(gain.new),
-            _ => return Err(refuse()),
         };
         if row.value(&found.parameters) != value {
             row.assign(&mut found.parameters, value).map_err(|_| refuse())?;

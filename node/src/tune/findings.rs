@@ -248,8 +248,7 @@ struct Trials<'a> {
 impl<'a> Trials<'a> {
     fn new(subject: &Subject, identified: &'a Identified, before: &Loops, after: Option<&Loops>) -> Self {
         let model = &identified.model;
-        let stiffest = [Some(before), after].into_iter().flatten().map(stiffness).fold(0.0, f64::max);
-        let distance = round_down((STEP_OUTPUT / stiffest).clamp(STEPS.0, STEPS.1));
+        let distance = round_down((STEP_OUTPUT / stiffness(after.unwrap_or(before))).clamp(STEPS.0, STEPS.1));
         let crossover = bode(model, after.unwrap_or(before)).map_or(0.0, |bode| bode.margins.crossover);
         let (periods, least, most) = STEP_TIME;
         let (least, most) = (least.max(100.0 * model.cycle), most.max(200.0 * model.cycle));

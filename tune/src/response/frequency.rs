@@ -250,3 +250,52 @@ pub(crate) fn velocity_radius(closed: &DMatrix<f64>) -> f64 {
     all.sort_by(|a, b| far(a).total_cmp(&far(b)));
     if all.is_empty() { f64::INFINITY } else { all.iter().skip(1).fold(0.0_f64, |most, &z| most.max(size(z))) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops::PositionLaw;
+
+    /// kv 100 1/s around an integrator at 1 ms: L = 0.1 z^-n / (z - 1), of the magnitude 0.1 / (2 sin(a/2)) and the phase
+    /// -(90 deg + a/2 + n a) at the angle a of a sample.
+    fn integrator(delay: f64) -> Bode {
+        let dynamics = Dynamics::Velocity { gain: 1e5, time_constant: 0.0, offset: 0.0 };
+        let model = Model { cycle: 1e-3, delay, dynamics };
+        let position = PositionLaw::Proportional { kv: 100.0 };
+        bode(&model, &Loops { position, velocity: None, max_velocity: 1e5, max_acceleration: 1e6 }).unwrap()
+    }
+
+    #[track_caller]
+    fn near(value: f64, expected: f64) {
+        assert!((value - expected).abs() <= 2e-3 * expected.abs(), "{value} {expected}");
+    }
+
+    #[test]
+    fn margins_have_their_places() {
+        let bode = integrator(1e-3);
+        let angle = 2.0 * libm::asin(0.05);
+        let at = bode.at_phase_margin().unwrap();
+        near(at.frequency, angle / (2.0 * PI * 1e-3));
+        near(at.open_phase, -90.0 - 1.5 * angle * 180.0 / PI);
+        near(bode.margins.phase, 90.0 - 1.5 * angle * 180.0 / PI);
+        // Where a + a/2 is 90 deg the magnitude is 0.1.
+        let at = bode.at_gain_margin().unwrap();
+        near(at.frequency, 1000.0 / 6.0);
+        near(at.open_gain, -20.0);
+        near(bode.margins.gain, 20.0);
+    }
+
+    /// Without a delay the direction of -1 is first that of half the sampling frequency.
+    #[test]
+    fn the_last_frequency_may_be_that_of_the_gain_margin() {
+        let at = integrator(0.0).at_gain_margin().unwrap();
+        near(at.frequency, 500.0);
+        near(at.open_gain, 20.0 * libm::log10(0.05));
+    }
+
+    #[test]
+    fn a_loop_without_points_has_no_margins() {
+        let bode = Bode { points: Vec::new(), ..integrator(0.0) };
+        assert_eq!((bode.at_phase_margin(), bode.at_gain_margin()), (None, None));
+    }
+}

@@ -137,7 +137,7 @@ impl Axis {
     /// Part of the way from its beginning to its end.
     fn part(&self, value: f64) -> f64 {
         match self.spacing {
-            Spacing::Decades => (value / self.low).ln() / (self.high / self.low).ln(),
+            Spacing::Decades => libm::log(value / self.low) / libm::log(self.high / self.low),
             Spacing::Even | Spacing::Steps(_) => (value - self.low) / (self.high - self.low),
         }
     }
@@ -146,7 +146,7 @@ impl Axis {
         match self.spacing {
             Spacing::Even => ticks(self.low, self.high, length / per_mark, false),
             Spacing::Steps(step) => multiples(self.low, self.high, step),
-            Spacing::Decades => decades(self.low, self.high, MARKS.2 * (self.high / self.low).log10() / length),
+            Spacing::Decades => decades(self.low, self.high, MARKS.2 * libm::log10(self.high / self.low) / length),
         }
     }
 }

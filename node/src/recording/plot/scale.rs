@@ -50,7 +50,7 @@ pub(super) fn ticks(low: f64, high: f64, most: f64, powers: bool) -> Ticks {
 /// Marks of a logarithmic axis from `low` to `high`, both above 0: each digit of each power of ten. Those have labels that do not stand
 /// closer than `room` decades; powers of ten come first, then 2 and 5.
 pub(super) fn decades(low: f64, high: f64, room: f64) -> Ticks {
-    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let (first, last) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
     let slack = 1.0 + 1e-9;
     let places = (first..=last).flat_map(|power| (1..=9).map(move |digit| (digit, power)));
     let places: Vec<(i64, i32)> = places
