@@ -328,7 +328,7 @@ pub(super) fn rounded(value: f64, digits: i32) -> String {
     if size == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { value.to_string() };
     }
-    if size >= 1e9 || size < 1e-4 {
+    if !(1e-4..1e9).contains(&size) {
         return format!("{value:.*e}", (digits - 1).max(0) as usize);
     }
     let behind = (digits - 1 - size.log10().floor() as i32).max(0) as usize;
