@@ -51,4 +51,6 @@ pub use identify::{
 pub use loops::{Inner, LoopError, Loops, PositionLaw};
 pub use model::{Dynamics, Model, ModelError, Resonance, Takes};
 pub use record::Record;
-pub use response::{Bode, Figures, Margins, Move, Point, Sample, Trace, bode, retrace, simulate, velocity_bode};
+pub use response::{
+    Bode, Figures, Margins, Move, Point, Sample, Trace, bode, check_fit, retrace, simulate, velocity_bode,
+};

@@ -13,7 +13,7 @@ use lineshaft_core::parameter::{Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
     Bode, Design, DesignError, Identified, LoopError, Loops, Move, PositionLaw, Record, Refusal, Trace, Wish, bode,
-    design, identify, simulate, velocity_bode,
+    check_fit, design, identify, simulate, velocity_bode,
 };
 use serde::Serialize;
 
@@ -135,14 +135,19 @@ const REST: f64 = 0.5;
 const MOST_CYCLES: f64 = 60_000.0;
 
 impl Findings {
-    /// Finds the model of a record and gains for it; `before` are the loops as they are.
+    /// Finds the model of a record and gains for it; `before` are the loops as they are. There are none for a model that is too far from
+    /// its record.
     ///
     /// # Errors
     /// Why there is no model.
     pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
         let identified = identify(record)?;
         let designed = design(&identified.model, wish);
-        Ok(Self::of(subject, identified, wish, before, designed))
+        let mut found = Self::of(subject, identified, wish, before, designed);
+        if let Err(refusal) = check_fit(&identified.model, record) {
+            (found.after, found.gains) = (Err(refusal.to_string()), Vec::new());
+        }
+        Ok(found)
     }
 
     /// Of a model and a design that are there.

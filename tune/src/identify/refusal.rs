@@ -80,4 +80,14 @@ pub enum Refusal {
         /// How much there should be.
         least: f64,
     },
+    /// It is explained as a whole, and not where it matters to a loop.
+    #[error(
+        "half of the positions lie more than {left:.1} inc from those of the model, {most:.1} inc are permitted: there is play before the load, or something else that the model does not know"
+    )]
+    Misfit {
+        /// The median (inc).
+        left: f64,
+        /// Largest one (inc).
+        most: f64,
+    },
 }

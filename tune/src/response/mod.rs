@@ -11,5 +11,5 @@ mod retrace;
 mod time;
 
 pub use frequency::{Bode, Margins, Point, bode, velocity_bode};
-pub use retrace::retrace;
+pub use retrace::{check_fit, retrace};
 pub use time::{Figures, Move, Sample, Trace, simulate};

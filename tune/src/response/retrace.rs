@@ -4,7 +4,7 @@
 //!          it comes nearest to what was measured, by least squares
 //! Reads    a model, a record
 //! Writes   a position for each cycle of the record (inc)
-//! Refuses  models and records that are none
+//! Refuses  models and records that are none; a model that is too far from its record ([`check_fit`])
 //!
 //! A stretch is short: what friction does at a turn, and what pushes from elsewhere, adds up in a position without an end.
 
@@ -39,6 +39,29 @@ pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
         from = to;
     }
     Ok(found)
+}
+
+/// What may be left at the median: of the way from the lowest to the highest position, and inc.
+///
+/// An encoder that rounds leaves a quarter of an increment. Play leaves its own size around the turns of the motor, more often than turns are:
+/// within it the motor is alone, and ahead of a model that carries the load.
+const LEFT: (f64, f64) = (1e-4, 1.0);
+
+/// Is the model near enough to the record for gains that follow from it?
+///
+/// What is explained of a motion of many turns says little of some increments, which are all that a loop sees at rest. The median counts:
+/// a stiction that is no Coulomb friction shows at turns alone.
+///
+/// # Errors
+/// [`Refusal::Misfit`]; a model or a record that is none.
+pub fn check_fit(model: &Model, record: &Record) -> Result<(), Refusal> {
+    let (found, way) = (retrace(model, record)?, record.way());
+    let mut left: Vec<f64> = way.iter().zip(&found).map(|(way, found)| (way - found).abs()).collect();
+    left.sort_by(f64::total_cmp);
+    let left = left.get(left.len() / 2).copied().unwrap_or(0.0);
+    let (low, high) = way.iter().fold((0.0_f64, 0.0_f64), |(low, high), way| (low.min(*way), high.max(*way)));
+    let most = (LEFT.0 * (high - low)).max(LEFT.1);
+    if left <= most { Ok(()) } else { Err(Refusal::Misfit { left, most }) }
 }
 
 struct Trial<'a> {
@@ -162,6 +185,8 @@ mod tests {
         let found = retrace(&model(6e4), &record).unwrap();
         let most = found.iter().zip(record.way()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!((50.0..2000.0).contains(&most), "{most}");
+        assert_eq!(check_fit(&model(5e4), &record), Ok(()));
+        assert!(matches!(check_fit(&model(6e4), &record), Err(Refusal::Misfit { .. })));
     }
 
     #[test]

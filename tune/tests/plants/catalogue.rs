@@ -34,7 +34,17 @@ const FULL: f64 = 2.0;
 
 fn torque(ratio: f64, coulomb: f64, gravity: f64, spring: Option<(f64, f64)>) -> Mechanics {
     let (motor, load) = (MOTOR, ratio * MOTOR);
-    Mechanics::Torque { full: FULL, motor, load, viscous: VISCOUS, coulomb, stiction: 1.1 * coulomb, gravity, spring }
+    Mechanics::Torque {
+        full: FULL,
+        motor,
+        load,
+        viscous: VISCOUS,
+        coulomb,
+        stiction: 1.1 * coulomb,
+        gravity,
+        spring,
+        play: 0.0,
+    }
 }
 
 fn axis(mechanics: Mechanics, encoder: f64, delay: f64) -> Axis {
@@ -99,6 +109,17 @@ pub(crate) fn all() -> Vec<Named> {
             acceleration: 200.0,
         },
     ]
+}
+
+/// A motor and a load of that ratio behind a coupling with half a degree of play, stiff beyond its flanks.
+pub(crate) fn with_play(ratio: f64) -> Axis {
+    let Mechanics::Torque { full, motor, load, viscous, coulomb, stiction, gravity, .. } =
+        torque(ratio, 0.06, 0.0, None)
+    else {
+        unreachable!("torque makes a torque")
+    };
+    let (spring, play) = (spring(ratio, 150.0, 0.03), 0.5_f64.to_radians());
+    axis(Mechanics::Torque { full, motor, load, viscous, coulomb, stiction, gravity, spring, play }, 8192.0, 2.5e-4)
 }
 
 impl Axis {

@@ -3,6 +3,7 @@
 //! With `--nocapture` the tests print their tables.
 
 mod catalogue;
+mod play;
 mod refusals;
 mod simulator;
 

@@ -30,6 +30,8 @@ pub(crate) enum Mechanics {
         gravity: f64,
         /// Stiffness (Nm/rad) and damping (Nm s/rad) between both; none: rigid.
         spring: Option<(f64, f64)>,
+        /// Of the spring, from flank to flank (rad).
+        play: f64,
     },
 }
 
@@ -118,12 +120,23 @@ impl Simulator {
         }
     }
 
+    /// What a spring with play makes of the angles and speeds of motor and load (Nm): nothing between its flanks, and a flank only pushes.
+    fn twist(x: [f64; 4], spring: (f64, f64), play: f64) -> f64 {
+        let twisted = x[0] - x[2];
+        let beyond = twisted - twisted.clamp(-play / 2.0, play / 2.0);
+        if play > 0.0 && beyond == 0.0 {
+            return 0.0;
+        }
+        let torque = spring.0 * beyond + spring.1 * (x[1] - x[3]);
+        if play > 0.0 && torque * beyond < 0.0 { 0.0 } else { torque }
+    }
+
     /// On the motor, beside its dry friction (Nm).
     fn pull(&self, x: [f64; 4], u: f64) -> f64 {
         match self.axis.mechanics {
             Mechanics::Velocity { .. } => u,
-            Mechanics::Torque { full, viscous, gravity, spring, .. } => {
-                let twist = spring.map_or(0.0, |(k, d)| k * (x[0] - x[2]) + d * (x[1] - x[3]));
+            Mechanics::Torque { full, viscous, gravity, spring, play, .. } => {
+                let twist = spring.map_or(0.0, |spring| Self::twist(x, spring, play));
                 full * u - viscous * x[1] - gravity - twist + self.disturbance
             }
         }
@@ -132,11 +145,11 @@ impl Simulator {
     fn slope(&self, x: [f64; 4], u: f64, sense: f64, held: bool) -> [f64; 4] {
         match self.axis.mechanics {
             Mechanics::Velocity { full, lag } => [x[1], (full * u - x[1]) / lag, 0.0, 0.0],
-            Mechanics::Torque { motor, load, coulomb, spring, .. } => {
+            Mechanics::Torque { motor, load, coulomb, spring, play, .. } => {
                 let torque = self.pull(x, u) - coulomb * sense;
                 let inertia = if spring.is_some() { motor } else { motor + load };
                 let acceleration = if held { 0.0 } else { torque / inertia };
-                let other = spring.map_or(0.0, |(k, d)| (k * (x[0] - x[2]) + d * (x[1] - x[3])) / load);
+                let other = spring.map_or(0.0, |spring| Self::twist(x, spring, play) / load);
                 [x[1], acceleration, x[3], other]
             }
         }

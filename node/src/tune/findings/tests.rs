@@ -65,6 +65,19 @@ fn a_design_that_is_refused_leaves_the_side_before() {
     assert!(found.before.is_ok() && found.gains.is_empty());
 }
 
+/// A swing of 20 inc from elsewhere, which no part of the model explains.
+#[test]
+fn a_model_that_is_far_from_its_record_has_no_gains() {
+    let mut record = velocity_record();
+    for (k, position) in record.positions.iter_mut().enumerate() {
+        *position += if k % 40 < 20 { 10 } else { -10 };
+    }
+    let found = Findings::find(subject(), &record, &wish(), &before()).unwrap();
+    assert!(found.identified.explained > 95.0 && found.before.is_ok() && found.gains.is_empty());
+    let refused = found.after.unwrap_err();
+    assert!(refused.starts_with("half of the positions lie more than ") && refused.contains("play"), "{refused}");
+}
+
 #[test]
 fn a_record_without_a_model_is_refused() {
     let mut record = velocity_record();
