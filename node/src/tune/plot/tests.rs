@@ -64,6 +64,20 @@ fn crossover_and_margins_are_marked() {
     }
 }
 
+/// However many turns a phase has gone on, the margin is seen from -180 degrees.
+#[test]
+fn phases_are_shown_around_the_margin() {
+    let found = Findings::find(subject(), &velocity_record(), &wish(), &before()).unwrap();
+    let bode = found.after.unwrap().position;
+    let expected = bode.margins.phase - 180.0;
+    for turns in [-720.0, -360.0, 0.0, 360.0, 720.0] {
+        let mut gone_on = bode.clone();
+        gone_on.points.iter_mut().for_each(|point| point.open_phase += turns);
+        let at = turned(&gone_on)(&gone_on.at_phase_margin().unwrap());
+        assert!((at.open_phase - expected).abs() < 0.1, "{turns}: {} {expected}", at.open_phase);
+    }
+}
+
 #[test]
 fn unstable_loops_are_named_and_have_no_margins() {
     let mut loops = before();
