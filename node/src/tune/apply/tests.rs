@@ -131,6 +131,17 @@ fn what_no_cell_takes_is_refused() {
 }
 
 #[test]
+fn cells_are_compared_by_what_they_say() {
+    let cell = |text: &str| Cell::parse("c", text).unwrap();
+    let same = |text: String| is_same(cell(&text), cell(CELL));
+    assert!(same(CELL.replace("# A cell with remarks.", "# Another remark.")));
+    assert!(same(CELL.replace("3000 rpm", "50 rev/s")));
+    assert!(!same(CELL.replace("kprop: 30", "kprop: 31")));
+    assert!(!same(CELL.replace("{kv: 20}", "{kv: 21}")));
+    assert!(!same(CELL.replace("time_constant: 2 ms", "time_constant: 3 ms")));
+}
+
+#[test]
 fn a_file_is_replaced_whole_with_its_permissions_through_a_link() {
     use std::os::unix::fs::{PermissionsExt as _, symlink};
     let folder = tempfile::tempdir().unwrap();
