@@ -15,6 +15,7 @@ mod signals;
 mod sim;
 mod store;
 mod table;
+mod tune;
 mod validate;
 
 use self::logging::Logging;
@@ -116,6 +117,9 @@ enum Command {
                             chooses and never changes is named below the figure, not drawn; so are fractions."
     )]
     Plot(PlotArgs),
+    /// Find gains for the loops of an axis that are closed here
+    #[command(after_help = TUNE_HELP)]
+    Tune(TuneArgs),
     /// Make, check, draw and convert tables of cams
     #[command(subcommand)]
     Table(table::TableCommand),
@@ -129,6 +133,19 @@ enum Command {
     #[command(subcommand)]
     Can(can::CanCommand),
 }
+
+const TUNE_HELP: &str = "\
+Runs the cell as a simulation, without ROS: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
+random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
+a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
+written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc.
+
+Examples:
+  lineshaft tune cell.yaml x
+  lineshaft tune cell.yaml x --travel '90 deg' --velocity '500 deg/s' --output x.svg
+  lineshaft tune cell.yaml x --apply
+
+Exit codes: 0 gains were found, 1 none: the sentence says why, 2 bad usage or a file with errors.";
 
 const PARAMS_HELP: &str = "\
 Without a cell: the catalogue, or everything about the one parameter that --name names. With a cell: the values that its axes \
@@ -171,6 +188,39 @@ Examples:
   lineshaft validate run/ --against expected/ --align motion --tolerance '*=1 mm' --tolerance 'time=50 ms'
 
 Exit codes: 0 all signals agree, 1 one deviates, is missing, has a gap or is NaN, 2 bad usage or a bad file.";
+
+#[derive(Debug, Args)]
+struct TuneArgs {
+    /// The cell
+    cell: PathBuf,
+    /// The axis
+    axis: String,
+    /// Way either side of where the axis stands (at least 100 inc); left out: what it goes in 0.4 s at that velocity, or what its limits leave
+    #[arg(long, value_name = "LENGTH")]
+    travel: Option<String>,
+    /// Largest velocity, to `max_velocity`; left out: 30 % of it
+    #[arg(long, value_name = "VELOCITY")]
+    velocity: Option<String>,
+    /// Largest effort in parts of the largest one (0.01 to 1), for interface torque; left out: 0.3
+    #[arg(long, value_name = "PART")]
+    effort: Option<f64>,
+    /// Time of the motion to and fro, as `6 s` (1 s to 60 s); left out: 6 s
+    #[arg(long, value_name = "TIME", value_parser = plot::time)]
+    duration: Option<f64>,
+    /// Draw what was found: FILE.svg or FILE.png; one that exists is replaced
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write the gains into the cell
+    #[arg(long)]
+    apply: bool,
+    /// Put simulation in the place of every backend
+    #[arg(long)]
+    sim: bool,
+    #[command(flatten)]
+    record: RecordArgs,
+    #[command(flatten)]
+    store: StoreArgs,
+}
 
 #[derive(Debug, Args)]
 struct PlotArgs {
@@ -515,6 +565,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
             Exit::Usage
         }
         Some(Command::Sim(args)) => sim::sim(&args),
+        Some(Command::Tune(args)) => tune::tune(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),

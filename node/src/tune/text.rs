@@ -22,6 +22,9 @@ const MOST_DEVIATION: f64 = 0.1;
 /// What a loop can tell: parts of a cycle, parts of the full output.
 const TELLS: (f64, f64) = (0.1, 0.02);
 
+const TIME_CONSTANT: &str = "time constant";
+const DELAY: &str = "delay";
+
 /// A figure of the model.
 struct Figure {
     name: &'static str,
@@ -52,13 +55,24 @@ impl Findings {
                 "The model explains {explained:.0} % of the motion; below {WELL_EXPLAINED:.0} % gains that follow from it are doubtful."
             ));
         }
-        for figure in self.figures() {
-            let part = figure.deviation / figure.value.abs();
-            if part > MOST_DEVIATION && figure.deviation > figure.tells {
+        let figures = self.figures();
+        let vague = |figure: &&Figure| figure.part() > MOST_DEVIATION && figure.deviation > figure.tells;
+        // One takes the place of the other, and the loops see their sum.
+        let lags = [TIME_CONSTANT, DELAY];
+        let are_one = figures.iter().filter(|figure| lags.contains(&figure.name)).filter(vague).count() == lags.len();
+        if are_one {
+            let sum: f64 = figures.iter().filter(|figure| lags.contains(&figure.name)).map(|figure| figure.value).sum();
+            said.push(format!(
+                "Time constant and delay cannot be told apart; together they are {} ms.",
+                rounded(1000.0 * sum, 3)
+            ));
+        }
+        for figure in figures.iter().filter(vague) {
+            if !(are_one && lags.contains(&figure.name)) {
                 said.push(format!(
                     "The {} is known to {:.0} % only; a longer excitation, or one with more way, tells it better.",
                     figure.name,
-                    100.0 * part.min(9.99)
+                    100.0 * figure.part().min(9.99)
                 ));
             }
         }
@@ -119,7 +133,7 @@ impl Findings {
             Dynamics::Velocity { gain, time_constant, offset } => vec![
                 figure("velocity at full command", gain, deviation.gain, Unit::Rate(1), 0.0),
                 figure("velocity at no command", offset, deviation.offset, Unit::Rate(1), of_output * gain),
-                figure("time constant", time_constant, deviation.time_constant, Unit::Time, of_cycle),
+                figure(TIME_CONSTANT, time_constant, deviation.time_constant, Unit::Time, of_cycle),
             ],
             Dynamics::Effort { acceleration, viscous, coulomb, load, .. } => {
                 let tells = of_output * acceleration;
@@ -132,7 +146,7 @@ impl Findings {
                 ]
             }
         };
-        figures.push(figure("delay", model.delay, deviation.delay, Unit::Time, of_cycle));
+        figures.push(figure(DELAY, model.delay, deviation.delay, Unit::Time, of_cycle));
         if let Dynamics::Effort { resonance: Some(r), .. } = model.dynamics {
             figures.extend([
                 figure("resonance", r.frequency, deviation.frequency, Unit::Other("Hz"), 0.0),
@@ -215,6 +229,16 @@ fn margin_rows(name: &str, row: Row<'_>, bode: &dyn Fn(&Answer) -> Option<&Bode>
 }
 
 impl Figure {
+    /// Its deviation in parts of it.
+    fn part(&self) -> f64 {
+        self.deviation / self.value.abs()
+    }
+
+    /// Does it matter, and may it be ten times as much as well?
+    fn is_unknown(&self) -> bool {
+        self.part() > 10.0 && self.deviation > 10.0 * self.tells
+    }
+
     fn row(&self, subject: &Subject) -> Vec<String> {
         let (own, in_unit) = match self.unit {
             Unit::Rate(order) => (subject.counted(self.value, order), subject.in_unit(self.value, order)),
@@ -226,7 +250,8 @@ impl Figure {
             Unit::Other(unit) => format!("{} {unit}", rounded(self.deviation, 2)).trim_end().to_owned(),
             Unit::Time => format!("{} ms", rounded(1000.0 * self.deviation, 2)),
         };
-        let mut row = vec![format!("  {}", self.name), own, format!("+-{deviation}")];
+        let deviation = if self.is_unknown() { "not known".to_owned() } else { format!("+-{deviation}") };
+        let mut row = vec![format!("  {}", self.name), own, deviation];
         if subject.has_unit() {
             row.push(in_unit);
         }

@@ -10,7 +10,7 @@
 
 use super::time::Plant;
 use crate::identify::Refusal;
-use crate::model::Model;
+use crate::model::{Model, Takes};
 use crate::record::Record;
 use core::ops::Range;
 
@@ -44,8 +44,10 @@ pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
 /// What may be left at the median: of the way from the lowest to the highest position, and inc.
 ///
 /// An encoder that rounds leaves a quarter of an increment. Play leaves its own size around the turns of the motor, more often than turns are:
-/// within it the motor is alone, and ahead of a model that carries the load.
+/// within it the motor is alone, and ahead of a model that carries the load. A drive of velocities carries its motor through play by its own
+/// loop, which is of more than the first order: ten times as much is left of it.
 const LEFT: (f64, f64) = (1e-4, 1.0);
+const LEFT_OF_VELOCITY: f64 = 1e-3;
 
 /// Is the model near enough to the record for gains that follow from it?
 ///
@@ -60,7 +62,8 @@ pub fn check_fit(model: &Model, record: &Record) -> Result<(), Refusal> {
     left.sort_by(f64::total_cmp);
     let left = left.get(left.len() / 2).copied().unwrap_or(0.0);
     let (low, high) = way.iter().fold((0.0_f64, 0.0_f64), |(low, high), way| (low.min(*way), high.max(*way)));
-    let most = (LEFT.0 * (high - low)).max(LEFT.1);
+    let part = if model.takes() == Takes::Velocity { LEFT_OF_VELOCITY } else { LEFT.0 };
+    let most = (part * (high - low)).max(LEFT.1);
     if left <= most { Ok(()) } else { Err(Refusal::Misfit { left, most }) }
 }
 

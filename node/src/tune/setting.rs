@@ -1,0 +1,254 @@
+//! What tuning may do to an axis, and what it is asked to find.
+//!
+//! Law      an axis whose loops are closed here is excited below its position loop: at a velocity where its drive takes velocities, within max_acceleration, else with
+//!          an effort. Without other bounds: 30 % of max_velocity and of the effort, 0.4 s of that velocity either way, 6 s
+//! Reads    the configuration of the axis and its parameters in force
+//! Writes   the bounds of the excitation, the loops as they are, what to design
+//! Refuses  an axis without such loops, one with two drives, bounds beyond those of the axis
+
+use lineshaft_core::command::Level;
+use lineshaft_core::config::{AxisConfig, MachineConfig};
+use lineshaft_core::drive::Interface;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::regulator::Law;
+use lineshaft_tune::{Inner, Loops, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
+
+/// What the user bounds; none: as the axis has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    /// Either way from where it stands (inc).
+    pub travel: Option<f64>,
+    /// Largest velocity (inc/s).
+    pub velocity: Option<f64>,
+    /// Largest effort in parts of the permitted one.
+    pub effort: Option<f64>,
+    /// Time of the motion to and fro (s).
+    pub duration: Option<f64>,
+}
+
+/// Why an axis is not tuned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// No such axis.
+    #[error("no axis is called `{name}`; there are {known}")]
+    Unknown {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// Its loops are not closed here.
+    #[error("{axis}: no loop of it is closed here ({how}); interface velocity or torque can be tuned")]
+    NoLoop {
+        /// The axis.
+        axis: String,
+        /// Who closes it.
+        how: &'static str,
+    },
+    /// The law has gains of another kind.
+    #[error("{axis}: regulator is integer, whose gains are those of its module; proportional and pid can be tuned")]
+    Integer {
+        /// The axis.
+        axis: String,
+    },
+    /// Nothing would keep it square.
+    #[error("{axis}: it has two drives, which nothing keeps square while its position loop is open")]
+    TwoDrives {
+        /// The axis.
+        axis: String,
+    },
+    /// A bound that no excitation takes.
+    #[error("{axis}: {error}")]
+    Excitation {
+        /// The axis.
+        axis: String,
+        /// Which.
+        error: ModelError,
+    },
+    /// A bound beyond its range.
+    #[error("{axis}: {name} is {value}; {allowed} is allowed")]
+    Bound {
+        /// The axis.
+        axis: String,
+        /// Which.
+        name: &'static str,
+        /// As given.
+        value: String,
+        /// Its range.
+        allowed: String,
+    },
+}
+
+impl Unfit {
+    pub(super) fn unknown(config: &MachineConfig, name: &str) -> Self {
+        let known = config.axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
+        Self::Unknown { name: name.to_owned(), known }
+    }
+}
+
+/// Part of max_velocity, and of the effort, without another bound.
+const USUAL: f64 = 0.3;
+/// Time of the travel at the largest velocity (s).
+const TRAVEL_TIME: f64 = 0.4;
+/// Way beyond the travel in parts of it.
+const MARGIN: f64 = 0.25;
+/// Time of the motion to and fro (s), and its range.
+const DURATION: f64 = 6.0;
+const DURATIONS: (f64, f64) = (1.0, 60.0);
+/// Time from nothing to the largest command (s).
+const RAMP: f64 = 1.0;
+/// Least travel (inc).
+const LEAST_TRAVEL: f64 = 100.0;
+/// A velocity is asked for beyond its bound, so that the bound is met.
+const BEYOND: f64 = 1.2;
+
+/// Everything that one trial needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Place of the axis.
+    pub axis: u16,
+    /// For which loop the excitation is.
+    pub level: Level,
+    /// What it may do.
+    pub permitted: Permitted,
+    /// Largest change of a command in a cycle: a drive of velocities is asked for no more than max_acceleration.
+    pub slew: f64,
+    /// Is the travel the user's? Else it may be less where there is no room.
+    pub is_given: bool,
+    /// Software limits (inc).
+    pub limits: (Option<i64>, Option<i64>),
+    /// The loops as they are.
+    pub before: Loops,
+    /// What to design.
+    pub wish: Wish,
+}
+
+impl Setting {
+    /// Of the axis of that name, with its parameters in force.
+    ///
+    /// # Errors
+    /// Why it is not tuned.
+    pub fn of(
+        config: &MachineConfig,
+        name: &str,
+        parameters: impl Fn(usize) -> AxisParameters,
+        bounds: &Bounds,
+    ) -> Result<Self, Unfit> {
+        let found = config.axes.iter().position(|axis| axis.name == name);
+        let (Some(place), Some(axis)) = (found, config.axes.iter().find(|axis| axis.name == name)) else {
+            return Err(Unfit::unknown(config, name));
+        };
+        let p = parameters(place);
+        let takes = takes(axis)?;
+        let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
+        let mut setting = Self {
+            axis: u16::try_from(place).unwrap_or(u16::MAX),
+            level: if takes == Takes::Effort { Level::Effort } else { Level::Setpoint },
+            permitted: permitted(axis, &p, config.cycle_ns, takes, bounds)?,
+            slew: match takes {
+                Takes::Velocity => p.max_acceleration * config.cycle_ns as f64 / 1e9 / p.max_velocity,
+                Takes::Effort => f64::INFINITY,
+            },
+            is_given: bounds.travel.is_some(),
+            limits: (p.min_position, p.max_position),
+            before,
+            wish,
+        };
+        setting.permitted.command = setting.permitted.command.clamp(1e-3, 1.0);
+        Ok(setting)
+    }
+
+    /// The bounds where it stands (inc): travel that was not asked for becomes less, if there is less room.
+    ///
+    /// # Errors
+    /// There is too little.
+    pub fn at(&self, position: i64) -> Result<Permitted, f64> {
+        let (low, high) = self.limits;
+        let rooms = [low.map(|low| position.saturating_sub(low)), high.map(|high| high.saturating_sub(position))];
+        let room = rooms.into_iter().flatten().fold(f64::INFINITY, |room, way| room.min(way as f64));
+        let p = self.permitted;
+        if p.travel + p.margin <= room {
+            return Ok(p);
+        }
+        let travel = room / (1.0 + MARGIN);
+        if self.is_given || travel < LEAST_TRAVEL {
+            return Err(travel);
+        }
+        Ok(Permitted { travel, margin: MARGIN * travel, velocity: p.velocity.min(travel / TRAVEL_TIME), ..p })
+    }
+}
+
+fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
+    let (name, no_loop) = (axis.name.clone(), |how| Unfit::NoLoop { axis: axis.name.clone(), how });
+    if axis.drive.is_none() {
+        return Err(no_loop("the axis is virtual"));
+    }
+    if axis.second.is_some() {
+        return Err(Unfit::TwoDrives { axis: name });
+    }
+    match axis.interface {
+        Interface::Position => Err(no_loop("its drive closes the position loop")),
+        Interface::OpenLoop => Err(no_loop("interface open_loop")),
+        _ if axis.law == Law::Integer => Err(Unfit::Integer { axis: name }),
+        Interface::Velocity => Ok(Takes::Velocity),
+        Interface::Torque => Ok(Takes::Effort),
+    }
+}
+
+/// As they are, and what to design.
+fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, Wish), Unfit> {
+    let timer = u32::try_from(p.pid.period_ms).unwrap_or(1);
+    let (position, law) = match axis.law {
+        Law::Pid => {
+            let cycles = u64::from(timer).saturating_mul(1_000_000) / cycle_ns.max(1);
+            let cycles = u32::try_from(cycles).unwrap_or(1).max(1);
+            (PositionLaw::Pid { gains: p.pid, cycles }, lineshaft_tune::Law::Pid { timer })
+        }
+        _ => (PositionLaw::Proportional { kv: p.position_loop.kv }, lineshaft_tune::Law::Proportional),
+    };
+    let method = p.amplifier.method();
+    let has_velocity = takes == Takes::Effort && p.amplifier.has_velocity_loop();
+    let inner = has_velocity.then(|| Inner { gains: p.amplifier.velocity_gains(cycle_ns), method });
+    let (max_velocity, max_acceleration) = (p.max_velocity, p.max_acceleration);
+    let before = Loops { position, velocity: inner, max_velocity, max_acceleration };
+    let targets = Targets::default();
+    let velocity = inner.map(|inner| inner.method);
+    Ok((before, Wish { law, velocity, max_velocity, max_acceleration, targets }))
+}
+
+fn permitted(
+    axis: &AxisConfig,
+    p: &AxisParameters,
+    cycle_ns: u64,
+    takes: Takes,
+    bounds: &Bounds,
+) -> Result<Permitted, Unfit> {
+    let judge = |name, value: f64, (least, most): (f64, f64), unit: &str| {
+        if (least..=most).contains(&value) {
+            return Ok(value);
+        }
+        let allowed = format!("{least} to {most} {unit}");
+        Err(Unfit::Bound { axis: axis.name.clone(), name, value: format!("{value} {unit}"), allowed })
+    };
+    let velocity = bounds.velocity.unwrap_or(USUAL * p.max_velocity);
+    let velocity = judge("velocity", velocity, (1e-3 * p.max_velocity, p.max_velocity), "inc/s")?;
+    let travel = bounds.travel.unwrap_or((TRAVEL_TIME * velocity).max(LEAST_TRAVEL));
+    let travel = judge("travel", travel, (LEAST_TRAVEL, 1e12), "inc")?;
+    let effort = judge("effort", bounds.effort.unwrap_or(USUAL), (0.01, 1.0), "of the largest effort")?;
+    let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
+    let command = match takes {
+        Takes::Velocity => BEYOND * velocity / p.max_velocity,
+        Takes::Effort => effort * p.amplifier.most(),
+    };
+    Ok(Permitted {
+        cycle: cycle_ns as f64 / 1e9,
+        takes,
+        travel,
+        margin: MARGIN * travel,
+        velocity,
+        command,
+        ramp: RAMP,
+        duration,
+        seed: 1,
+    })
+}

@@ -1,0 +1,69 @@
+//! The trial of an axis of a simulated cell, as fast as it goes.
+
+use super::setting::{Setting, Unfit};
+use super::trial::{Ended, Trial};
+use crate::cell::Cell;
+use crate::recording::bag::{BagError, BagOptions};
+use crate::recording::simulation::SimulationRecorder;
+use lineshaft_core::command::{Command, Commands};
+use lineshaft_core::config::ConfigError;
+use lineshaft_core::drive::Backend;
+use lineshaft_core::machine::Machine;
+use lineshaft_core::sim::Plant;
+use lineshaft_tune::Record;
+
+/// Why no trial was run.
+#[derive(Debug, thiserror::Error)]
+pub enum TrialError {
+    /// The axis, or a bound.
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
+    /// The cell makes no machine.
+    #[error("the cell makes no machine: {0}")]
+    Machine(#[from] ConfigError),
+    /// The run could not be recorded.
+    #[error(transparent)]
+    Record(#[from] BagError),
+}
+
+/// Tries the axis on a simulation of all backends, and records the run if it is asked to. `prepare` may change the plant.
+///
+/// # Errors
+/// Why none was run; how one ended that was is no error.
+pub fn try_simulated(
+    cell: &Cell,
+    setting: Setting,
+    record: Option<&BagOptions>,
+    prepare: impl FnOnce(&mut Plant),
+) -> Result<(Ended, Record), TrialError> {
+    let mut machine = Machine::new(cell.machine.clone())?;
+    let mut plant = cell.plant();
+    prepare(&mut plant);
+    let mut trial = Trial::new(setting, &machine)?;
+    let mut recorder = record.map(|options| SimulationRecorder::new(cell, &machine, options)).transpose()?;
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut commands: Vec<Command> = Vec::new();
+    let mut number = 0;
+    while trial.ended().is_none() {
+        commands.clear();
+        // Drives begin to speak with their first cycle.
+        if machine.next_cycle() > 1 {
+            commands.extend(trial.before(&machine, number + 1));
+        }
+        number += commands.len() as u64;
+        inputs.begin(machine.next_cycle(), 0);
+        plant.read(&mut inputs);
+        if let Some(recorder) = &mut recorder {
+            recorder.before(&machine);
+        }
+        machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+        plant.write(&outputs);
+        if let Some(recorder) = &mut recorder {
+            recorder.after(&inputs, Commands::queue(&commands), &machine)?;
+        }
+    }
+    if let Some(recorder) = recorder {
+        recorder.finish()?;
+    }
+    Ok((trial.ended().unwrap_or(Ended::Late), trial.record().clone()))
+}

@@ -1,0 +1,198 @@
+//! Axes of cells, tried and tuned as `lineshaft tune` does it, and moved with the gains that were found.
+
+use super::super::{Bounds, Ended, Findings, Setting, Subject, Unfit, edited, try_simulated};
+use crate::cell::Cell;
+use crate::scenario::{Options, Scenario, simulate};
+use lineshaft_core::code::Code;
+use lineshaft_core::sim::Plant;
+use lineshaft_tune::{Abort, Dynamics, Record, Refusal};
+use std::path::Path;
+
+/// 2e-4 kg m^2 and 2 Nm; full speed 45 rev/s; 8192 inc in a turn, or another number.
+fn torque(drive: &str, counts: u32, sim: &str, keys: &str) -> String {
+    format!(
+        "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\naxes:\n  x:\n    type: rotary\n    unit: rev\n    \
+         scale: {{increments: {counts}, per: 1 rev}}\n    drive: {{backend: plant, address: 0, {drive}}}\n    max_velocity: 45 rev/s\n    \
+         max_acceleration: 100 rev/s^2\n    max_following_error: 2 rev\n    in_position_window: 20 inc\n{keys}    sim:\n      model: motor\n      \
+         inertia: 2e-4 kg*m^2\n      rated_torque: 2 Nm\n      max_torque: 2 Nm\n      dead_time: 250 us\n      \
+         viscous_friction: 1e-4 Nm*s/rad\n      counts_per_turn: {counts} inc\n{sim}"
+    )
+}
+
+const PID: &str = "interface: torque, regulator: pid";
+const EFFORT: &str = "    max_effort: 1000\n";
+
+fn setting(cell: &Cell, bounds: Bounds) -> Result<Setting, Unfit> {
+    let config = &cell.machine;
+    Setting::of(config, "x", |place| config.axes[place].power_on(), &bounds)
+}
+
+fn tried(text: &str, bounds: Bounds, prepare: impl FnOnce(&mut Plant)) -> (Setting, Ended, Record) {
+    let cell = Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+    let setting = setting(&cell, bounds).expect("an axis that can be tuned");
+    let (ended, record) = try_simulated(&cell, setting, None, prepare).expect("a trial");
+    (setting, ended, record)
+}
+
+fn found(text: &str, bounds: Bounds) -> Findings {
+    let (setting, ended, record) = tried(text, bounds, |_| {});
+    assert_eq!(ended, Ended::Done);
+    let cell = Cell::parse("cell.yaml", text).expect("a cell");
+    Findings::find(Subject::of(&cell.machine.axes[0]), &record, &setting.wish, &setting.before).expect("a model")
+}
+
+/// Three turns with the gains in the cell; the largest following error on the way, and what is left at the end (inc), are bounded.
+fn moves(text: &str, findings: &Findings, most: i64, left: i64) {
+    let (text, _) = edited(Path::new("cell.yaml"), text, "x", &findings.gains).expect("a cell with these gains");
+    let cell = Cell::parse("cell.yaml", text).expect("a cell");
+    let scenario = format!(
+        "scenario: move\nfor: 4 s\nsteps:\n  - {{at: 0, do: {{enable: {{axes: [x]}}}}}}\n  - {{name: move, at: 0.5 s, do: {{move_axis: {{axis: x, \
+         mode: relative, position: 3 rev, velocity: 10 rev/s, acceleration: 40 rev/s^2, deceleration: 40 rev/s^2}}}}}}\nexpect:\n  \
+         - {{signal: x.following_error, from: 0.5 s, to: end, is: 0, within: {most} inc}}\n  \
+         - {{signal: x.following_error, from: 3 s, to: end, is: 0, within: {left} inc}}\n  - {{signal: x.state, at: end, is: STANDSTILL}}\n"
+    );
+    let scenario = Scenario::parse("move.yaml", &scenario, &cell).unwrap_or_else(|problems| panic!("{problems}"));
+    let report = simulate(&cell, &scenario, &Options::default()).expect("a run");
+    assert!(report.passed(), "{report}");
+}
+
+/// Inertia, friction, a load that pulls, an elastic shaft, one with backlash, a coarse encoder: the model is that of the plant, the loops are
+/// stable with 60 deg and 6 dB, and they move the axis. 2 Nm on 2e-4 kg m^2 with (1 + ratio) times as much, in 8192 inc/turn.
+#[test]
+fn gains_of_a_trial_move_the_axis() {
+    // The last number: the part of a turn that the axis may be behind on its way.
+    let plants = [
+        ("1:1", 8192, "      inertia_ratio: 1\n      coulomb_friction: 0.06 Nm\n", 2.0, 4),
+        ("1:5", 8192, "      inertia_ratio: 5\n      coulomb_friction: 0.06 Nm\n", 6.0, 4),
+        ("1:30", 8192, "      inertia_ratio: 30\n      coulomb_friction: 0.06 Nm\n", 31.0, 2),
+        ("friction", 8192, "      inertia_ratio: 5\n      coulomb_friction: 0.5 Nm\n", 6.0, 4),
+        ("coarse", 500, "      inertia_ratio: 5\n      coulomb_friction: 0.06 Nm\n", 6.0, 4),
+    ];
+    for (name, counts, sim, bodies, part) in plants {
+        let text = torque(PID, counts, sim, EFFORT);
+        let bounds = Bounds { effort: Some(0.6), ..Bounds::default() };
+        let findings = found(&text, bounds);
+        println!("{name}\n{}", findings.text());
+        let Dynamics::Effort { acceleration, .. } = findings.identified.model.dynamics else { panic!("{name}") };
+        let truth = 2.0 / (2e-4 * bodies) / std::f64::consts::TAU * f64::from(counts);
+        assert!((acceleration / truth - 1.0).abs() < 0.02, "{name}: {acceleration} of {truth}");
+        let after = findings.after.as_ref().unwrap_or_else(|sentence| panic!("{name}: {sentence}"));
+        assert!(after.is_stable() && after.position.margins.phase >= 60.0, "{name}");
+        moves(&text, &findings, i64::from(counts) / part, i64::from(counts) / 100);
+    }
+}
+
+/// A drive that takes velocities.
+#[test]
+fn a_drive_of_velocities_is_tuned() {
+    for drive in ["interface: velocity", "interface: velocity, regulator: pid"] {
+        let text = torque(drive, 8192, "      inertia_ratio: 3\n      coulomb_friction: 0.05 Nm\n", "");
+        let findings = found(&text, Bounds::default());
+        println!("{drive}\n{}", findings.text());
+        let Dynamics::Velocity { gain, .. } = findings.identified.model.dynamics else { panic!("{drive}") };
+        // The full reference is max_velocity.
+        assert!((gain / (45.0 * 8192.0) - 1.0).abs() < 0.01, "{drive}: {gain}");
+        assert!(findings.after.as_ref().expect("loops").is_stable());
+        moves(&text, &findings, 8192, 50);
+    }
+}
+
+/// The excitation stays within its bounds, and the axis ends off.
+#[test]
+fn a_trial_keeps_its_bounds() {
+    let text = torque(PID, 8192, "      inertia_ratio: 3\n      coulomb_friction: 0.06 Nm\n", EFFORT);
+    let bounds = Bounds { travel: Some(8192.0), velocity: Some(40_960.0), effort: Some(0.5), duration: Some(3.0) };
+    let (_, ended, record) = tried(&text, bounds, |_| {});
+    assert_eq!(ended, Ended::Done);
+    let start = record.positions[0];
+    let farthest = record.positions.iter().map(|place| (place - start).abs()).max().unwrap();
+    assert!((800..=8192).contains(&farthest), "{farthest}");
+    let fastest = record.positions.windows(8).map(|all| (all[7] - all[0]).abs()).max().unwrap();
+    assert!(fastest as f64 <= 1.1 * 40_960.0 * 0.007, "{fastest}");
+    assert!(record.commands.iter().all(|command| command.abs() <= 0.5));
+}
+
+/// No room, or less than usual.
+#[test]
+fn software_limits_make_the_travel_shorter() {
+    let limits = |low: &str, high: &str| format!("{EFFORT}    min_position: {low}\n    max_position: {high}\n");
+    let text = |low, high| torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", &limits(low, high));
+    let (_, ended, record) = tried(&text("-0.5 rev", "0.5 rev"), Bounds::default(), |_| {});
+    assert_eq!(ended, Ended::Done);
+    let farthest = record.positions.iter().map(|place| place.abs()).max().unwrap();
+    assert!(farthest < 4096, "{farthest}");
+    let (_, ended, _) = tried(&text("-0.01 rev", "3 rev"), Bounds::default(), |_| {});
+    // 81 inc, of which a fifth is margin.
+    assert!(matches!(ended, Ended::NoRoom(travel) if (64.0..66.0).contains(&travel)), "{ended:?}");
+    let bounds = Bounds { travel: Some(8192.0), ..Bounds::default() };
+    let (_, ended, _) = tried(&text("-0.5 rev", "0.5 rev"), bounds, |_| {});
+    assert!(matches!(ended, Ended::NoRoom(_)), "{ended:?}");
+}
+
+/// What cannot be identified: an axis that is stuck, one that moves against its effort, one without effort.
+#[test]
+fn an_axis_that_is_stuck_reversed_or_open_is_refused() {
+    let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
+    let (_, ended, _) = tried(&text, Bounds::default(), |plant| plant.drive(0).expect("a drive").jam(true));
+    let said = |ended: Ended| matches!(ended, Ended::Aborted(Abort::Stuck { .. }));
+    assert!(said(ended), "{ended:?}");
+    let (_, ended, _) =
+        tried(&text.replace("model: motor\n", "model: motor\n      inverted: true\n"), Bounds::default(), |_| {});
+    assert!(matches!(ended, Ended::Aborted(Abort::Against { .. })), "{ended:?}");
+    // A phase is open: a thousandth of the torque is left.
+    let weak = text.replace("max_torque: 2 Nm", "max_torque: 2e-3 Nm");
+    let (_, ended, _) = tried(&weak, Bounds::default(), |_| {});
+    assert!(said(ended), "{ended:?}");
+}
+
+/// An error of the axis ends it, and is what is told.
+#[test]
+fn an_error_of_the_axis_ends_a_trial() {
+    let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
+    let (_, ended, _) = tried(&text, Bounds::default(), |plant| plant.drive(0).expect("a drive").inject_fault(0x2310));
+    assert!(matches!(ended, Ended::Failed(event) if event.code != Code::NONE), "{ended:?}");
+    let unhomed = format!("{EFFORT}    homing: {{required: true}}\n");
+    let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", &unhomed);
+    let (_, ended, _) = tried(&text, Bounds::default(), |_| {});
+    assert!(matches!(ended, Ended::Failed(event) if event.code == Code::HOMING_REQUIRED), "{ended:?}");
+}
+
+#[test]
+fn axes_that_cannot_be_tuned_are_refused_by_name() {
+    let refused = |drive: &str, keys: &str, bounds: Bounds| {
+        let text = torque(drive, 8192, "", keys);
+        let cell = Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+        setting(&cell, bounds).expect_err("a refusal").to_string()
+    };
+    assert_eq!(
+        refused("interface: velocity, regulator: integer", "", Bounds::default()),
+        "x: regulator is integer, whose gains are those of its module; proportional and pid can be tuned"
+    );
+    let bounds = Bounds { velocity: Some(400_000.0), ..Bounds::default() };
+    assert_eq!(
+        refused("interface: velocity", "", bounds),
+        "x: velocity is 400000 inc/s; 368.64 to 368640 inc/s is allowed"
+    );
+    let bounds = Bounds { effort: Some(f64::NAN), ..Bounds::default() };
+    assert!(refused(PID, EFFORT, bounds).starts_with("x: effort is NaN"));
+    let demo = Cell::demo();
+    let config = &demo.machine;
+    let of = |name: &str| Setting::of(config, name, |place| config.axes[place].power_on(), &Bounds::default());
+    assert!(of("nobody").expect_err("a refusal").to_string().starts_with("no axis is called `nobody`; there are "));
+    for axis in &config.axes {
+        let sentence = of(&axis.name).expect_err("a refusal").to_string();
+        assert!(sentence.contains("no loop of it is closed here"), "{sentence}");
+    }
+}
+
+/// A record that tells too little is refused by its own sentence.
+#[test]
+fn a_record_without_motion_has_no_model() {
+    let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
+    let (setting, _, mut record) = tried(&text, Bounds::default(), |_| {});
+    record.positions.fill(5);
+    let cell = Cell::parse("cell.yaml", text).expect("a cell");
+    let subject = Subject::of(&cell.machine.axes[0]);
+    let refusal = Findings::find(subject, &record, &setting.wish, &setting.before).expect_err("a refusal");
+    assert!(matches!(refusal, Refusal::Stuck { .. }), "{refusal}");
+}

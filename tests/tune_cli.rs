@@ -1,0 +1,96 @@
+//! `lineshaft tune` as a user meets it at the prompt: what it says, draws and writes, and with which code it ends.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const CELL: &str = include_str!("../launch-configs/torque.yaml");
+
+/// A folder with a cell.
+struct Bench(tempfile::TempDir);
+
+impl Bench {
+    fn new(cell: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("cell.yaml"), cell).expect("written");
+        Self(folder)
+    }
+
+    fn run(&self, line: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        command.args(line).current_dir(&self.0);
+        command.output().expect("the program starts")
+    }
+
+    fn tune(&self, more: &[&str]) -> (Option<i32>, String, String) {
+        let output = self.run(&[&["tune", "cell.yaml"], more].concat());
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    }
+
+    fn cell(&self) -> String {
+        std::fs::read_to_string(self.path("cell.yaml")).expect("the cell")
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        Path::new(self.0.path()).join(name)
+    }
+}
+
+/// Gains are said, drawn, and written where that is asked for; a second time finds the same ones, and nothing new to write.
+#[test]
+fn gains_are_found_drawn_and_written() {
+    let bench = Bench::new(CELL);
+    let (code, first, complaints) = bench.tune(&["x", "--output", "x.svg", "--record", "x.mcap"]);
+    assert_eq!((code, complaints.as_str()), (Some(0), ""), "{first}");
+    for part in ["axis x, 65536 inc in 1 rev", "acceleration at full command", "phase margin", "velkprop", "x.svg"] {
+        assert!(first.contains(part), "{part}: {first}");
+    }
+    assert!(std::fs::read_to_string(bench.path("x.svg")).expect("a figure").starts_with("<svg"));
+    assert_eq!(bench.cell(), CELL, "nothing is written unasked");
+    let replayed = bench.run(&["replay", "x.mcap"]);
+    assert_eq!(replayed.status.code(), Some(0), "{replayed:?}");
+
+    let (code, said, complaints) = bench.tune(&["x", "--apply"]);
+    assert_eq!((code, complaints.as_str()), (Some(0), ""), "{said}");
+    let written = bench.cell();
+    assert!(said.contains("cell.yaml: ") && said.contains("written for x"), "{said}");
+    assert_ne!(written, CELL);
+    assert_eq!(written.lines().next(), CELL.lines().next());
+    assert!(written.contains("# the output 1 of the position loop, and the error 1 of the velocity loop"));
+    assert_eq!(bench.run(&["check", "cell.yaml"]).status.code(), Some(0));
+    let (code, again, _) = bench.tune(&["x", "--apply"]);
+    assert_eq!(code, Some(0));
+    assert!(again.contains("nothing new written"), "{again}");
+    assert_eq!(bench.cell(), written);
+}
+
+#[test]
+fn what_is_wrong_is_said_before_anything_moves() {
+    let bench = Bench::new(CELL);
+    for (line, code, part) in [
+        (&["y"][..], 2, "no axis is called `y`; there are x"),
+        (&["x", "--travel", "3 furlongs"], 2, "--travel: "),
+        (&["x", "--travel", "1 inc"], 2, "x: travel is 1 inc; 100 to"),
+        (&["x", "--velocity", "60 rev/s"], 2, "x: velocity is 3932160 inc/s"),
+        (&["x", "--effort", "2"], 2, "x: effort is 2 of the largest effort; 0.01 to 1"),
+        (&["x", "--duration", "1 h"], 2, "duration"),
+        (&["x", "--output", "x.gif"], 2, "x.gif"),
+    ] {
+        let (found, said, complaints) = bench.tune(line);
+        assert_eq!((found, said.as_str()), (Some(code), ""), "{line:?}: {complaints}");
+        assert!(complaints.contains(part), "{line:?}: {complaints}");
+    }
+    assert_eq!(bench.cell(), CELL);
+}
+
+#[test]
+fn an_axis_without_gains_ends_with_a_sentence() {
+    // Half of the torque that its friction takes.
+    let bench = Bench::new(&CELL.replace("static_friction: 0.03 Nm", "static_friction: 2 Nm"));
+    let (code, _, complaints) = bench.tune(&["x"]);
+    assert_eq!(code, Some(1), "{complaints}");
+    assert!(complaints.contains("x: the axis does not move at a command of "), "{complaints}");
+    let bench = Bench::new(&CELL.replace("interface: torque, regulator: pid", "interface: position"));
+    let (code, _, complaints) = bench.tune(&["x"]);
+    assert_eq!(code, Some(2), "{complaints}");
+}
