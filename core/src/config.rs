@@ -7,7 +7,7 @@ mod masters;
 mod numbers;
 mod slots;
 
-pub use error::{ConfigError, GantryProblem};
+pub use error::{ConfigError, GantryProblem, PitchProblem};
 pub use functions::{Function, OutputShared, Switcher};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};
@@ -27,6 +27,7 @@ use crate::modulo::Modulo;
 use crate::object::{MAX_AXES, Object};
 use crate::parameter::{Applies, AxisParameters, Contradiction, MachineParameters, Row};
 use crate::regulator::Law;
+use crate::table::{PitchError, Table};
 use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{self, Setting, Wiring};
 use drives::{check_drive, check_gantry};
@@ -134,6 +135,8 @@ pub struct AxisConfig {
     pub wired: Wired,
     /// Brake that it closes and opens.
     pub brake: Option<BrakeConfig>,
+    /// Place of its pitch error in `tables`.
+    pub pitch_error: Option<u16>,
     /// Parameters as the cell gives them: layer Init.
     pub parameters: AxisParameters,
     /// Layer User at the start, where something was saved.
@@ -156,6 +159,7 @@ impl AxisConfig {
             open_loop: SpeedOutputs::default(),
             wired: Wired::default(),
             brake: None,
+            pitch_error: None,
             parameters,
             saved: None,
         }
@@ -165,6 +169,14 @@ impl AxisConfig {
     fn own_outputs(&self) -> [Option<u16>; 5] {
         let SpeedOutputs { forward, backward, output, dac } = self.open_loop;
         [forward, backward, output, dac, self.brake.map(|brake| brake.output)]
+    }
+
+    /// Can a table be its pitch error?
+    ///
+    /// # Errors
+    /// What keeps it from being one.
+    pub fn check_pitch_error(&self, table: &Table) -> Result<(), PitchError> {
+        table.check_pitch(self.modulo.map(Modulo::length))
     }
 
     /// In force at the start.
@@ -288,6 +300,7 @@ impl MachineConfig {
                 check_gantry(axis, &offers)?;
             }
             self.check_outputs(axis)?;
+            self.check_pitch_error(axis)?;
             for parameters in [Some(axis.parameters), axis.saved].into_iter().flatten() {
                 parameters.check().map_err(|contradiction| match contradiction {
                     Contradiction::Above(low, high) => ConfigError::Contradiction { axis: name(), low, high },
@@ -366,6 +379,17 @@ impl MachineConfig {
         let unit = axis.increments_per_unit();
         let is_virtual = axis.drive.is_none();
         Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.vocabularies, is_virtual }
+    }
+
+    /// Is the table of an axis one of pitch errors, and has it a drive that is led to positions?
+    fn check_pitch_error(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
+        let Some(place) = axis.pitch_error else { return Ok(()) };
+        let refuse = |problem| Err(ConfigError::Pitch { axis: axis.name.clone(), problem });
+        if !Applies::Positioned.to(axis) {
+            return refuse(PitchProblem::Interface);
+        }
+        let Some(table) = self.tables.get(usize::from(place)) else { return refuse(PitchProblem::Table(place)) };
+        axis.check_pitch_error(&table.table).or_else(|error| refuse(PitchProblem::Points(error)))
     }
 
     /// Are the outputs of an axis of the right kind?
@@ -493,6 +517,7 @@ impl MachineConfig {
                 wired: axis.wired,
                 encoders: self.encoders.len(),
                 brake: axis.brake,
+                pitch_error: axis.pitch_error,
                 cycle_ns: self.cycle_ns,
             })
             .collect()

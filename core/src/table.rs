@@ -5,9 +5,11 @@
 //! Source   contract section 10, AMK-INIT-09
 
 mod cam;
+mod pitch;
 mod shape;
 
 pub use cam::{CamError, CamSetting, CamShape, Interpolation, MOST_LENGTH, MOST_VALUE};
+pub use pitch::{PitchError, STEEPEST};
 pub use shape::{CurveError, Shape};
 
 use crate::law::Spline;
@@ -91,6 +93,8 @@ pub struct Table {
     setting: CamSetting,
     #[serde(skip_serializing)]
     cam: Result<CamShape, CamError>,
+    #[serde(skip_serializing)]
+    pitch: Result<(), PitchError>,
     /// Between the points of a cam.
     #[serde(skip_serializing)]
     spline: Option<Spline>,
@@ -141,7 +145,8 @@ impl Table {
         }
         let (shape, setting) = (Shape::of(form, x, y), CamSetting::default());
         let cam = CamShape::of(form, x, y, setting);
-        Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam, spline: None })
+        let pitch = pitch::check(form, x, y);
+        Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam, pitch, spline: None })
     }
 
     /// The same numbers with what is said of them as a cam.

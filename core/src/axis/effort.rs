@@ -71,11 +71,13 @@ impl Axis {
             return 0.0;
         }
         let (full, _) = self.full_reference();
+        // Of the motor: what it takes up is no motion of the axis.
+        let taken = self.turn_counts(self.compensation.change());
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();
         }
-        let moved = self.actual.change.floor();
+        let moved = self.actual.change.floor().saturating_add(taken);
         loops.way = loops.way.wrapping_add(moved);
         if loops.estimator.is_none() {
             // Parameters that make none are refused.

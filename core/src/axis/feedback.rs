@@ -131,6 +131,7 @@ impl Axis {
         self.counter = self.sensor.reader();
         if !soft {
             self.homing.forget();
+            self.compensation.forget_counts();
         }
     }
 
@@ -155,6 +156,7 @@ impl Axis {
 
     /// Reads its source. Inputs of all axes are read before any axis moves.
     pub(super) fn read_source(&mut self, input: &DriveInput, encoders: &[Encoder], raw: &[EncoderInput]) {
+        let beside = self.take_compensation();
         let before = self.counter.position();
         self.choose_source();
         let index;
@@ -199,6 +201,7 @@ impl Axis {
             }
         }
         self.take_actual(changed, lead, input.count, index);
+        self.move_beside_counts(beside);
     }
 
     /// As [`read_source`](Self::read_source) of a drive that is online, has no new coordinate and no index pulse; false where its word

@@ -3,15 +3,13 @@
 use super::alarm::NO_NUMBERS;
 use super::power::Power;
 use super::reaction::Failure;
-use super::{Axis, AxisState, Context, MAX_DELAY};
+use super::{Axis, AxisState, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
+use crate::regulator::{PAST, past};
 use serde::{Deserialize, Serialize};
-
-/// Longest ring of command positions.
-const PAST: usize = MAX_DELAY as usize + 1;
 
 /// How far apart the axes are looked at in turn (ns).
 const TURN_NS: u64 = 20_000_000;
@@ -442,20 +440,4 @@ impl Axis {
 /// How far an encoder that stands may tremble or creep, as these parameters have it.
 pub(super) fn slack_of(p: &AxisParameters) -> Position {
     Position::from_f64((p.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
-}
-
-/// A ring of any length as a list: the derived form ends at 32.
-mod past {
-    use super::PAST;
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(past: &[i64; PAST], serializer: S) -> Result<S::Ok, S::Error> {
-        past.as_slice().serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[i64; PAST], D::Error> {
-        let past = Vec::deserialize(deserializer)?;
-        <[i64; PAST]>::try_from(past).map_err(|past| D::Error::invalid_length(past.len(), &"a whole ring"))
-    }
 }

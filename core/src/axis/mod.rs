@@ -13,6 +13,7 @@ mod buffer;
 mod calm;
 mod cam;
 mod cam_marks;
+mod compensation;
 mod conditioning;
 mod coupling;
 mod course;
@@ -88,7 +89,7 @@ use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::regulator::Law;
+use crate::regulator::{Law, TakeUp};
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
@@ -157,6 +158,8 @@ pub struct AxisSetup {
     pub encoders: usize,
     /// Brake that it closes and opens itself.
     pub brake: Option<BrakeConfig>,
+    /// Place of its pitch error among the tables.
+    pub pitch_error: Option<u16>,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
 }
@@ -275,6 +278,7 @@ pub struct Axis {
     leaving: Option<Leaving>,
     buffer: Buffer,
     waiting: Waiting,
+    compensation: TakeUp,
     position_loop: PositionLoop,
     effort_loops: EffortLoops,
     recovery: Recovery,
@@ -325,6 +329,7 @@ impl Axis {
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
+            compensation: TakeUp::new(delay),
             position_loop: PositionLoop::default(),
             effort_loops: EffortLoops::default(),
             recovery: Recovery::default(),
@@ -494,6 +499,7 @@ impl Axis {
             && self.homing.is_running() == (self.state == AxisState::Homing)
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
+            && self.compensation.is_sound()
             && self.position_loop.is_sound()
             && self.effort_loops.is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
             && self.can_close_loop()
@@ -508,7 +514,8 @@ impl Axis {
 
     /// Is it the same axis of the same machine, whatever it is doing?
     pub fn is_set_up_as(&self, other: &Self) -> bool {
-        self.setup == other.setup && self.signals == other.signals && self.judge.has_ring_of(&other.judge)
+        let has_rings = self.judge.has_ring_of(&other.judge) && self.compensation.has_ring_of(&other.compensation);
+        self.setup == other.setup && self.signals == other.signals && has_rings
     }
 
     /// The axis as an object.

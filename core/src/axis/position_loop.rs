@@ -13,6 +13,7 @@ use crate::code::Code;
 use crate::drive::{Interface, MODE_HOMING};
 use crate::encoder::source::Feedback;
 use crate::parameter::AxisParameters;
+use crate::position::Position;
 use crate::regulator::{Law, Pid, PidInput, Proportional};
 use serde::{Deserialize, Serialize};
 
@@ -145,15 +146,18 @@ impl Axis {
             }
             return (value * full, false);
         }
+        // The motor is led, not the load.
+        let ahead = self.turn_counts(self.compensation.ahead());
+        let command = self.command.position + Position::whole(ahead);
         let p = &self.parameters;
         let velocity = match self.setup.law {
             Law::Proportional => {
                 let regulator = Proportional { gain: p.position_loop.kv, max_velocity: p.max_velocity };
-                regulator.velocity(self.command.position, self.actual.position)
+                regulator.velocity(command, self.actual.position)
             }
             Law::Pid => {
                 let input = PidInput {
-                    error: (self.command.position - self.actual.position).to_f64(),
+                    error: (command - self.actual.position).to_f64(),
                     velocity: self.command.velocity / full,
                     // The acceleration behind a leader that is counted is that of single counts.
                     acceleration: if self.is_led { 0.0 } else { self.command.acceleration / rate },
@@ -162,7 +166,7 @@ impl Axis {
                 self.position_loop.pid.step(&p.pid, cycles, input) * full
             }
             Law::Integer => {
-                let error = self.asked().saturating_sub(self.actual.position.floor());
+                let error = self.asked().saturating_add(ahead).saturating_sub(self.actual.position.floor());
                 self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * full
             }
         };

@@ -256,6 +256,7 @@ impl Axis {
                 _ => control::DISABLE_VOLTAGE,
             },
         };
+        self.compensate(cx.tables);
         self.command_drive(self.asked(), word);
         if self.homing.is_in_drive() {
             self.output = self.ask_for_homing(self.output);
@@ -267,6 +268,7 @@ impl Axis {
         let mode = self.setup.interface.mode();
         self.output = DriveOutput { control: word, mode, ..self.output };
         self.lead_drive(asked);
+        self.output.position = self.output.position.wrapping_add(self.compensation.ahead());
     }
 
     /// The part of the drive's outputs that changes while it moves.

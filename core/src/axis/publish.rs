@@ -105,6 +105,7 @@ impl Axis {
         set(IndexCount, u64::from(self.index.0));
         set(IndexPosition, int(self.index.1.floor()));
         set(HomingPhase, self.homing.phase() as u64);
+        set(Compensation, int(self.compensated()));
         let fault = self.fault();
         set(FaultCode, u64::from(fault.code.0));
         set(FaultCycle, fault.cycle);

@@ -102,7 +102,11 @@ impl Axis {
         let found = match self.generator {
             // What moves is told first: that costs it next to nothing.
             Generator::Rest
-                if !self.regulates() && self.is_well() && self.rests_for_good(shown) && !self.shows_a_master(axes) =>
+                if self.compensation.is_settled()
+                    && !self.regulates()
+                    && self.is_well()
+                    && self.rests_for_good(shown)
+                    && !self.shows_a_master(axes) =>
             {
                 Pace::Passed
             }
@@ -147,6 +151,7 @@ impl Axis {
         use AxisState::{ContinuousMotion, DiscreteMotion, SynchronizedMotion};
         matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion)
             && self.power == Power::On
+            && self.compensation.is_idle()
             && self.reference != Reference::Stream
             && !self.has_track()
             && !self.probes()

@@ -593,6 +593,14 @@ codes! {
         remedy: "Send finite numbers.",
     }
 
+    /// New numbers of the pitch error of an axis are none.
+    PITCH_TABLE = 10083, NoError {
+        says: "the numbers are no pitch error, as which an axis reads the table, by point {asked} (0: by all of it)",
+        cause: "New numbers of a table that is the pitch error of an axis have fewer than 2 points, places that do not rise or leave the turn of \
+                the axis, or an error that changes by more than a tenth of the way.",
+        remedy: "Give points whose places rise and whose errors change by a tenth of the way at most.",
+    }
+
     /// A data block as a cam.
     CAM_FORM = 10091, NoError {
         says: "words of a data block are no cam; form y and form xy are",

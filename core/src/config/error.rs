@@ -4,7 +4,8 @@ use super::{SlotProblem, SumProblem, names_no_io};
 use crate::axis::MAX_DELAY;
 use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
-use crate::parameter::VirtualMasterProblem;
+use crate::parameter::{Applies, VirtualMasterProblem};
+use crate::table::PitchError;
 
 /// Why a machine cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -175,6 +176,14 @@ pub enum ConfigError {
         /// What does not exist.
         code: Code,
     },
+    /// The pitch error of an axis.
+    #[error("pitch_error of {axis}: {problem}")]
+    Pitch {
+        /// Whose.
+        axis: String,
+        /// What is wrong with it.
+        problem: PitchProblem,
+    },
     /// A function slot.
     #[error("{slot}: {problem}")]
     Slot {
@@ -201,6 +210,20 @@ pub enum ConfigError {
         /// The other one.
         high: &'static str,
     },
+}
+
+/// Why an axis cannot have a pitch error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PitchProblem {
+    /// No drive is led to its positions.
+    #[error("it is for {}", Applies::Positioned.text())]
+    Interface,
+    /// There is no such table.
+    #[error("it is entry {0} of tables (from 0), which does not exist")]
+    Table(u16),
+    /// The points of the table.
+    #[error("{0}")]
+    Points(PitchError),
 }
 
 /// Why two drives cannot carry one axis.

@@ -14,7 +14,7 @@ use crate::object::{Leader, Object};
 use crate::position::Position;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
-use crate::table::Table;
+use crate::table::{PitchError, Table};
 use lineshaft_program::Module;
 use std::sync::Arc;
 
@@ -178,6 +178,10 @@ impl Machine {
         }
         if present.cam_setting() != table.cam_setting() {
             return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        }
+        for axis in self.state.axes.iter().filter(|axis| axis.pitch_error() == Some(index)) {
+            let told = |error: PitchError| Number::Count(error.point() as i64);
+            axis.check_pitch_error(table).map_err(|error| refuse(Code::PITCH_TABLE).with(told(error), Number::None))?;
         }
         if self.state.axes.iter().any(|axis| axis.cam_table() == Some(index)) {
             let shape = table.cam().map_err(|error| no_cam(index, error))?;

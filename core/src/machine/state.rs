@@ -107,7 +107,7 @@ pub enum StateError {
     #[error("the state holds functions that the cell has not, or a state that they cannot be in")]
     Functions,
     /// Tables of another form.
-    #[error("the state holds tables of another form than the cell")]
+    #[error("the state holds tables that are none of the cell")]
     Tables,
     /// An order that leaves axes out.
     #[error("the state holds an order of axes that names one twice, or one that is not there")]
@@ -206,6 +206,10 @@ impl State {
         }
         if !std::iter::zip(&self.tables, &fresh.tables)
             .all(|(mine, fresh)| (mine.form(), mine.cam_setting()) == (fresh.form(), fresh.cam_setting()))
+            || machine.config.axes.iter().any(|axis| {
+                let table = axis.pitch_error.and_then(|place| self.tables.get(usize::from(place)));
+                table.is_some_and(|table| axis.check_pitch_error(table).is_err())
+            })
         {
             return Err(StateError::Tables);
         }

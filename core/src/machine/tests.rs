@@ -9,6 +9,7 @@ mod cam_marks;
 mod cams;
 mod change_of_master;
 mod changes;
+mod compensation;
 mod conditioning;
 mod direction;
 mod edges;

@@ -3,8 +3,8 @@
 use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
 use super::{
-    Amplifier, Assigned, AssignedOutputs, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop, Row,
-    Supervision, Synchronization, Value,
+    Amplifier, Assigned, AssignedOutputs, Compensation, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop,
+    Row, Supervision, Synchronization, Value,
 };
 use crate::code::Code;
 use crate::position::Position;
@@ -74,6 +74,8 @@ pub struct AxisParameters {
     pub outputs: AssignedOutputs,
     /// How its two drives are held together, where it has two.
     pub gantry: GantryParameters,
+    /// What its drive is asked for beyond its command.
+    pub compensation: Compensation,
     /// What MACS gives relative to others.
     pub macs: Macs,
     /// The position loop that is closed here.
@@ -118,6 +120,7 @@ impl AxisParameters {
             supervision: Supervision::default(),
             outputs: AssignedOutputs::default(),
             gantry: GantryParameters::default(),
+            compensation: Compensation::default(),
             macs: Macs::default(),
             position_loop: PositionLoop::default(),
             pid: PidGains::default(),
@@ -288,6 +291,9 @@ impl AxisParameters {
         }
         if self.default_acceleration.is_some_and(|acceleration| acceleration > self.max_acceleration) {
             return Err(Contradiction::Above("default_acceleration", "max_acceleration"));
+        }
+        if self.compensation.velocity.is_some_and(|velocity| velocity > self.max_velocity) {
+            return Err(Contradiction::Above("compensation.velocity", "max_velocity"));
         }
         self.vocabularies.check(self).map_err(|(low, high)| Contradiction::Above(low, high))
     }

@@ -198,6 +198,8 @@ pub enum Applies {
     Any,
     /// Axes with a drive.
     Drive,
+    /// Axes whose drive is led to positions: all with a drive but those in open loop.
+    Positioned,
     /// Axes whose position loop is here and proportional.
     Proportional,
     /// Axes whose position loop is here and a PID.
@@ -220,6 +222,7 @@ impl Applies {
             Self::Any => true,
             Self::Gantry => has_two,
             Self::Drive => interface.is_some(),
+            Self::Positioned => interface.is_some_and(|interface| interface != Interface::OpenLoop),
             Self::Proportional => is_here && law == Law::Proportional,
             Self::Pid => is_here && law == Law::Pid,
             Self::Torque => interface == Some(Interface::Torque),
@@ -233,6 +236,7 @@ impl Applies {
         match self {
             Self::Any => "every axis",
             Self::Drive => "axes with a drive",
+            Self::Positioned => "axes with interface position, velocity or torque",
             Self::Proportional => "axes with interface velocity or torque and regulator proportional",
             Self::Pid => "axes with interface velocity or torque and regulator pid",
             Self::Torque => "axes with interface torque",

@@ -7,6 +7,7 @@ mod i2t;
 mod pid;
 mod proportional;
 mod sum;
+mod take_up;
 mod velocity;
 
 pub use current::{CURRENT_SAMPLE, CurrentGains, CurrentLoop, DC3, DC6, Design, DesignError, Winding, capped};
@@ -14,6 +15,7 @@ pub use estimator::{EstimatorError, MotionModel, VelocityEstimator, VelocityMeth
 pub use i2t::{Heat, HeatFilter, I2T_WARNING, I2t, I2tSettings};
 pub use pid::{K_OUT, Pid, PidGains, PidInput, Window};
 pub use proportional::{KV, Proportional};
+pub(crate) use take_up::{PAST, TakeUp, past};
 pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityLoop};
 
 use serde::{Deserialize, Serialize};

@@ -80,5 +80,6 @@ signal_block! {
     RegulatorSum "regulator.sum" Real, None; "sum of errors of the PID (inc)"
     RegulatorCurrent "regulator.current" Real, None; "current of the motor, filtered by curftime (mA, AMP_GETCUR)"
     RegulatorHeat "regulator.i2t" Real, None; "filtered squared current (A^2/1000, AMP_I2TVALUE)"
+    Compensation "compensation" Int, Position; "what the drive is asked for beside the command: pitch error and backlash"
     SyncLeaving "sync.leaving" Int, None; "number of the gear_out that waits for its place, 0 for none"
 }

@@ -191,6 +191,15 @@ impl SimDrive {
         }
     }
 
+    /// Where its load stands, whatever an encoder reads (inc of the motor).
+    #[cfg(test)]
+    pub(crate) fn load_place(&self) -> i64 {
+        match &self.motion {
+            Motion::Servo(servo) => self.place.wrapping_add(servo.load()),
+            _ => self.place,
+        }
+    }
+
     /// Puts switches and an index along its way, and the axis to its start: its counts are 0 there.
     pub fn fit(&mut self, fixtures: Fixtures) {
         self.origin = fixtures.start.wrapping_sub(self.count);

@@ -117,6 +117,9 @@ pub(super) fn config() -> MachineConfig {
             (p.heat_time, p.heat_limit) = (500, 1_000_000);
             (p.estimator, p.acceleration) = (3, 1e5);
         }
+        if index % 3 == 2 && interface != Interface::OpenLoop {
+            parameters.compensation.backlash = 50;
+        }
         let law = if index % 4 == 1 { Law::Pid } else { Law::Proportional };
         // Each output of one axis.
         let place = |first: u16| (interface == Interface::OpenLoop).then_some(first + index);
@@ -128,6 +131,7 @@ pub(super) fn config() -> MachineConfig {
             law,
             second: drive.map(Capabilities::all).filter(|_| index == GANTRY),
             brake: Some(brake).filter(|_| index == 4),
+            pitch_error: (index % 3 == 2 && interface != Interface::OpenLoop).then_some(3),
             open_loop,
             modulo: lineshaft_core::modulo::Modulo::new(36_001, 7).filter(|_| index % 3 == 1),
             vocabularies: Wiring {
@@ -151,9 +155,14 @@ pub(super) fn config() -> MachineConfig {
         memory: [("m", MemoryKind::I16), ("bit", MemoryKind::Bit), ("d", MemoryKind::I32)]
             .map(|(name, kind)| MemoryConfig { name: name.into(), kind, initial: 0.0 })
             .into(),
-        tables: [("t", table(3)), ("c", cam_table(Interpolation::Linear)), ("s", cam_table(Interpolation::Quintic))]
-            .map(|(name, table)| TableConfig { name: name.into(), table })
-            .into(),
+        tables: [
+            ("t", table(3)),
+            ("c", cam_table(Interpolation::Linear)),
+            ("s", cam_table(Interpolation::Quintic)),
+            ("p", screw()),
+        ]
+        .map(|(name, table)| TableConfig { name: name.into(), table })
+        .into(),
         programs: vec![ProgramConfig { name: "wild".into(), module: wild() }],
         slots: slots(),
         encoders: vec![EncoderConfig {
@@ -189,6 +198,10 @@ pub(super) fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConf
 }
 
 /// Two points or cams, the second one from `turn` * 100 on.
+fn screw() -> Arc<Table> {
+    Arc::new(Table::new(Numbering::Xy, &[0, 2_000, 5_000], &[40, -100, 0]).expect("points"))
+}
+
 pub(super) fn table(turn: i64) -> Arc<Table> {
     long_table(turn, 40)
 }

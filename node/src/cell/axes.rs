@@ -4,6 +4,7 @@ use super::amc;
 use super::backends::{Context, Hardware};
 use super::brake;
 use super::can::CellDrive;
+use super::compensation;
 use super::drives::{self, Drive, interface_of, law_of};
 use super::encoders::{self, Reads};
 use super::fixtures;
@@ -99,6 +100,7 @@ fn axis<'d>(
     let wired = encoders::feedback(feedback.as_ref(), reads, &travel, cx);
     let mut sections = parameters::Sections::open(&mut map);
     let brake = brake::read(&mut map, drive == Some(Drive::Virtual), cx, io, outputs);
+    let pitch_error = compensation::pitch_error(&mut map, &mut sections, cx);
     let wiring = amc::wiring(place, &mut map, &mut sections, cx, (io, tables), masters);
     let who = drive.map(|drive| interface_of(Some(drive)));
     let form = |place| Some(coded.get(usize::from(place))?.as_ref()?.form);
@@ -195,8 +197,10 @@ fn axis<'d>(
         brake: brake?,
         vocabularies: wiring?,
         wired: wired?,
+        pitch_error: pitch_error.as_ref()?.as_ref().map(|(place, _)| *place),
         ..config
     };
+    compensation::check(&config, &pitch_error?, tables);
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
     check_loop(&config, &entry.key, &given, cx.cycle_ns);

@@ -22,6 +22,7 @@ mod backends;
 mod brake;
 mod buses;
 mod can;
+mod compensation;
 mod devices;
 mod drives;
 mod encoders;

@@ -23,7 +23,7 @@ use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 const MOST: f64 = 1e15;
 
 /// What has keys in a map of its own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
-const PREFIXES: [&str; 6] = ["amc", "saia", "wf", "homing", "position_loop", "velocity_loop"];
+const PREFIXES: [&str; 7] = ["amc", "saia", "wf", "homing", "position_loop", "velocity_loop", "compensation"];
 
 /// The keys that stand in the file, with their values.
 pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
@@ -34,7 +34,7 @@ pub(super) fn word_of_source(key: &str) -> Option<String> {
 }
 
 /// The maps of the vocabularies, where they stand.
-pub(super) struct Sections<'d>([Option<Map<'d>>; 6]);
+pub(super) struct Sections<'d>([Option<Map<'d>>; PREFIXES.len()]);
 
 impl<'d> Sections<'d> {
     pub(super) fn open(map: &mut Map<'d>) -> Self {

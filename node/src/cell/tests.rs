@@ -2,6 +2,7 @@
 
 mod amc;
 mod axes;
+mod compensation;
 mod encoders;
 mod fixtures;
 mod functions;

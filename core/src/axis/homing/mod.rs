@@ -73,6 +73,16 @@ enum Stage {
 }
 
 impl Run {
+    /// The sense in which its reference is come to, in the coordinate of the axis: 1 or -1; 0 where there is no way to it.
+    fn approach(&self) -> i8 {
+        methods::legs(self.method).last().map_or(0, |leg| leg.way * self.sense)
+    }
+
+    /// Does the axis go there by its command?
+    fn is_own(&self) -> bool {
+        !matches!(self.stage, Stage::InDrive(_))
+    }
+
     /// (inc/s)
     fn speed(&self, leg: &methods::Leg) -> f64 {
         let [fast, reduced, slow] = self.speeds;
@@ -102,6 +112,11 @@ impl Homing {
     /// Is nothing under way, and nothing left to tell?
     pub(super) fn is_settled(&self) -> bool {
         self.run.is_none() && !self.lost && !self.unsure && !self.broken && !self.ends
+    }
+
+    /// By how much its coordinate is beyond that of its own zero (inc).
+    pub(super) fn limit_shift(&self) -> i64 {
+        self.limit_shift
     }
 
     pub(super) fn phase(&self) -> HomingPhase {
@@ -373,8 +388,9 @@ impl Axis {
     /// This place is the zero from now on, and homing is done.
     fn take_zero(&mut self, cx: &mut Context<'_>, zero: Position) {
         let shift = zero.nearest();
-        self.homing.run = None;
+        let run = self.homing.run.take();
         self.move_coordinate(shift.wrapping_neg());
+        self.compensate_from_zero(run.map_or(0, |run| run.approach()), run.is_none_or(|run| run.is_own()));
         self.restore_limits(cx);
         self.vocabularies.notice(Notice::ZeroSet);
         (self.homing.done, self.homing.lost) = (true, false);

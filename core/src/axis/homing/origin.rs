@@ -86,6 +86,7 @@ impl Axis {
         let shift = Position::whole(by);
         self.counter.shift(self.turn_counts(by));
         self.shift_pulses(self.turn_counts(by));
+        self.compensation.shift(self.turn_counts(by));
         self.origin = self.origin.wrapping_add(self.turn_counts(by));
         self.command.position += shift;
         self.actual.position += shift;

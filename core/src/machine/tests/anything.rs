@@ -23,7 +23,7 @@ use crate::sync::gear::Ratio;
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{self, Order, saia, wf};
-use cell::{TABLES, fixtures, interface, law, model, output, posdrct, table, tables, terminals};
+use cell::{TABLES, fixtures, interface, law, model, output, posdrct, screw, table, tables, terminals};
 use limits::{limits_are_kept, places};
 use locks::Locks;
 use proptest::prelude::*;
@@ -509,6 +509,12 @@ proptest! {
             if interface == Interface::Velocity {
                 axis.parameters.max_following_error = 10_000;
             }
+        }
+        // Those with a brake hang on a screw.
+        config.tables.push(screw());
+        for axis in config.axes[1..].iter_mut().filter(|axis| is_braked && axis.interface != Interface::OpenLoop) {
+            axis.parameters.compensation.backlash = 300;
+            axis.pitch_error = Some(TABLES);
         }
         let models = interfaces.map(|interface| model(interface).wired(sense.0.abs() == 2));
         let x = &mut config.axes[1];

@@ -391,6 +391,9 @@ const AT_ONCE: &[&str] = &[
     "ffacc",
     "regwmin",
     "regwmax",
+    // tests/compensation.rs
+    "compensation.backlash",
+    "compensation.velocity",
     // tests/loops/torque.rs
     "velkprop",
     "velkint",

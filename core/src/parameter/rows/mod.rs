@@ -1,6 +1,7 @@
 //! The rows of the catalogue: native ones first, then those of each source.
 
 mod amc;
+mod compensation;
 mod encoder;
 mod gantry;
 mod homing;
@@ -73,7 +74,16 @@ pub(super) const SENSE_ROW: u16 = 0;
 
 /// What the meaning of others depends on, native rows, then those of each source.
 const PARTS: &[&[&[Row]]] = &[
-    &[macs::SENSE, native::ROWS, homing::ROWS, encoder::ROWS, supervision::ROWS, gantry::ROWS, virtual_master::ROWS],
+    &[
+        macs::SENSE,
+        native::ROWS,
+        homing::ROWS,
+        encoder::ROWS,
+        supervision::ROWS,
+        gantry::ROWS,
+        compensation::ROWS,
+        virtual_master::ROWS,
+    ],
     &macs::PARTS,
     &[amc::ROWS, saia::ROWS, wf::ROWS],
 ];

@@ -52,6 +52,12 @@ fn motors_pass() {
     passes_on("motor.yaml", "loops/motor.yaml");
 }
 
+/// Proves: WF-INC-04
+#[test]
+fn the_screw_passes() {
+    passes_on("screw.yaml", "loops/screw.yaml");
+}
+
 /// Proves: MACS-REG-01, MACS-REG-05, MACS-REG-08, MACS-REG-09, MACS-REG-12
 #[test]
 fn the_position_loop_of_macs_passes() {

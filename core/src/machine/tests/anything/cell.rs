@@ -81,6 +81,12 @@ pub(super) fn table(number: u16) -> Arc<Table> {
     Arc::new(table.expect("points").with_cam(setting))
 }
 
+/// The pitch error of a screw, within the turn of y, too.
+pub(super) fn screw() -> TableConfig {
+    let points = Table::new(Form::Xy, &[0, 5_000, 10_000], &[0, 200, -100]).expect("points");
+    TableConfig { name: "screw".into(), table: Arc::new(points) }
+}
+
 pub(super) fn tables() -> Vec<TableConfig> {
     (0..TABLES).map(|number| TableConfig { name: format!("cam{number}"), table: table(number) }).collect()
 }

@@ -3,7 +3,7 @@
 use super::super::rig::{Rig, X, Y, config, to};
 use super::lag;
 use crate::code::Code;
-use crate::command::{Action, Level, OutAn};
+use crate::command::{Action, HomeAxis, HomingMethod, Level, OutAn};
 use crate::config::MachineConfig;
 use crate::drive::{Interface, control};
 use crate::object::{AxisSet, Object};
@@ -169,7 +169,7 @@ fn nothing_else_moves_it_until_it_was_off() {
     assert_eq!(refusal(&rig, refused), Some(Code::OUT_AN_RUNS));
     rig.run(10);
     assert_eq!(rig.real("x.output.velocity"), 0.1 * FULL);
-    let homing = crate::command::HomeAxis { axis: X, method: crate::command::HomingMethod::Cia402(35) };
+    let homing = HomeAxis { axis: X, method: HomingMethod::Cia402(35) };
     let refused = rig.give(Action::HomeAxis(homing));
     assert_eq!(refusal(&rig, refused), Some(Code::NOT_AT_STANDSTILL));
     rig.give(Action::Disable(AxisSet::one(X)));
@@ -281,4 +281,32 @@ fn a_new_full_reference_changes_nothing_that_is_under_way() {
     rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Real(50_000.0) }])));
     rig.run(10);
     assert_eq!(rig.real("x.output.velocity"), 0.2 * FULL);
+}
+
+/// Nothing is taken up while nobody leads the motor: the place that is shown is that of its counts.
+#[test]
+fn no_backlash_is_taken_up_meanwhile() {
+    let mut config = velocity_config(Law::Proportional);
+    config.axes[1].parameters.compensation.backlash = 50;
+    let mut rig = rig(config, lag(5));
+    rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) }));
+    rig.run(10);
+    rig.give(Action::Move(to(X, 1_000)));
+    rig.run(2_000);
+    let taken = rig.int("x.compensation");
+    for value in [-0.1, 0.1] {
+        open(&mut rig, value);
+        let counts = rig.int("x.actual.position") - rig.int("x.actual.count");
+        for _ in 0..200 {
+            rig.run(1);
+            assert_eq!(rig.int("x.compensation"), taken, "{value}");
+            assert_eq!(rig.int("x.actual.position") - rig.int("x.actual.count"), counts, "{value}");
+        }
+    }
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(500);
+    rig.enable();
+    rig.give(Action::Move(to(X, -1_000)));
+    rig.run(2_000);
+    assert_eq!(rig.int("x.compensation"), -50);
 }
