@@ -5,7 +5,7 @@ mod actions;
 #[path = "no_alloc/cell.rs"]
 mod cell;
 
-use actions::{Numbers, action, command, leaving, run, trajectory};
+use actions::{Numbers, action, command, leaving, open, run, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use cell::{absolute, config, long_table, models, slots, table, wild};
 use lineshaft_core::code::Code;
@@ -107,7 +107,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
     // Those of functions come beside the others, which stay as they were without them.
-    let (mut numbers, mut orders, mut goals) = (Numbers(7), Numbers(11), Numbers(13));
+    let (mut numbers, mut orders, mut goals, mut openings) = (Numbers(7), Numbers(11), Numbers(13), Numbers(17));
     let mut stream = Setpoints::none(usize::from(AXES));
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
     // As whoever gives them does: kept for as long as the machine may have them.
@@ -146,6 +146,10 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         if pause.is_none() && goals.below(40) == 0 {
             sequence += 1;
             commands.push(Command { sequence, source: Source::Scenario, action: run(&mut goals) });
+        }
+        if pause.is_none() && openings.below(60) == 0 {
+            sequence += 1;
+            commands.push(Command { sequence, source: Source::Scenario, action: open(&mut openings) });
         }
         // A coupling is to be left as soon as it is asked for: later it is seldom there.
         let coupled = commands.iter().find_map(|command| match &command.action {

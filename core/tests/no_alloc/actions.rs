@@ -106,11 +106,6 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             _ => Action::vocabulary(module(numbers)),
         };
     }
-    if numbers.below(40) == 0 {
-        let value = numbers.below(200) as f64 / 100.0 - 1.0;
-        let level = if numbers.below(4) == 0 { Level::Effort } else { Level::Setpoint };
-        return Action::OutAn(OutAn { axis: numbers.below(8) as u16, value, level });
-    }
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
         return match numbers.below(12) {
@@ -221,6 +216,13 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             Action::SetParameters(Box::new([Change { axis, row, value: Value::Real(5e4 + number as f64 / 4.0) }]))
         }
     }
+}
+
+/// A value for loops whose position loop is open, or opens with it.
+pub(super) fn open(numbers: &mut Numbers) -> Action {
+    let value = numbers.below(200) as f64 / 1000.0 - 0.1;
+    let level = if numbers.below(4) == 0 { Level::Effort } else { Level::Setpoint };
+    Action::OutAn(OutAn { axis: numbers.below(u64::from(AXES)) as u16, value, level })
 }
 
 /// A start of the virtual master, which some axes lead and some follow.
