@@ -72,7 +72,8 @@ impl Axis {
         }
         let (full, _) = self.full_reference();
         // Of the motor: what it takes up is no motion of the axis.
-        let taken = self.turn_counts(self.compensation.change());
+        let is_idle = self.compensation.is_idle();
+        let taken = if is_idle { 0 } else { self.turn_counts(self.compensation.change()) };
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();

@@ -147,7 +147,8 @@ impl Axis {
             return (value * full, false);
         }
         // The motor is led, not the load.
-        let ahead = self.turn_counts(self.compensation.ahead());
+        let is_idle = self.compensation.is_idle();
+        let ahead = if is_idle { 0 } else { self.turn_counts(self.compensation.ahead()) };
         let command = self.command.position + Position::whole(ahead);
         let p = &self.parameters;
         let velocity = match self.setup.law {

@@ -107,7 +107,7 @@ const BEYOND: f64 = 1.2;
 pub struct Setting {
     /// Place of the axis.
     pub axis: u16,
-    /// For which loop the excitation is.
+    /// Of which loop the excitation is the value.
     pub level: Level,
     /// What it may do.
     pub permitted: Permitted,

@@ -68,6 +68,7 @@ fn the_position_loop_of_macs_passes() {
 #[test]
 fn the_cascade_of_an_axis_with_interface_torque_passes() {
     passes_on("torque.yaml", "macs/torque_loop.yaml");
+    passes_on("torque.yaml", "loops/out_an.yaml");
 }
 
 /// Proves: MACS-REG-09, MACS-REG-10

@@ -189,6 +189,17 @@ fn a_coupling_is_left_at_a_place() {
 }
 
 #[test]
+fn a_value_for_the_lower_loops_is_a_part_of_what_is_full() {
+    passes(&enabled("do: {out_an: {axis: x, value: 0.5}}, refused: no loop below its position loop is closed here}\n"));
+    assert_eq!(bad("{out_an: {axis: x, value: ^1.5}}"), "value is 1.5; -1..1 is allowed");
+    assert_eq!(
+        bad("{out_an: {axis: x, value: 0, level: ^volt}}"),
+        "level is `volt`; one of setpoint, effort is allowed"
+    );
+    assert!(bad("{out_an: ^{axis: q, value: 0}}").starts_with("no axis is called `q`"));
+}
+
+#[test]
 fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_be_cancelled() {
     passes(&enabled(
         "do: {cancel: {id: m}}, refused: is not active}\n\
