@@ -310,3 +310,24 @@ fn no_backlash_is_taken_up_meanwhile() {
     rig.run(2_000);
     assert_eq!(rig.int("x.compensation"), -50);
 }
+
+/// 0.4 A are a tenth of the full effort. Speeding up takes all of it for 25 ms; the sum of the velocity loop does not grow meanwhile, so that
+/// the axis does not shoot over the velocity that is asked for.
+///
+/// Proves: MACS-AMP-05, MACS-AMP-08
+#[test]
+fn the_sum_of_the_velocity_loop_does_not_grow_beyond_the_cap() {
+    let mut config = torque_config(0);
+    let p = &mut config.axes[1].parameters.amplifier;
+    (p.torque_constant, p.max_current, p.proportional, p.integral, p.limit) = (250.0, 400, 200, 100, 32_767);
+    let mut rig = rig(config, motor());
+    open(&mut rig, 0.5);
+    let (mut fastest, mut most) = (0.0_f64, 0.0_f64);
+    for _ in 0..300 {
+        rig.run(1);
+        fastest = fastest.max(rig.real("x.actual.velocity"));
+        most = most.max(rig.real("x.output.effort"));
+    }
+    assert_eq!(most, 100.0);
+    assert!((50_000.0..53_000.0).contains(&fastest), "{fastest}");
+}
