@@ -185,7 +185,10 @@ impl Axis {
     /// Does it stand, has it switched itself off, or should it have stopped long ago?
     fn has_drive_stopped(&self, cycle: u64, since: u64) -> bool {
         let stops = matches!(self.shown.state(), DriveState::QuickStop | DriveState::Enabled);
-        !stops || self.encoder_stands() || self.has_timed_out(cycle, since)
+        // One that has not heard of it yet stands for another reason, and one that creeps counts nothing in some cycles.
+        let has_heard = cycle.saturating_sub(since) > self.delay().saturating_add(1);
+        let stands = has_heard && self.encoder_stands() && !self.turns(cycle);
+        !stops || stands || self.has_timed_out(cycle, since)
     }
 
     /// The brake goes with the power of this cycle.
@@ -216,7 +219,7 @@ impl Axis {
     pub(super) fn has_come_to_rest(&mut self, cycle: u64) -> bool {
         let since = *self.holding.settles_since.get_or_insert(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
-        let settles = is_led && self.moves() && !self.runs_away();
+        let settles = is_led && (self.moves() || !self.has_taken_up()) && !self.runs_away();
         !settles || self.has_timed_out(cycle, since)
     }
 
@@ -251,8 +254,9 @@ impl Axis {
     fn interrupt(&mut self, cx: &mut Context<'_>) {
         // What is locked already stays so: nothing but reset_errors lets it go on.
         let is_locked = matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
+        let was_on = self.is_on();
         self.stop_and_lock(cx, Code::INTERRUPTED);
-        if self.is_on() && !is_locked {
+        if was_on && !is_locked {
             self.holding.interrupted = true;
             // As after an error: the brake closes with ERRCOND 1 and 3, once the axis stands.
             self.judge.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };

@@ -85,7 +85,11 @@ impl Axis {
             let turn = self.setup.modulo.map(Modulo::length);
             let within = |modulo: Modulo| modulo.split(Position::whole(place)).1.floor();
             let place = self.setup.modulo.map_or(place, within);
-            pitch.map_or(0, |table| table.pitch_at(place, turn)).saturating_add(self.compensation.gap(p.backlash))
+            let target =
+                pitch.map_or(0, |table| table.pitch_at(place, turn)).saturating_add(self.compensation.gap(p.backlash));
+            // The place of an axis that is off follows from what is taken up: one increment would chase itself.
+            let asked = self.compensation.asked();
+            if !is_own && target.abs_diff(asked) <= 1 { asked } else { target }
         } else {
             0
         };
@@ -98,6 +102,19 @@ impl Axis {
     pub(super) fn compensate_from_zero(&mut self, way: i8, is_own: bool) {
         let way = self.turn_counts(way.into()).signum() as i8;
         self.compensation.begin_from_zero(way, is_own);
+    }
+
+    /// Is the load where its counts say? Else the motor is on its way there.
+    pub(super) fn has_taken_up(&self) -> bool {
+        self.compensation.is_idle() || self.compensation.is_settled()
+    }
+
+    /// How far the motor has turned in this cycle (inc, in the user's sense).
+    pub(super) fn motor_change(&self) -> Position {
+        if self.compensation.is_idle() {
+            return self.actual.change;
+        }
+        self.actual.change + Position::whole(self.turn_counts(self.compensation.change()))
     }
 
     /// What the drive is asked for beside the command, in the user's sense (inc).

@@ -71,14 +71,11 @@ impl Axis {
             return 0.0;
         }
         let (full, _) = self.full_reference();
-        // Of the motor: what it takes up is no motion of the axis.
-        let is_idle = self.compensation.is_idle();
-        let taken = if is_idle { 0 } else { self.turn_counts(self.compensation.change()) };
+        let moved = self.motor_change().floor();
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();
         }
-        let moved = self.actual.change.floor().saturating_add(taken);
         loops.way = loops.way.wrapping_add(moved);
         if loops.estimator.is_none() {
             // Parameters that make none are refused.

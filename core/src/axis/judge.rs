@@ -352,7 +352,7 @@ impl Axis {
     /// The generator has nothing more to do: the goal is reached, or what ended it is done.
     fn judge_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop(cx.cycle);
-        self.judge.in_position = self.is_in_window(cx);
+        self.judge.in_position = self.is_in_window(cx) && self.has_taken_up();
         if self.homing.is_running() {
             return self.settle_homing(cx);
         }

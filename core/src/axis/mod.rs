@@ -79,7 +79,7 @@ pub use track::{Run, Violation};
 pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
-use crate::command::{Action, Command, Setpoints};
+use crate::command::{Action, Command, Level, Setpoints};
 use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
@@ -485,7 +485,11 @@ impl Axis {
         let fits = match self.generator {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),
-            Generator::OutAn { .. } => self.closes_loop_here() && self.is_on() && self.gantry().is_none(),
+            Generator::OutAn { level, .. } => {
+                let is_one = self.closes_loop_here() && self.gantry().is_none() && self.goal.is_none();
+                let runs = self.power == Power::On && self.state == AxisState::ContinuousMotion;
+                is_one && runs && (level == Level::Setpoint || self.takes_effort())
+            }
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };

@@ -19,8 +19,8 @@ use crate::profile::Motion;
 
 /// Above this part of max_velocity an axis without position loop is too fast.
 const OVERSPEED: f64 = 1.2;
-/// As many increments of a cycle are no velocity but rounding.
-const ROUNDING: f64 = 2.0;
+/// What a velocity that is counted may be wrong by, in increments of a cycle.
+const ROUNDING: f64 = 1.0;
 
 impl Axis {
     /// What OUTAN asks for now, and of which loop.
@@ -116,10 +116,17 @@ impl Axis {
         (velocity != 0.0 && is_beyond).then_some(limit)
     }
 
+    /// Is nothing here to stop it: its position loop is open, or its drive stops it because it was?
+    pub(super) fn is_left_to_drive(&self) -> bool {
+        self.out_an().is_some() || matches!(self.power, Power::DriveStops { .. })
+    }
+
     /// The end: the drive stops by itself, and then its power goes.
     pub(super) fn leave_to_drive(&mut self, cx: &mut Context<'_>) {
         self.reference = Reference::Stop;
-        self.power = Power::DriveStops { since: cx.cycle, then_off: true };
+        // Its time runs from where its stop began.
+        let since = if let Power::DriveStops { since, .. } = self.power { since } else { cx.cycle };
+        self.power = Power::DriveStops { since, then_off: true };
         self.stand_on_actual();
         if matches!(self.state, AxisState::ContinuousMotion) {
             self.set_state(cx, AxisState::DiscreteMotion);

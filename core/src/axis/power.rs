@@ -1,6 +1,6 @@
 //! Switching a drive on and off (CiA 402 state machine, seen from the master).
 
-use super::reaction::Failure;
+use super::reaction::{Failure, closes_brake};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
 use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
@@ -141,6 +141,8 @@ impl Axis {
                     // Nobody knows any more whether it does.
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
+                    let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
+                    self.ask_for_brake(closes_brake(reaction));
                     self.switch_off(cx);
                 }
             }
@@ -256,7 +258,9 @@ impl Axis {
                 _ => control::DISABLE_VOLTAGE,
             },
         };
-        self.compensate(cx.tables);
+        if !self.note_compensated() {
+            self.compensate(cx.tables);
+        }
         self.command_drive(self.asked(), word);
         if self.homing.is_in_drive() {
             self.output = self.ask_for_homing(self.output);

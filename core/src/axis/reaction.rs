@@ -16,7 +16,7 @@ use crate::profile::Motion;
 use crate::vocabulary::{Notice, Owner};
 
 /// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
-fn closes_brake(reaction: i64) -> bool {
+pub(super) fn closes_brake(reaction: i64) -> bool {
     matches!(reaction, 1 | 3)
 }
 
@@ -110,6 +110,8 @@ enum Deed {
     DriveStops,
     /// It stops with max_deceleration; then what this number of error_reaction says.
     Stop { then: i64 },
+    /// Nothing here holds it: its drive stops it, its power goes, and the brake closes if this number of error_reaction says so.
+    LeaveToDrive { then: i64 },
 }
 
 impl Deed {
@@ -143,7 +145,7 @@ impl Deed {
     /// The same once the axis has stopped.
     fn behind_stop(self) -> Self {
         let then = match self {
-            Self::Stop { then } => then,
+            Self::Stop { then } | Self::LeaveToDrive { then } => then,
             Self::Off { brake } | Self::LetGo { brake } => i64::from(brake),
             Self::DriveStops | Self::Report | Self::End => 4,
         };
@@ -167,8 +169,8 @@ impl Axis {
     fn possible(&self, deed: Deed, moment: Moment) -> Deed {
         match deed {
             Deed::Report | Deed::End => deed,
-            // Nothing here holds its position.
-            Deed::Stop { .. } if self.out_an().is_some() => Deed::DriveStops,
+            Deed::Stop { then } if self.is_left_to_drive() => Deed::LeaveToDrive { then },
+            Deed::DriveStops if self.is_left_to_drive() => Deed::LeaveToDrive { then: 4 },
             _ if moment == Moment::AtLimit => deed.behind_stop(),
             // There is no power that could go, and no drive.
             _ if self.is_virtual() => deed.behind_stop(),
@@ -214,22 +216,30 @@ impl Axis {
                 self.power = Power::DriveStops { since: cx.cycle, then_off: false };
                 self.stand_on_actual();
             }
+            Deed::LeaveToDrive { then } => {
+                self.leave_to_drive(cx);
+                self.judge.after_stop = self.behind_abort(then);
+            }
             Deed::Stop { then } => {
                 if failure.moment != Moment::AtLimit || self.is_open_loop() {
                     self.brake_to_rest(cx, &self.stop_limits());
                 }
-                // A brake that an abort was to close is closed all the same.
-                self.judge.after_stop = match then {
-                    2 | 5 if closes_brake(self.judge.after_stop) => 3,
-                    0 | 4 if closes_brake(self.judge.after_stop) => 1,
-                    _ => then,
-                };
+                self.judge.after_stop = self.behind_abort(then);
             }
         }
         self.set_state(cx, AxisState::ErrorStop);
         if let (Moment::Before, Generator::Plan(course)) = (failure.moment, &mut self.generator) {
             course.begin_earlier();
             self.command = course.at(cx.cycle);
+        }
+    }
+
+    /// What this number of error_reaction is where an abort was to close a brake: it is closed all the same.
+    fn behind_abort(&self, then: i64) -> i64 {
+        match then {
+            2 | 5 if closes_brake(self.judge.after_stop) => 3,
+            0 | 4 if closes_brake(self.judge.after_stop) => 1,
+            _ => then,
         }
     }
 

@@ -46,6 +46,8 @@ pub(super) struct Rhythm {
     switches: bool,
     /// The loops that are closed here have their outputs of this cycle.
     has_stepped: bool,
+    /// What is taken up in this cycle is known.
+    has_compensated: bool,
     /// What its drive told then; a virtual axis has none.
     told: DriveInput,
 }
@@ -55,7 +57,7 @@ impl Axis {
     #[inline]
     pub fn begin_cycle(&mut self, is_quiet: bool, input: Option<&DriveInput>) -> Pace {
         let rhythm = &mut self.rhythm;
-        rhythm.has_stepped = false;
+        (rhythm.has_stepped, rhythm.has_compensated) = (false, false);
         let told = &rhythm.told;
         rhythm.goes_on = is_quiet
             && match rhythm.found {
@@ -84,10 +86,15 @@ impl Axis {
         std::mem::replace(&mut self.rhythm.has_stepped, true)
     }
 
+    /// Is it known what is taken up in this cycle? From now on it is.
+    pub(super) fn note_compensated(&mut self) -> bool {
+        std::mem::replace(&mut self.rhythm.has_compensated, true)
+    }
+
     /// Something beside its own cycle acts on it, or it tells something.
     pub fn disturb(&mut self) {
-        let Rhythm { told, has_stepped, .. } = self.rhythm;
-        self.rhythm = Rhythm { told, has_stepped, ..Rhythm::default() };
+        let Rhythm { told, has_stepped, has_compensated, .. } = self.rhythm;
+        self.rhythm = Rhythm { told, has_stepped, has_compensated, ..Rhythm::default() };
     }
 
     /// The cycle of an axis that stands still.

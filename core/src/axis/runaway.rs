@@ -114,7 +114,7 @@ impl Axis {
     #[inline]
     pub(super) fn standing(&self) -> (f64, u64) {
         let is_held = matches!(self.power, Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
-        if self.actual.change != Position::ZERO || is_held {
+        if self.motor_change() != Position::ZERO || is_held {
             return (0.0, 0);
         }
         let Recovery { way, pushes, .. } = self.recovery;

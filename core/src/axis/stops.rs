@@ -153,10 +153,11 @@ impl Axis {
     /// Stops and locks the axis; a brake closes once it stands, or at once where nothing holds it (MACS-ERR-09, A-49).
     pub(super) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
         self.holding.interrupted = false;
+        let was_on = self.is_on();
         self.stop_and_lock(cx, Code::ABORTED);
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
         self.holding.aborted = self.state == AxisState::Stopping;
-        if !self.is_on() {
+        if !was_on {
             self.brake |= has_brake;
         } else if has_brake {
             // What an error has left to do is done as well.

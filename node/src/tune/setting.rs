@@ -92,6 +92,8 @@ const USUAL: f64 = 0.3;
 const TRAVEL_TIME: f64 = 0.4;
 /// Way beyond the travel in parts of it.
 const MARGIN: f64 = 0.25;
+/// Part of the travel within which a drive of velocities has to stop: from where its excitation brakes to the end of the margin.
+const BRAKING: f64 = 0.4;
 /// Time of the motion to and fro (s), and its range.
 const DURATION: f64 = 6.0;
 const DURATIONS: (f64, f64) = (1.0, 60.0);
@@ -174,7 +176,11 @@ impl Setting {
         if self.is_given || travel < LEAST_TRAVEL {
             return Err(travel);
         }
-        Ok(Permitted { travel, margin: MARGIN * travel, velocity: p.velocity.min(travel / TRAVEL_TIME), ..p })
+        let slower = (travel / p.travel).min(1.0);
+        // Half of the velocity takes a quarter of the way to stop.
+        let command = if p.takes == Takes::Velocity { slower * p.command } else { p.command };
+        let (margin, velocity) = (MARGIN * travel, slower * p.velocity);
+        Ok(Permitted { travel, margin, velocity, command: command.max(1e-3), ..p })
     }
 }
 
@@ -232,8 +238,11 @@ fn permitted(
     };
     let velocity = bounds.velocity.unwrap_or(USUAL * p.max_velocity);
     let velocity = judge("velocity", velocity, (1e-3 * p.max_velocity, p.max_velocity), "inc/s")?;
-    let travel = bounds.travel.unwrap_or((TRAVEL_TIME * velocity).max(LEAST_TRAVEL));
-    let travel = judge("travel", travel, (LEAST_TRAVEL, 1e12), "inc")?;
+    let braking = if takes == Takes::Velocity { velocity * velocity / (2.0 * p.max_acceleration) } else { 0.0 };
+    let usual = (TRAVEL_TIME * velocity).max(LEAST_TRAVEL).max(braking / BRAKING);
+    // What the velocity needs to stop is no choice.
+    let least = LEAST_TRAVEL.max((braking / BRAKING).ceil());
+    let travel = judge("travel", bounds.travel.unwrap_or(usual.ceil()), (least, 1e12), "inc")?;
     let effort = judge("effort", bounds.effort.unwrap_or(USUAL), (0.01, 1.0), "of the largest effort")?;
     let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
     let command = match takes {

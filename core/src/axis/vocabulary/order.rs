@@ -213,7 +213,7 @@ impl Axis {
             Order::Reset => {
                 if self.alarm.code().is_alarm() {
                     self.check_stop_of(cx.cycle)?;
-                    if !self.rests() {
+                    if !self.rests() || !self.has_stopped_by_itself(cx.cycle) {
                         return Err(self.not_at_standstill());
                     }
                     // WF-MON-06: after its cause is removed. The others last only as long as what they stop.

@@ -452,3 +452,36 @@ proptest! {
         }
     }
 }
+
+/// 400 inc at 4000 inc/s take 100 ms, and the way back by 10 inc a few of them: the goal is done once the load is there, not once its counts less what
+/// is asked for are.
+#[test]
+fn a_goal_is_done_once_its_backlash_is_taken_up() {
+    let mut config = cell(2, 400, None);
+    config.axes[1].parameters.compensation.velocity = Some(4_000.0);
+    let mut rig = homed(config);
+    go(&mut rig, 10_000);
+    let goal = rig.give(Action::Move(to(X, 9_990)));
+    let mut cycles = 0;
+    while rig.done(goal).is_empty() {
+        assert_eq!(rig.int("x.in_position"), 0, "after {cycles} ms");
+        rig.run(1);
+        cycles += 1;
+    }
+    assert_eq!((compensation(&rig), rig.int("x.actual.count")), (-400, 9_990 - 400));
+    assert!((100..150).contains(&cycles), "{cycles}");
+}
+
+/// A backlash of more than max_following_error is no encoder that stands: its counts move while the axis does not.
+#[test]
+fn a_motor_that_takes_up_does_not_stand() {
+    let mut config = cell(0, 3_000, None);
+    let axis = &mut config.axes[1];
+    axis.interface = Interface::Velocity;
+    axis.parameters.max_following_error = 500;
+    axis.parameters.position_loop.kv = 100.0;
+    let mut rig = homed(config);
+    go(&mut rig, 2_000);
+    go(&mut rig, 1_000);
+    assert_eq!((rig.int("x.error"), compensation(&rig)), (0, -3_000));
+}

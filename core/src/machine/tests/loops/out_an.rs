@@ -2,9 +2,10 @@
 
 use super::super::rig::{Rig, X, Y, config, to};
 use super::lag;
+use crate::axis::Safety;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod, Level, OutAn};
-use crate::config::MachineConfig;
+use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::drive::{Interface, control};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{Change, Row, Value};
@@ -330,4 +331,107 @@ fn the_sum_of_the_velocity_loop_does_not_grow_beyond_the_cap() {
     }
     assert_eq!(most, 100.0);
     assert!((50_000.0..53_000.0).contains(&fastest), "{fastest}");
+}
+
+/// Contacts of the cell: input 0 is the emergency stop, input 1 the interlock; both read 1 while all is well.
+fn with_contacts(mut config: MachineConfig) -> MachineConfig {
+    for (name, kind) in
+        [("estop", IoKind::DigitalInput), ("door", IoKind::DigitalInput), ("hold", IoKind::DigitalOutput)]
+    {
+        config.io.push(IoConfig { name: name.to_owned(), kind, latch: false });
+    }
+    config.safety = Safety { estop: Some(0), interlock: Some(1) };
+    config.axes[1].parameters.outputs.brake = 1;
+    config
+}
+
+/// An emergency stop while the loop is open, and one while the drive stops already, whatever error_reaction is: the quick stop of the drive goes on,
+/// the brake closes once the axis stands, and the power goes. The interlock is the same without brake, unless that is 3.
+#[test]
+fn contacts_leave_it_to_its_drive_and_close_the_brake_at_rest() {
+    for reaction in 0..=5 {
+        for (contact, brake) in [(0, 1), (1, i64::from(reaction == 3))] {
+            for halts in [false, true] {
+                let case = format!("reaction {reaction}, contact {contact}, halted before {halts}");
+                let mut config = with_contacts(velocity_config(Law::Pid));
+                config.axes[1].parameters.error_reaction = reaction;
+                let mut rig = Rig::with(config, [lag(20), Model::Ideal]);
+                (0..2).for_each(|input| rig.plant.set_digital(input, true));
+                rig.enable();
+                open(&mut rig, 0.5);
+                rig.run(200);
+                if halts {
+                    rig.give(Action::Halt(AxisSet::one(X)));
+                    rig.run(1);
+                }
+                rig.plant.set_digital(contact, false);
+                rig.run(2);
+                assert_eq!(rig.state("x"), "ERROR_STOP", "{case}");
+                while rig.real("x.actual.velocity") > 1_000.0 {
+                    assert_eq!(rig.int("x.output.control"), i64::from(control::QUICK_STOP), "{case}");
+                    assert_eq!(rig.int("x.brake"), 0, "{case}: it moves");
+                    rig.run(1);
+                }
+                rig.run(500);
+                assert_eq!((rig.int("x.output.control"), rig.int("x.brake")), (0, brake), "{case}");
+            }
+        }
+    }
+}
+
+/// An error under power with every error_reaction that stops: the power goes, the brake closes with 1 and 3.
+#[test]
+fn every_error_that_stops_it_takes_the_power_at_rest() {
+    for reaction in 0..=5 {
+        let mut config = with_contacts(velocity_config(Law::Pid));
+        let p = &mut config.axes[1].parameters;
+        (p.error_reaction, p.min_position, p.max_position) = (reaction, Some(-30_000), Some(30_000));
+        let mut rig = Rig::with(config, [lag(5), Model::Ideal]);
+        (0..2).for_each(|input| rig.plant.set_digital(input, true));
+        rig.enable();
+        open(&mut rig, 0.9);
+        rig.run(1_000);
+        assert_eq!((rig.state("x"), rig.int("x.output.control")), ("ERROR_STOP", 0), "{reaction}");
+        assert_eq!(rig.int("x.brake"), i64::from(matches!(reaction, 1 | 3)), "{reaction}");
+    }
+}
+
+/// Esc closes the brake once the drive has stopped the axis, not before.
+#[test]
+fn an_abort_closes_the_brake_at_rest() {
+    let mut rig = Rig::with(with_contacts(velocity_config(Law::Pid)), [lag(20), Model::Ideal]);
+    (0..2).for_each(|input| rig.plant.set_digital(input, true));
+    rig.enable();
+    open(&mut rig, 0.5);
+    rig.run(200);
+    rig.give(Action::Abort);
+    while rig.real("x.actual.velocity") > 1_000.0 {
+        assert_eq!((rig.int("x.brake"), rig.int("x.output.control")), (0, i64::from(control::QUICK_STOP)));
+        rig.run(1);
+    }
+    rig.run(500);
+    assert_eq!((rig.state("x"), rig.int("x.brake"), rig.int("x.output.control")), ("STOPPING", 1, 0));
+}
+
+/// A drive hears of a value ten cycles later: a halt before that is no stop of an axis that stands, and is done once it does.
+#[test]
+fn a_halt_waits_for_what_the_drive_has_not_heard_yet() {
+    let mut config = config(10);
+    config.axes[1].interface = Interface::Velocity;
+    config.axes[1].parameters.max_following_error = 20_000;
+    let mut rig = rig(config, lag(20));
+    open(&mut rig, 0.0);
+    rig.run(30);
+    open(&mut rig, 1.0);
+    rig.run(4);
+    let halt = rig.give(Action::Halt(AxisSet::one(X)));
+    let mut fastest: f64 = 0.0;
+    for _ in 0..1_000 {
+        rig.run(1);
+        fastest = fastest.max(rig.real("x.actual.velocity"));
+        let is_done = done(&rig, halt) == 1;
+        assert!(!is_done || rig.real("x.actual.velocity") == 0.0, "done at {} inc/s", rig.real("x.actual.velocity"));
+    }
+    assert!(fastest > 5_000.0, "{fastest}");
+    assert_eq!((done(&rig, halt), rig.state("x"), rig.int("x.enabled")), (1, "DISABLED", 0));
 }
