@@ -106,7 +106,7 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
     let other = match key {
         "dfltvel" | "dfltacc" | "home_vel" | "home_ramp" => "must not lie above velres",
         "velres" => "must not lie below dfltvel, dfltacc, home_vel or home_ramp",
-        "homing.velocity" | "homing.index_velocity" => "must not lie above max_velocity",
+        "homing.velocity" | "homing.index_velocity" | "compensation.velocity" => "must not lie above max_velocity",
         "neglimit" => "must lie below poslimit",
         "poslimit" => "must lie above neglimit",
         "swneglimact" => "puts neglimit in force, which must lie below poslimit",
@@ -114,7 +114,9 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
         "min_position" => "must lie below max_position",
         "max_position" => "must lie above min_position",
         "default_velocity" => "must not lie above max_velocity",
-        "max_velocity" => "must not lie below default_velocity, homing.velocity or homing.index_velocity:",
+        "max_velocity" => {
+            "must not lie below default_velocity, homing.velocity, homing.index_velocity or compensation.velocity:"
+        }
         "default_acceleration" => "must not lie above max_acceleration",
         "max_acceleration" => "must not lie below default_acceleration",
         "wf.md1" => "must not lie above max_acceleration",

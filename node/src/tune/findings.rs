@@ -52,6 +52,13 @@ impl Subject {
     }
 }
 
+impl Subject {
+    /// Way around the target of a step in which that counts as reached (inc).
+    pub fn step_window(&self, step: &Move) -> f64 {
+        self.window.min((STEP_WINDOW * step.distance()).max(1.0))
+    }
+}
+
 /// A gain, by the key of its parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gain {
@@ -124,6 +131,9 @@ const STEP_OUTPUT: f64 = 0.3;
 
 /// Least and largest step (inc).
 const STEPS: (f64, f64) = (10.0, 1e9);
+
+/// A step counts as settled within this part of it, where `window` is wider.
+const STEP_WINDOW: f64 = 0.2;
 
 /// Time of a step in periods of the crossover, and its bounds (s).
 const STEP_TIME: (f64, f64, f64) = (15.0, 0.05, 3.0);
@@ -245,6 +255,7 @@ fn gains(before: &Loops, after: &Loops) -> Vec<Gain> {
 struct Trials<'a> {
     identified: &'a Identified,
     window: f64,
+    step_window: f64,
     step: Move,
     step_time: f64,
     to: Move,
@@ -263,7 +274,8 @@ impl<'a> Trials<'a> {
         let velocity = subject.velocity.min(longest);
         let way = 2.0 * velocity * velocity / subject.acceleration;
         let to = Move::Trapezoid { distance: way.max(1.0), velocity, acceleration: subject.acceleration };
-        Self { identified, window: subject.window, step: Move::Step { distance }, step_time, to }
+        let (step, window) = (Move::Step { distance }, subject.window);
+        Self { identified, window, step_window: subject.step_window(&step), step, step_time, to }
     }
 
     fn answer(&self, loops: &Loops) -> Result<Answer, LoopError> {
@@ -273,7 +285,7 @@ impl<'a> Trials<'a> {
             loops: *loops,
             position: bode(model, loops)?,
             velocity: velocity_bode(model, loops)?,
-            step: simulate(model, loops, &self.step, self.step_time, self.window)?,
+            step: simulate(model, loops, &self.step, self.step_time, self.step_window)?,
             moved: simulate(model, loops, &self.to, move_time, self.window)?,
         })
     }

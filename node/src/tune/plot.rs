@@ -179,11 +179,12 @@ fn step(findings: &Findings, sides: &[Side<'_>]) -> Sheet {
     }));
     let bounds = (STEP_SHOWN.0 * distance, STEP_SHOWN.1 * distance);
     let (low, high) = extent(&curves, bounds);
+    let window = rounded(findings.subject.step_window(&findings.step), 3);
     let lines = sides.iter().flat_map(|(name, _, answer)| {
         let figures = &answer.step.figures;
         let settled = figures.settling.map_or_else(
-            || format!("not within {} inc", rounded(findings.subject.window, 3)),
-            |time| format!("within {} inc after {} ms", rounded(findings.subject.window, 3), rounded(1000.0 * time, 3)),
+            || format!("not within {window} inc"),
+            |time| format!("within {window} inc after {} ms", rounded(1000.0 * time, 3)),
         );
         [format!("{name}: overshoot {:.0} %", figures.overshoot), format!("{name}: {settled}")]
     });

@@ -241,8 +241,8 @@ fn permitted(
     let braking = if takes == Takes::Velocity { velocity * velocity / (2.0 * p.max_acceleration) } else { 0.0 };
     let usual = (TRAVEL_TIME * velocity).max(LEAST_TRAVEL).max(braking / BRAKING);
     // What the velocity needs to stop is no choice.
-    let least = LEAST_TRAVEL.max((braking / BRAKING).ceil());
-    let travel = judge("travel", bounds.travel.unwrap_or(usual.ceil()), (least, 1e12), "inc")?;
+    let least = LEAST_TRAVEL.max((braking / BRAKING).floor());
+    let travel = judge("travel", bounds.travel.unwrap_or(usual.round()), (least, 1e12), "inc")?;
     let effort = judge("effort", bounds.effort.unwrap_or(USUAL), (0.01, 1.0), "of the largest effort")?;
     let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
     let command = match takes {

@@ -178,7 +178,8 @@ impl Findings {
         let window = subject.place(subject.window);
         rows.push(vec![format!("step of {}", subject.place(self.step.distance()))]);
         rows.push(row("  overshoot".to_owned(), &|answer| percent(answer.step.figures.overshoot)));
-        rows.push(row(format!("  within {window} after"), &|answer| settled(answer.step.figures.settling)));
+        let of_step = subject.place(subject.step_window(&self.step));
+        rows.push(row(format!("  within {of_step} after"), &|answer| settled(answer.step.figures.settling)));
         let at = match self.to {
             Move::Trapezoid { velocity, .. } => format!(" at {}", subject.rate(velocity, 1)),
             Move::Step { .. } => String::new(),

@@ -196,3 +196,23 @@ fn a_record_without_motion_has_no_model() {
     let refusal = Findings::find(subject, &record, &setting.wish, &setting.before).expect_err("a refusal");
     assert!(matches!(refusal, Refusal::Stuck { .. }), "{refusal}");
 }
+
+/// 30 % of 45 rev/s take 13.5^2 / (2 * 5) = 18.225 rev to stop at 5 rev/s^2, which is 0.4 of the travel: 45.5625 rev, and a shorter one is refused. Half the room
+/// is half of everything.
+#[test]
+fn the_travel_leaves_a_way_to_stop() {
+    let slow = |keys: &str| {
+        torque("interface: velocity", 8192, "", keys)
+            .replace("max_acceleration: 100 rev/s^2", "max_acceleration: 5 rev/s^2")
+    };
+    let cell = |text: String| Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+    let permitted = setting(&cell(slow("")), Bounds::default()).expect("bounds").permitted;
+    assert_eq!((permitted.travel, permitted.velocity), (45.5625 * 8192.0, 13.5 * 8192.0));
+    let bounds = Bounds { travel: Some(8192.0), ..Bounds::default() };
+    let sentence = setting(&cell(slow("")), bounds).expect_err("too short").to_string();
+    assert!(sentence.starts_with("x: travel is 8192 inc; 37324"), "{sentence}");
+    let limits = "    min_position: -28.4765625 rev\n    max_position: 28.4765625 rev\n";
+    let shorter = setting(&cell(slow(limits)), Bounds::default()).expect("bounds").at(0).expect("room");
+    assert_eq!((shorter.travel, shorter.velocity), (permitted.travel / 2.0, permitted.velocity / 2.0));
+    assert!((shorter.command - permitted.command / 2.0).abs() < 1e-12);
+}
