@@ -195,7 +195,7 @@ struct TuneArgs {
     cell: PathBuf,
     /// The axis
     axis: String,
-    /// Way either side of where the axis stands (at least 100 inc); left out: what it goes in 0.4 s at that velocity, or what its limits leave
+    /// Way either side of where the axis stands (at least 100 inc); left out: what it goes in 0.4 s at that velocity, or what it needs to stop; less where its limits leave less
     #[arg(long, value_name = "LENGTH")]
     travel: Option<String>,
     /// Largest velocity, to `max_velocity`; left out: 30 % of it

@@ -139,7 +139,6 @@ fn said(ended: Ended, config: &MachineConfig, setting: Setting) -> Option<String
             let name = usize::try_from(state).ok().and_then(|place| AXIS_STATES.get(place)).unwrap_or(&"unknown");
             format!("somebody else has stopped or moved it; it is in state {name}")
         }
-        Ended::Stopped => "it was stopped".to_owned(),
         Ended::NoRoom(travel) => format!(
             "the software limits leave {:.0} inc either way of where it stands; a travel of {:.0} inc was asked for",
             travel.max(0.0),

@@ -136,14 +136,13 @@ impl Setting {
         parameters: impl Fn(usize) -> AxisParameters,
         bounds: &Bounds,
     ) -> Result<Self, Unfit> {
-        let found = config.axes.iter().position(|axis| axis.name == name);
-        let (Some(place), Some(axis)) = (found, config.axes.iter().find(|axis| axis.name == name)) else {
+        let Some((place, axis)) = config.axes.iter().enumerate().find(|(_, axis)| axis.name == name) else {
             return Err(Unfit::unknown(config, name));
         };
         let p = parameters(place);
         let takes = takes(axis)?;
         let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
-        let mut setting = Self {
+        Ok(Self {
             axis: u16::try_from(place).unwrap_or(u16::MAX),
             level: if takes == Takes::Effort { Level::Effort } else { Level::Setpoint },
             permitted: permitted(axis, &p, config.cycle_ns, takes, bounds)?,
@@ -155,9 +154,7 @@ impl Setting {
             limits: (p.min_position, p.max_position),
             before,
             wish,
-        };
-        setting.permitted.command = setting.permitted.command.clamp(1e-3, 1.0);
-        Ok(setting)
+        })
     }
 
     /// The bounds where it stands (inc): travel that was not asked for becomes less, if there is less room.
@@ -255,7 +252,8 @@ fn permitted(
         travel,
         margin: MARGIN * travel,
         velocity,
-        command,
+        // The least that an excitation takes.
+        command: command.clamp(1e-3, 1.0),
         ramp: RAMP,
         duration,
         seed: 1,

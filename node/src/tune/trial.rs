@@ -15,6 +15,7 @@ use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::signal::Signal;
+use lineshaft_core::state::AxisState;
 use lineshaft_tune::{Abort, Drive, Excitation, Record};
 
 /// How a trial ended.
@@ -28,8 +29,6 @@ pub enum Ended {
     Failed(Event),
     /// Somebody else moved or stopped it: its state.
     Interrupted(i64),
-    /// It was told to.
-    Stopped,
     /// Too little room: the travel that there is (inc).
     NoRoom(f64),
     /// Nothing came in time.
@@ -63,10 +62,11 @@ const LONGEST: f64 = 8.0;
 /// Most cycles of a record.
 const MOST_CYCLES: f64 = 2e6;
 
-const DISABLED: i64 = 0;
-const STANDSTILL: i64 = 1;
-const CONTINUOUS_MOTION: i64 = 3;
-const ERROR_STOP: i64 = 7;
+// As `x.state` shows them.
+const DISABLED: i64 = AxisState::Disabled as i64;
+const STANDSTILL: i64 = AxisState::Standstill as i64;
+const CONTINUOUS_MOTION: i64 = AxisState::ContinuousMotion as i64;
+const ERROR_STOP: i64 = AxisState::ErrorStop as i64;
 
 /// A trial between two cycles.
 #[derive(Debug)]
@@ -76,7 +76,6 @@ pub struct Trial {
     excitation: Excitation,
     record: Record,
     phase: Phase,
-    stop: bool,
     /// Number of the last command, and what it has put out.
     given: u64,
     sent: f64,
@@ -104,7 +103,6 @@ impl Trial {
             excitation: Excitation::new(p).map_err(|error| Unfit::Excitation { axis: name.to_owned(), error })?,
             record: Record::with_capacity(p.cycle, p.takes, cycles as usize),
             phase: Phase::Begin,
-            stop: false,
             given: 0,
             sent: 0.0,
             start: 0,
@@ -113,25 +111,11 @@ impl Trial {
         })
     }
 
-    /// Ends it: the axis is disabled in the next cycle.
-    pub fn stop(&mut self) {
-        self.stop = true;
-    }
-
     /// How it ended, once it is over and the axis off.
     pub fn ended(&self) -> Option<Ended> {
         match self.phase {
             Phase::Over(ended) => Some(ended),
             _ => None,
-        }
-    }
-
-    /// Part of it that is over, 0 to 1.
-    pub fn progress(&self) -> f64 {
-        match self.phase {
-            Phase::Begin | Phase::Enabling { .. } => 0.0,
-            Phase::Exciting => self.excitation.progress(),
-            Phase::Disabling { .. } | Phase::Over(_) => 1.0,
         }
     }
 
@@ -156,9 +140,6 @@ impl Trial {
             return self.end(state, Ended::Failed(failure));
         }
         match self.phase {
-            _ if self.stop && !matches!(self.phase, Phase::Disabling { .. } | Phase::Over(_)) => {
-                self.end(state, Ended::Stopped)
-            }
             Phase::Begin if matches!(state, DISABLED | STANDSTILL) => {
                 self.phase = Phase::Enabling { left: self.switch_cycles() };
                 (state == DISABLED).then_some(Action::Enable(axes))
