@@ -12,6 +12,7 @@ use lineshaft::run::flight::{Flight, folder::FlightFolder};
 use lineshaft::run::frames::{FrameSender, frames};
 use lineshaft::run::lanes::lanes;
 use lineshaft::run::recorder::Recorder;
+use lineshaft::run::trials::trials;
 use lineshaft_core::command::{Action, BufferMode, Command, Commands, Move, MoveMode, Source};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::machine::Machine;
@@ -123,8 +124,15 @@ fn recorded(c: &mut Criterion, name: &str, with_bag: bool) {
     let (config, directory) = (machine.config().clone(), machine.directory().clone());
     let encoder = Encoder::new(&cell, &config, &directory);
     let ((commander, _lanes), (ask, asked)) = (lanes(machine.config().axes.len()), channel());
-    let handle =
-        Arc::new(Handle::new(config, directory, commander, ask, Snapshot::default(), ParameterImage::default()));
+    let handle = Arc::new(Handle::new(
+        config,
+        directory,
+        commander,
+        trials().0,
+        ask,
+        Snapshot::default(),
+        ParameterImage::default(),
+    ));
     let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
     let options = BagOptions { path: folder.path().join("bag"), ..BagOptions::default() };
     let bag = with_bag.then(|| Bag::create(&options, Subject::clone(&subject)).expect("a new bag"));

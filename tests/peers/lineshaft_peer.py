@@ -28,6 +28,7 @@ import ros2wire as rw
 import shaft
 import streams
 import trajectories
+import tune
 import watch
 from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
                             AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest, RunGoal,
@@ -387,6 +388,7 @@ def parser():
     shaft.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
+    tune.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)
     p = command("burst", hammer.burst, count=200)

@@ -30,9 +30,11 @@ pub struct Record {
 pub(crate) const LEAST_CYCLES: usize = 64;
 
 impl Record {
-    /// For so many cycles, empty.
+    /// For so many cycles, empty. Its memory is touched here, so that no cycle waits for a page of it.
     pub fn with_capacity(cycle: f64, takes: Takes, cycles: usize) -> Self {
-        let (commands, positions) = (Vec::with_capacity(cycles), Vec::with_capacity(cycles));
+        let (mut commands, mut positions) = (vec![1.0; cycles], vec![1; cycles]);
+        commands.clear();
+        positions.clear();
         Self { cycle, takes, commands, positions, efforts: Vec::new() }
     }
 

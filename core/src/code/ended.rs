@@ -313,6 +313,13 @@ codes! {
         remedy: "Couple it first; cancel a goal that waits to engage.",
     }
 
+    /// Tuning found no gains.
+    NOT_TUNED = 10248, NoError {
+        says: "no gains were found",
+        cause: "~/tune has no record of the axis, no model of it, or no gains for the model; its message says why.",
+        remedy: "Do what the message says; the axis is as it was, and off.",
+    }
+
     /// halt ended the goal.
     HALTED = 10102, NoError {
         says: "halt ended the goal",

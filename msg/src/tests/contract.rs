@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 34] = [
+const OWN_INTERFACES: [(&str, &str); 35] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -137,6 +137,23 @@ const OWN_INTERFACES: [(&str, &str); 34] = [
         uint8 SEARCHING=0 PROBED=1
         uint8 phase
         float64 position velocity distance_to_go",
+    ),
+    (
+        "action/Tune",
+        "uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
+        string axis
+        uint8 units
+        float64 travel velocity effort duration
+        bool real apply
+        ---
+        uint32 code
+        string message report
+        rcl_interfaces/Parameter[] parameters
+        bool applied
+        ---
+        uint8 ENABLING=1 EXCITING=2 DISABLING=3 DESIGNING=4
+        uint8 phase
+        float64 progress position velocity",
     ),
     (
         "action/RunFunction",

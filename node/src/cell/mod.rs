@@ -222,6 +222,13 @@ impl Cell {
         self.hardware.iter().zip(&self.second_hardware).map(names).collect()
     }
 
+    /// The axes with a drive that is not simulated, in file order.
+    pub fn real_axes(&self) -> Vec<bool> {
+        let is_real = |at: &Hardware| self.backends.get(at.backend).is_some_and(|backend| !backend.is_simulated());
+        let of = |(first, second): (&Option<Hardware>, &Option<Hardware>)| first.iter().chain(second).any(is_real);
+        self.hardware.iter().zip(&self.second_hardware).map(of).collect()
+    }
+
     /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
     /// are.
     ///

@@ -135,7 +135,7 @@ enum Command {
 }
 
 const TUNE_HELP: &str = "\
-Runs the cell as a simulation, without ROS: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
+Runs the cell without ROS, simulated drives as fast as it goes, real ones only with --real: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
 random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
 a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
 written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc.
@@ -144,8 +144,9 @@ Examples:
   lineshaft tune cell.yaml x
   lineshaft tune cell.yaml x --travel '90 deg' --velocity '500 deg/s' --output x.svg
   lineshaft tune cell.yaml x --apply
+  lineshaft tune cell.yaml x --real --travel '20 mm' --velocity '50 mm/s'
 
-Exit codes: 0 gains were found, 1 none: the sentence says why, 2 bad usage or a file with errors.";
+Ctrl-C stops the axis and switches it off. Exit codes: 0 gains were found, 1 none: the sentence says why, 2 bad usage or a file with errors.";
 
 const PARAMS_HELP: &str = "\
 Without a cell: the catalogue, or everything about the one parameter that --name names. With a cell: the values that its axes \
@@ -216,6 +217,9 @@ struct TuneArgs {
     /// Put simulation in the place of every backend
     #[arg(long)]
     sim: bool,
+    /// Permits that a cell with real drives moves the axis
+    #[arg(long, conflicts_with = "sim")]
+    real: bool,
     #[command(flatten)]
     record: RecordArgs,
     #[command(flatten)]

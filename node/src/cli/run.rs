@@ -3,20 +3,17 @@
 mod running;
 mod watch;
 
-use self::running::{Given, Heard, Prepared, Recording, Running, stop_machine};
+use self::running::Heard;
+pub(super) use self::running::{Given, Hardware, Prepared, Recording, Running, stop_machine};
 use self::watch::{Change, Patience, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
-use crate::run::backends::Backends;
 use crate::run::bridge::Handle;
-use crate::run::objects::ObjectDesk;
 use crate::scenario::{Report, Scenario};
-use lineshaft_can::config::BusConfig;
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::drive::Service;
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::AxisSet;
@@ -27,7 +24,6 @@ use lineshaft_ros::layer::{
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{GateState, Host};
 use lineshaft_ros::surface::{Surface, check_names, start_commands};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -72,7 +68,6 @@ fn start(
     ros: &RosArguments,
     logging: &Logging,
 ) -> Result<Exit, String> {
-    let buses = if args.sim { Vec::new() } else { buses(&cell, args.cell.as_deref())? };
     let is_real = cell.backends.iter().any(|backend| !backend.is_simulated()) && !args.sim;
     if let Some(sentence) = scenario.as_ref().filter(|_| is_real).and_then(Scenario::needs_simulation) {
         return Err(sentence);
@@ -89,23 +84,8 @@ fn start(
     };
     let cell = &cell;
     let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let mut backends = Backends::simulated(cell.plant_of(|backend| args.sim || backend.is_simulated()));
-    let mut services: Vec<Box<dyn Service>> = Vec::new();
-    let (mut frames, are_kept) = (Vec::new(), args.record_frames || args.flight.flight_recorder > 0);
-    let on_can = cell.backends.iter().filter(|backend| args.sim && !backend.is_simulated());
-    let mut objects = ObjectDesk::new(on_can.map(|backend| backend.name.clone()).collect());
-    for bus in buses {
-        let sheets = args.cell.as_deref().map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
-        let config = bus.clone();
-        let (cyclic, mut service) = lineshaft_can::master::bus(bus);
-        objects = objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
-        if are_kept {
-            frames.push((config.name.clone(), service.frames()));
-        }
-        backends = backends.with(Box::new(cyclic));
-        services.push(Box::new(service));
-    }
-    cell.machine.check_backends(&backends.all()).map_err(|error| error.to_string())?;
+    let are_kept = args.record_frames || args.flight.flight_recorder > 0;
+    let hardware = Hardware::of(cell, args.cell.as_deref(), args.sim, are_kept)?;
     let first = start_commands(&cell.machine, &mut options.overrides)?;
     try_first(&cell.machine, &first)?;
     tracing::info!(
@@ -126,23 +106,12 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let (prepared, heard) = Prepared::new(
-            args,
-            cell,
-            machine,
-            (backends, services),
-            scenario,
-            Given { store, first, objects, buses: frames },
-        );
+        let given = Given { store, first, scenario, processor: args.cpu.unwrap_or_default() };
+        let (prepared, heard) = Prepared::new(cell, machine, hardware, given);
         serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
-}
-
-/// The buses of a cell that runs with real drives.
-fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
-    cell.buses(file).map_err(|problems| problems.to_string().trim_end().to_owned())
 }
 
 /// What the ROS arguments give to the node.
@@ -309,12 +278,12 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
 }
 
 /// The signals that end the program.
-struct Signals([UnixSignal; 3]);
+pub(super) struct Signals([UnixSignal; 3]);
 
 impl Signals {
     /// # Errors
     /// The system does not give them.
-    fn new() -> std::io::Result<Self> {
+    pub(super) fn new() -> std::io::Result<Self> {
         Ok(Self([
             signal(SignalKind::interrupt())?,
             signal(SignalKind::terminate())?,
@@ -323,7 +292,7 @@ impl Signals {
         ]))
     }
 
-    async fn recv(&mut self) {
+    pub(super) async fn recv(&mut self) {
         let [interrupt, terminate, hangup] = &mut self.0;
         tokio::select! {
             _ = interrupt.recv() => {}

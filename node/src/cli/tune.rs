@@ -1,15 +1,16 @@
 //! `lineshaft tune`.
 
+mod real;
+
+use self::real::try_real;
 use super::{Exit, TuneArgs, complain, say, store};
-use crate::cell::Cell;
+use crate::cell::{Cell, CellBackend};
 use crate::document::Problems;
-use crate::recording::encoder::sentence;
 use crate::recording::plot::{Problem, Target};
 use crate::tune::{
-    ApplyError, Bounds, Ended, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_simulated, write_plot,
+    ApplyError, Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_simulated, write_plot,
 };
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::state::AXIS_STATES;
 use lineshaft_core::unit::{Quantity, Scale};
 use lineshaft_tune::{Record, Refusal};
 
@@ -18,10 +19,10 @@ use lineshaft_tune::{Record, Refusal};
 enum TuneError {
     #[error("{0}")]
     Cell(Problems),
-    #[error(
-        "{axis} is a real drive: this command tries simulated ones. With --sim a simulation takes its place, as the cell describes it"
-    )]
-    Real { axis: String },
+    #[error("{0}; --real permits that, with --sim a simulation takes the place of all drives")]
+    Leave(String),
+    #[error("{0}")]
+    Real(String),
     #[error(transparent)]
     Unfit(#[from] Unfit),
     #[error("--{name}: {sentence}")]
@@ -41,7 +42,9 @@ enum TuneError {
 impl TuneError {
     fn exit(&self) -> Exit {
         match self {
-            Self::Trial { .. } | Self::Refused { .. } | Self::Run(TrialError::Record(_)) => Exit::Failed,
+            Self::Trial { .. } | Self::Refused { .. } | Self::Real(_) | Self::Run(TrialError::Record(_)) => {
+                Exit::Failed
+            }
             _ => Exit::Usage,
         }
     }
@@ -68,11 +71,11 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
     let Ok(_store) = store::open(&args.store, &mut cell) else { return Ok(Exit::Usage) };
     let config = &cell.machine;
     let setting = Setting::of(config, &args.axis, |place| config.axes[place].power_on(), &bounds(args, config)?)?;
-    let is_real = cell.backends.iter().any(|backend| !backend.is_simulated());
-    if is_real && !args.sim {
-        return Err(TuneError::Real { axis: args.axis.clone() });
+    let is_simulated = args.sim || cell.backends.iter().all(CellBackend::is_simulated);
+    if !is_simulated && !args.real {
+        return Err(TuneError::Leave(setting.asks_for_leave(&config.axes[usize::from(setting.axis)])));
     }
-    let record = run(args, &cell, setting)?;
+    let record = run(args, &cell, setting, is_simulated)?;
     let subject = Subject::of(&config.axes[usize::from(setting.axis)]);
     let refused = |refusal| TuneError::Refused { axis: args.axis.clone(), refusal };
     let findings = Findings::find(subject, &record, &setting.wish, &setting.before).map_err(refused)?;
@@ -121,29 +124,14 @@ fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
 }
 
 /// What the axis did.
-fn run(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result<Record, TuneError> {
-    let (ended, record) = try_simulated(cell, setting, args.record.options().as_ref(), |_| {})?;
-    match said(ended, &cell.machine, setting) {
+fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Result<Record, TuneError> {
+    let (ended, record) = if is_simulated {
+        try_simulated(cell, setting, args.record.options().as_ref(), |_| {})?
+    } else {
+        try_real(args, cell, setting).map_err(TuneError::Real)?
+    };
+    match ended.sentence(&cell.machine, &setting) {
         None => Ok(record),
         Some(sentence) => Err(TuneError::Trial { axis: args.axis.clone(), sentence }),
     }
-}
-
-/// Why there is no whole record; none where there is one.
-fn said(ended: Ended, config: &MachineConfig, setting: Setting) -> Option<String> {
-    Some(match ended {
-        Ended::Done => return None,
-        Ended::Aborted(abort) => abort.to_string(),
-        Ended::Failed(event) => format!("{} (code {})", sentence(&event, std::iter::empty(), config), event.code.0),
-        Ended::Interrupted(state) => {
-            let name = usize::try_from(state).ok().and_then(|place| AXIS_STATES.get(place)).unwrap_or(&"unknown");
-            format!("somebody else has stopped or moved it; it is in state {name}")
-        }
-        Ended::NoRoom(travel) => format!(
-            "the software limits leave {:.0} inc either way of where it stands; a travel of {:.0} inc was asked for",
-            travel.max(0.0),
-            setting.permitted.travel
-        ),
-        Ended::Late => "it took too long, which an excitation of this axis should not".to_owned(),
-    })
 }

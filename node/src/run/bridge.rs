@@ -9,6 +9,8 @@ use super::recorder::Asked;
 use super::samples::SampleReceiver;
 use super::services::HealthBoard;
 use super::thread::Statistics;
+use super::trials::TrialDesk;
+use super::tuning;
 use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints, Source};
@@ -25,6 +27,7 @@ use lineshaft_ros::layer::TOLD;
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{
     BackendHealth, Busy, Coming, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
+    TuneOrder, Tuning,
 };
 use lineshaft_ros::surface::{StateSender, is_told};
 use rtrb::Consumer;
@@ -43,7 +46,7 @@ const PERIOD: Duration = Duration::from_micros(500);
 pub struct Handle {
     config: MachineConfig,
     directory: Directory,
-    commander: Commander,
+    pub(super) commander: Commander,
     recorder: Sender<Asked>,
     newest: RwLock<Arc<Snapshot>>,
     parameters: RwLock<Arc<ParameterImage>>,
@@ -55,6 +58,9 @@ pub struct Handle {
     hardware: Vec<Option<String>>,
     health: HealthBoard,
     objects: ObjectDesk,
+    pub(super) trials: TrialDesk,
+    /// Which axes have a real drive, in file order.
+    real: Vec<bool>,
     begins_active: bool,
 }
 
@@ -64,6 +70,7 @@ impl Handle {
         config: MachineConfig,
         directory: Directory,
         commander: Commander,
+        trials: TrialDesk,
         recorder: Sender<Asked>,
         first: Snapshot,
         parameters: ParameterImage,
@@ -82,6 +89,8 @@ impl Handle {
             hardware: Vec::new(),
             health: HealthBoard::default(),
             objects: ObjectDesk::default(),
+            real: Vec::new(),
+            trials,
             begins_active: true,
             robot_description: None,
         }
@@ -105,6 +114,11 @@ impl Handle {
     /// The same with where objects of its devices are asked for.
     pub fn with_objects(self, objects: ObjectDesk) -> Self {
         Self { objects, ..self }
+    }
+
+    /// The same, of which these axes have a real drive, in file order; without it all count as such.
+    pub fn with_real(self, real: Vec<bool>) -> Self {
+        Self { real, ..self }
     }
 
     /// The same on a machine that waits to be configured; without it cycles run and axes may be switched on at once.
@@ -189,6 +203,10 @@ impl Host for Handle {
     fn read_parameters(&self, text: &str) -> Result<Action, String> {
         let changes = read_changes("parameters", text, &self.config, &self.directory);
         changes.map(Action::SetParameters).map_err(|problems| problems.to_string())
+    }
+
+    fn tune(&self, order: &TuneOrder) -> Result<Tuning, String> {
+        tuning::begin(self, &self.real, order)
     }
 
     fn write_parameters(&self, axes: AxisSet, what: Listing) -> String {
@@ -339,6 +357,7 @@ impl Bridge {
     fn pass_on(&mut self, handle: &Handle) {
         self.spent.free();
         handle.commander.free_kept();
+        handle.trials.collect();
         // Events are taken before the signals, and passed on after them: the cycle thread publishes its signals first, so
         // these are at least as new as the events.
         self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));

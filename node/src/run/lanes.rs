@@ -133,6 +133,15 @@ impl Commander {
         doors.stop.slots() < MOST_COMMANDS || self.push(&mut doors, Source::Machine, Action::Deactivate).is_ok()
     }
 
+    /// Does something while commands are taken: cycles run until it is done.
+    ///
+    /// # Errors
+    /// No cycle runs; nothing was done.
+    pub fn while_open<T>(&self, act: impl FnOnce() -> T) -> Result<T, Busy> {
+        let doors = self.doors();
+        if doors.is_open { Ok(act()) } else { Err(Busy::Unconfigured) }
+    }
+
     /// Takes commands: cycles run.
     pub fn open(&self) {
         self.doors().is_open = true;

@@ -18,4 +18,6 @@ pub mod recorder;
 pub mod samples;
 pub mod services;
 pub mod thread;
+pub mod trials;
+mod tuning;
 pub mod writer;

@@ -6,7 +6,9 @@ use super::gate::Gate;
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
+use super::trials::TrialSlot;
 use crate::scenario::{Player, Report};
+use lineshaft_core::command::Commands;
 use lineshaft_core::drive::{Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::ParameterImage;
@@ -92,6 +94,8 @@ pub struct CycleThread {
     pub backends: Backends,
     /// A scenario that plays on it.
     pub play: Option<Play>,
+    /// The trial of an axis, if one is tuned, and the numbers of its commands.
+    pub trials: (TrialSlot, Numbers),
     /// Ways in.
     pub lanes: Lanes,
     /// Way out of events.
@@ -163,18 +167,27 @@ impl CycleThread {
             deadline += cycle_ns;
             missed = self.skip_missed(&mut deadline, done, cycle_ns);
         }
+        self.trials.0.give_up();
         wall_start.saturating_add(deadline - start)
     }
 
     fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
-        let room = self.lanes.take_stops();
+        let (trials, numbers) = &mut self.trials;
+        let is_tried = trials.is_busy();
+        let mut room = self.lanes.take_stops();
         if let Some(play) = &mut self.play {
             let mut number = play.numbers.reserve(play.player.most_commands());
             play.player.before(inputs.cycle, &mut number, self.backends.plant.as_mut(), room);
-            self.lanes.take_others(play.player.commands().iter().count());
+            let played = play.player.commands().iter().count();
+            room = room.saturating_sub(played);
+            self.lanes.take_others(played + usize::from(is_tried));
             self.lanes.add(play.player.commands());
         } else {
-            self.lanes.take_others(0);
+            self.lanes.take_others(usize::from(is_tried));
+        }
+        if is_tried {
+            let command = trials.before(&self.machine, room > 0, numbers);
+            self.lanes.add(Commands::queue(command.as_slice()));
         }
         self.backends.read(inputs);
         if let Some(play) = &self.play {

@@ -157,6 +157,21 @@ impl Setting {
         })
     }
 
+    /// The sentence that asks for leave to move a real drive, with what it will do.
+    pub fn asks_for_leave(&self, axis: &AxisConfig) -> String {
+        let Permitted { travel, margin, velocity, command, .. } = self.permitted;
+        let (way, rate) = (axis.scale.format_increments((travel + margin) as i64), axis.scale.format_rate(velocity, 1));
+        let effort = match self.permitted.takes {
+            Takes::Velocity => String::new(),
+            Takes::Effort => format!(" and {:.0} % of its effort", 100.0 * command),
+        };
+        let name = &axis.name;
+        format!(
+            "{name} hangs on a real drive, or runs beside one: tuning shakes it by up to {way} either side of where it stands, with up to \
+             {rate}{effort}"
+        )
+    }
+
     /// The bounds where it stands (inc): travel that was not asked for becomes less, if there is less room.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use super::trial::{Ended, Trial};
 use crate::cell::Cell;
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::simulation::SimulationRecorder;
-use lineshaft_core::command::{Command, Commands};
+use lineshaft_core::command::{Command, Commands, Source};
 use lineshaft_core::config::ConfigError;
 use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
@@ -39,7 +39,7 @@ pub fn try_simulated(
     let mut machine = Machine::new(cell.machine.clone())?;
     let mut plant = cell.plant();
     prepare(&mut plant);
-    let mut trial = Trial::new(setting, &machine)?;
+    let mut trial = Trial::new(setting, Source::Cli, machine.config(), machine.directory())?;
     let mut recorder = record.map(|options| SimulationRecorder::new(cell, &machine, options)).transpose()?;
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut commands: Vec<Command> = Vec::new();
@@ -48,7 +48,7 @@ pub fn try_simulated(
         commands.clear();
         // Drives begin to speak with their first cycle.
         if machine.next_cycle() > 1 {
-            commands.extend(trial.before(&machine, number + 1));
+            commands.extend(trial.before(&machine, || number + 1));
         }
         number += commands.len() as u64;
         inputs.begin(machine.next_cycle(), 0);

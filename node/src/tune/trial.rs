@@ -2,7 +2,7 @@
 //!
 //! Law      enable | excitation by OUTAN, a command where the value is another one | disable, whatever ends it. What was put out in a
 //!          cycle and where the axis was then makes the record
-//! Reads    signals and events of the cycle before
+//! Reads    signals and events of the cycle before; whether somebody stops it
 //! Writes   commands for this cycle, the record
 //! Refuses  an axis that is neither off nor at rest, or has no room
 //! Source   MACS-CMD-28
@@ -10,12 +10,14 @@
 //! It takes no memory between its beginning and its end.
 
 use super::setting::{Setting, Unfit};
+use crate::recording::encoder::sentence;
 use lineshaft_core::command::{Action, Command, OutAn, Source};
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Object};
-use lineshaft_core::signal::Signal;
-use lineshaft_core::state::AxisState;
+use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::state::{AXIS_STATES, AxisState};
 use lineshaft_tune::{Abort, Drive, Excitation, Record};
 
 /// How a trial ended.
@@ -31,8 +33,45 @@ pub enum Ended {
     Interrupted(i64),
     /// Too little room: the travel that there is (inc).
     NoRoom(f64),
+    /// Who began it has stopped it.
+    Stopped,
     /// Nothing came in time.
     Late,
+}
+
+impl Ended {
+    /// Why there is no whole record; none where there is one.
+    pub fn sentence(self, config: &MachineConfig, setting: &Setting) -> Option<String> {
+        Some(match self {
+            Self::Done => return None,
+            Self::Aborted(abort) => abort.to_string(),
+            Self::Failed(event) => format!("{} (code {})", sentence(&event, std::iter::empty(), config), event.code.0),
+            Self::Interrupted(state) => {
+                let name = usize::try_from(state).ok().and_then(|place| AXIS_STATES.get(place)).unwrap_or(&"unknown");
+                format!("somebody else has stopped or moved it; it is in state {name}")
+            }
+            Self::NoRoom(travel) => format!(
+                "the software limits leave {:.0} inc either way of where it stands; a travel of {:.0} inc was asked for",
+                travel.max(0.0),
+                setting.permitted.travel
+            ),
+            Self::Stopped => "it was stopped before its end".to_owned(),
+            Self::Late => "it took too long, which an excitation of this axis should not".to_owned(),
+        })
+    }
+}
+
+/// What a trial does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// It switches the axis on.
+    Enabling,
+    /// It shakes the axis.
+    Exciting,
+    /// It stops the axis and switches it off.
+    Disabling,
+    /// It is over.
+    Nothing,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,10 +111,12 @@ const ERROR_STOP: i64 = AxisState::ErrorStop as i64;
 #[derive(Debug)]
 pub struct Trial {
     setting: Setting,
+    source: Source,
     signals: Signals,
     excitation: Excitation,
     record: Record,
     phase: Phase,
+    is_stopped: bool,
     /// Number of the last command, and what it has put out.
     given: u64,
     sent: f64,
@@ -85,24 +126,26 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Before its first cycle.
+    /// Before its first cycle, on a machine of that configuration, in the name of `source`.
     ///
     /// # Errors
     /// A bound that no excitation takes.
-    pub fn new(setting: Setting, machine: &Machine) -> Result<Self, Unfit> {
+    pub fn new(setting: Setting, source: Source, config: &MachineConfig, directory: &Directory) -> Result<Self, Unfit> {
         let p = setting.permitted;
-        let name = machine.config().axes.get(usize::from(setting.axis)).map_or("", |axis| axis.name.as_str());
-        let find = |of: &str| machine.directory().find(&format!("{name}.{of}"));
+        let name = config.axes.get(usize::from(setting.axis)).map_or("", |axis| axis.name.as_str());
+        let find = |of: &str| directory.find(&format!("{name}.{of}"));
         let (Some(state), Some(position)) = (find("state"), find("actual.position")) else {
-            return Err(Unfit::unknown(machine.config(), name));
+            return Err(Unfit::unknown(config, name));
         };
         let cycles = (LONGEST * (p.ramp + p.duration) / p.cycle).min(MOST_CYCLES);
         Ok(Self {
             setting,
+            source,
             signals: Signals { state, position },
             excitation: Excitation::new(p).map_err(|error| Unfit::Excitation { axis: name.to_owned(), error })?,
             record: Record::with_capacity(p.cycle, p.takes, cycles as usize),
             phase: Phase::Begin,
+            is_stopped: false,
             given: 0,
             sent: 0.0,
             start: 0,
@@ -124,11 +167,38 @@ impl Trial {
         &self.record
     }
 
-    /// The command of this cycle, by what the cycle before has shown; `number` is what it gets.
-    pub fn before(&mut self, machine: &Machine, number: u64) -> Option<Command> {
+    /// What it was to find.
+    pub fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// What it does, and the part of the excitation that is over, 0 to 1.
+    pub fn progress(&self) -> (Doing, f64) {
+        match self.phase {
+            Phase::Begin | Phase::Enabling { .. } => (Doing::Enabling, 0.0),
+            Phase::Exciting => (Doing::Exciting, self.excitation.progress()),
+            Phase::Disabling { .. } => (Doing::Disabling, self.excitation.progress()),
+            Phase::Over(_) => (Doing::Nothing, self.excitation.progress()),
+        }
+    }
+
+    /// Has it stop the axis and switch it off, from its next cycle on.
+    pub fn stop(&mut self) {
+        self.is_stopped = true;
+    }
+
+    /// It has no more cycles: what it has begun, others have ended.
+    pub fn give_up(&mut self) {
+        if self.ended().is_none() {
+            self.phase = Phase::Over(Ended::Stopped);
+        }
+    }
+
+    /// The command of this cycle, by what the cycle before has shown; `number` gives the one that it gets.
+    pub fn before(&mut self, machine: &Machine, number: impl FnOnce() -> u64) -> Option<Command> {
         let action = self.step(machine)?;
-        self.given = number;
-        Some(Command { sequence: number, source: Source::Cli, action })
+        self.given = number();
+        Some(Command { sequence: self.given, source: self.source, action })
     }
 
     fn step(&mut self, machine: &Machine) -> Option<Action> {
@@ -140,6 +210,11 @@ impl Trial {
             return self.end(state, Ended::Failed(failure));
         }
         match self.phase {
+            Phase::Begin if self.is_stopped => {
+                self.phase = Phase::Over(Ended::Stopped);
+                None
+            }
+            Phase::Enabling { .. } | Phase::Exciting if self.is_stopped => self.end(state, Ended::Stopped),
             Phase::Begin if matches!(state, DISABLED | STANDSTILL) => {
                 self.phase = Phase::Enabling { left: self.switch_cycles() };
                 (state == DISABLED).then_some(Action::Enable(axes))

@@ -124,6 +124,72 @@ pub enum Listing {
     NotSaved,
 }
 
+/// How an axis is to be tuned; none: as the axis has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TuneOrder {
+    /// Place of the axis.
+    pub axis: u16,
+    /// Largest way either side of where it stands (inc).
+    pub travel: Option<f64>,
+    /// Largest velocity (inc/s).
+    pub velocity: Option<f64>,
+    /// Largest effort in parts of the permitted one.
+    pub effort: Option<f64>,
+    /// Time of the motion to and fro (s).
+    pub duration: Option<f64>,
+    /// A real drive may be moved.
+    pub real: bool,
+}
+
+/// Tuning that is under way.
+pub struct Tuning {
+    /// How it does, and how it is stopped.
+    pub watch: Arc<dyn TuningWatch>,
+    /// What it has found, once the axis is off.
+    pub found: Coming<Result<Tuned, Untuned>>,
+}
+
+/// How tuning does.
+pub trait TuningWatch: Send + Sync {
+    /// Its phase, and the part of the excitation that is over, 0 to 1.
+    fn progress(&self) -> (TuningPhase, f64);
+
+    /// Stops the axis and switches it off; nothing is found then.
+    fn cancel(&self);
+}
+
+/// What tuning does, in the order of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum TuningPhase {
+    /// The axis is switched on.
+    Enabling = 1,
+    /// It is shaken.
+    Exciting = 2,
+    /// It stops and is switched off.
+    Disabling = 3,
+    /// It is off; its model and its gains are computed.
+    Designing = 4,
+}
+
+/// What tuning has found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tuned {
+    /// For people.
+    pub report: String,
+    /// Gains by the keys of their parameters; empty where there are none.
+    pub gains: Vec<(&'static str, f64)>,
+}
+
+/// Why tuning has found nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Untuned {
+    /// Code.
+    pub code: Code,
+    /// Sentence.
+    pub message: String,
+}
+
 /// The running machine, as the surface sees it.
 pub trait Host: Send + Sync + 'static {
     /// What the machine is made of.
@@ -159,6 +225,14 @@ pub trait Host: Send + Sync + 'static {
 
     /// Parameters in force as a text that [`Host::read_parameters`] takes. It may take its time.
     fn write_parameters(&self, axes: AxisSet, what: Listing) -> String;
+
+    /// Begins to tune an axis.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence; nothing has moved.
+    fn tune(&self, _order: &TuneOrder) -> Result<Tuning, String> {
+        Err("this machine tunes no axis".to_owned())
+    }
 
     /// Writes layer User of the newest parameters down, if it has changed; the answer comes when it is on the disk, or says
     /// why it is not. An answer that is dropped means that the machine has stopped.

@@ -40,6 +40,7 @@ mod synchronize;
 pub mod table;
 mod time;
 mod trajectory;
+mod tune;
 mod vocabulary;
 
 pub use hub::is_told;
@@ -105,6 +106,7 @@ impl Surface {
         streams::start(&node, &hub, &mut tasks)?;
         vocabulary::start(&node, &hub, &mut tasks)?;
         trajectory::start(&node, &hub, groups, &mut tasks)?;
+        tune::start(&node, &hub, &mut tasks)?;
         // Last: it shows what the others have declared, and refuses what was given for none of them.
         parameters::start(&node, &hub, &mut tasks)?;
         Ok(Self { tasks, hub, _node: node })

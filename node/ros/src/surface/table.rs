@@ -5,7 +5,7 @@ use super::refusing::Refusing;
 use crate::layer::{
     ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize};
+use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, Tune};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
 use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
@@ -342,6 +342,10 @@ pub(super) const RUN_FUNCTION: Acted<RunFunction> = Acted::new(
     "~/run_function",
     "an order of a function that ends (epos), with values of its fields; cancel stops it; see [functions.md](functions.md#as-a-goal)",
 );
+pub(super) const TUNE: Acted<Tune> = Acted::new(
+    "~/tune",
+    "finds gains for the loops of an axis that are closed here: enables it, shakes it within bounds, disables it; cancel stops it; a real drive needs `real`; see [loops.md](loops.md#tuning-by-ros)",
+);
 pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
     "~/follow_joint_trajectory",
     "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
@@ -484,6 +488,7 @@ pub const ROWS: &[Row] = &[
     SYNCHRONIZE.0,
     PHASE.0,
     RUN_FUNCTION.0,
+    TUNE.0,
     FOLLOW_JOINT_TRAJECTORY.0,
     JOINT_TRAJECTORY.0,
 ];

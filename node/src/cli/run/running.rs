@@ -2,7 +2,7 @@
 
 use super::super::{Exit, FlightArgs, RunArgs, store};
 use crate::cell::Cell;
-use crate::recording::bag::{Bag, Subject};
+use crate::recording::bag::{Bag, BagOptions, Subject};
 use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
 use crate::run::backends::Backends;
@@ -14,12 +14,15 @@ use crate::run::gate::Gate;
 use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::objects::ObjectDesk;
+use crate::run::realtime::Processor;
 use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
 use crate::run::thread::{CycleThread, Play, Statistics};
+use crate::run::trials::trials;
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
+use lineshaft_can::config::BusConfig;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::drive::{Note, Service};
 use lineshaft_core::machine::Machine;
@@ -30,7 +33,7 @@ use lineshaft_ros::layer::NodeName;
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::{StateReceiver, states};
 use rtrb::RingBuffer;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
@@ -44,13 +47,23 @@ const EVENT_ROOM: usize = 1 << 16;
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// What is recorded, opened before the machine starts.
-pub(super) struct Recording {
+pub(in crate::cli) struct Recording {
     subject: Arc<Subject>,
     bag: Option<Bag>,
     flight: Option<FlightRecorder>,
 }
 
 impl Recording {
+    /// A bag, if there are options for one.
+    ///
+    /// # Errors
+    /// A place that is taken or cannot be made.
+    pub(in crate::cli) fn of_cycles(cell: &Cell, name: &NodeName, bag: Option<&BagOptions>) -> Result<Self, String> {
+        let subject = Arc::new(Subject::new(cell, name));
+        let bag = bag.map(|options| Bag::create(options, Subject::clone(&subject))).transpose();
+        Ok(Self { subject, bag: bag.map_err(|error| error.to_string())?, flight: None })
+    }
+
     pub(super) fn open(args: &RunArgs, cell: &Cell, name: &NodeName, buses: &[BusFrames]) -> Result<Self, String> {
         let kept = buses.iter().filter(|_| args.record_frames).map(|(name, _)| name.clone());
         let subject = Arc::new(Subject { buses: kept.collect(), ..Subject::new(cell, name) });
@@ -88,19 +101,66 @@ fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
     folder.ok_or_else(|| "no folder for the flight recorder: HOME is not set; give --flight-folder".to_owned())
 }
 
+/// What a machine exchanges with.
+pub(in crate::cli) struct Hardware {
+    backends: Backends,
+    services: Vec<Box<dyn Service>>,
+    /// Where objects of its devices are asked for.
+    objects: ObjectDesk,
+    /// What goes over its buses on CAN.
+    buses: Vec<BusFrames>,
+    /// The axes with a real drive, in file order.
+    real: Vec<bool>,
+}
+
+impl Hardware {
+    /// Of a cell, all simulated if it `is_sim`; `are_kept` asks for the frames of its buses.
+    ///
+    /// # Errors
+    /// What is wrong with its files, or with what they make of its buses and drives.
+    pub(in crate::cli) fn of(cell: &Cell, file: Option<&Path>, is_sim: bool, are_kept: bool) -> Result<Self, String> {
+        let buses = if is_sim { Vec::new() } else { buses(cell, file)? };
+        let on_can = cell.backends.iter().filter(|backend| is_sim && !backend.is_simulated());
+        let mut found = Self {
+            backends: Backends::simulated(cell.plant_of(|backend| is_sim || backend.is_simulated())),
+            services: Vec::new(),
+            objects: ObjectDesk::new(on_can.map(|backend| backend.name.clone()).collect()),
+            buses: Vec::new(),
+            real: if is_sim { vec![false; cell.machine.axes.len()] } else { cell.real_axes() },
+        };
+        for bus in buses {
+            let sheets = file.map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
+            let config = bus.clone();
+            let (cyclic, mut service) = lineshaft_can::master::bus(bus);
+            found.objects = found.objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
+            if are_kept {
+                found.buses.push((config.name.clone(), service.frames()));
+            }
+            found.backends = found.backends.with(Box::new(cyclic));
+            found.services.push(Box::new(service));
+        }
+        cell.machine.check_backends(&found.backends.all()).map_err(|error| error.to_string())?;
+        Ok(found)
+    }
+}
+
+/// The buses of a cell that runs with real drives.
+fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
+    cell.buses(file).map_err(|problems| problems.to_string().trim_end().to_owned())
+}
+
 /// What a machine begins with beside its cell.
-pub(super) struct Given {
+#[derive(Default)]
+pub(in crate::cli) struct Given {
     pub store: Option<Store>,
     /// Its first commands.
     pub first: Vec<Action>,
-    /// Where objects of its devices are asked for.
-    pub objects: ObjectDesk,
-    /// What goes over its buses on CAN.
-    pub buses: Vec<BusFrames>,
+    pub scenario: Option<Scenario>,
+    pub processor: Processor,
 }
 
 /// The threads of a running machine.
-pub(super) struct Running {
+pub(in crate::cli) struct Running {
     pub handle: Arc<Handle>,
     statistics: Arc<Statistics>,
     stop_cycle: Arc<AtomicBool>,
@@ -119,7 +179,7 @@ pub(super) struct Running {
 }
 
 /// A machine with all its ways in and out, before its first cycle: no thread runs, and nothing of what it drives was touched.
-pub(super) struct Prepared {
+pub(in crate::cli) struct Prepared {
     pub handle: Arc<Handle>,
     cycle: CycleThread,
     services: Option<Services>,
@@ -133,24 +193,19 @@ pub(super) struct Prepared {
 }
 
 /// What the bridge will pass on to the surface.
-pub(super) struct Heard {
+pub(in crate::cli) struct Heard {
     pub events: UnboundedReceiver<StampedEvent>,
     pub states: StateReceiver,
 }
 
 impl Prepared {
     /// All of it, and what the surface will hear.
-    pub(super) fn new(
-        args: &RunArgs,
-        cell: &Cell,
-        machine: Machine,
-        (backends, services): (Backends, Vec<Box<dyn Service>>),
-        scenario: Option<Scenario>,
-        given: Given,
-    ) -> (Self, Heard) {
+    pub(in crate::cli) fn new(cell: &Cell, machine: Machine, hardware: Hardware, given: Given) -> (Self, Heard) {
+        let Hardware { backends, services, objects, buses, real } = hardware;
         let (commander, lanes) = lanes::lanes(machine.config().axes.len());
         let (frames, frames_out, spent) = frames(&machine);
         let (ask, asked) = channel();
+        let (desk, slot) = trials();
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
@@ -168,11 +223,12 @@ impl Prepared {
         let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
         // Without any, cycles wait for nobody.
         let services = (!services.is_empty()).then(|| Services::new(services, Arc::clone(&gate)));
-        let handle = Handle::new(config.clone(), directory, commander, ask, first, image)
+        let handle = Handle::new(config.clone(), directory, commander, desk, ask, first, image)
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
             .with_hardware(cell.hardware_names())
             .with_health(services.as_ref().map(Services::board).unwrap_or_default())
-            .with_objects(given.objects)
+            .with_objects(objects)
+            .with_real(real)
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
         let mut first = given.first.into_iter().map(|action| handle.submit_as(Source::Cli, action));
@@ -192,7 +248,7 @@ impl Prepared {
         let encoder = Encoder::new(cell, machine.config(), machine.directory());
         let (listener, events_heard) = unbounded_channel();
         let (states, states_heard) = states(cell.ros.shaft_rate.is_some());
-        let (play, report) = match scenario {
+        let (play, report) = match given.scenario {
             None => (None, None),
             Some(scenario) => {
                 let (send, receive) = channel();
@@ -213,6 +269,7 @@ impl Prepared {
             machine,
             backends,
             play,
+            trials: (slot, handle.numbers()),
             lanes,
             events,
             frames,
@@ -223,15 +280,15 @@ impl Prepared {
             gate,
             stop: Arc::default(),
             statistics,
-            processor: args.cpu.unwrap_or_default(),
+            processor: given.processor,
         };
         let heard = Heard { events: events_heard, states: states_heard };
-        let (frames, buses) = (frames_out, given.buses);
+        let frames = frames_out;
         (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report }, heard)
     }
 
     /// Runs it.
-    pub(super) fn start(self, recording: Recording) -> Running {
+    pub(in crate::cli) fn start(self, recording: Recording) -> Running {
         let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report } = self;
         let Recording { subject, bag, flight } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
@@ -261,7 +318,7 @@ impl Prepared {
 
 impl Running {
     /// Ends the threads; an error when one of them has panicked.
-    pub(super) fn end(self) -> Exit {
+    pub(in crate::cli) fn end(self) -> Exit {
         self.stop_cycle.store(true, Ordering::Relaxed);
         let cycle = self.cycle.join();
         self.stop_others.store(true, Ordering::Relaxed);
@@ -295,7 +352,7 @@ fn warn(refused: &[String]) {
 }
 
 /// Halts all axes, then switches them off; waits for neither where the cycle is over.
-pub(super) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> bool) {
+pub(in crate::cli) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> bool) {
     let all = AxisSet::first(handle.config().axes.len());
     if !handle.takes_commands() {
         // Unconfigured: every drive is off and no cycle runs.

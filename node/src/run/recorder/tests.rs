@@ -6,6 +6,7 @@ use crate::recording::replay::{Verdict, replay};
 use crate::recording::run::Run;
 use crate::run::frames::{FrameSender, frames};
 use crate::run::lanes::{Lanes, lanes};
+use crate::run::trials::trials;
 use lineshaft_core::command::Commands;
 use lineshaft_core::machine::Machine;
 use std::path::Path;
@@ -30,8 +31,15 @@ impl Rig {
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
         let encoder = Encoder::new(&cell, &config, &directory);
         let ((commander, lanes), (ask, asked)) = (lanes(config.axes.len()), channel());
-        let handle =
-            Arc::new(Handle::new(config, directory, commander, ask.clone(), Default::default(), Default::default()));
+        let handle = Arc::new(Handle::new(
+            config,
+            directory,
+            commander,
+            trials().0,
+            ask.clone(),
+            Default::default(),
+            Default::default(),
+        ));
         let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));
         let options = BagOptions { path: folder.path().join("bag.mcap"), ..BagOptions::default() };
         let bag = record.then(|| Bag::create(&options, Subject::clone(&subject)).unwrap());

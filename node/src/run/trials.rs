@@ -1,0 +1,293 @@
+//! The way of a trial into the cycle thread and back.
+//!
+//! Law      one trial at a time. It goes in by one ring and comes back by another, so that the cycle thread takes no memory for it and gives
+//!          none back; its command is the last one of its cycle. Where a cycle has no room for that, or cycles end, the trial ends
+//! Reads    what the trial reads, whether it was cancelled
+//! Writes   commands, the progress that is shown
+//! Refuses  a second trial beside the first
+
+use super::lanes::Numbers;
+use crate::tune::{Doing, Trial};
+use lineshaft_core::command::Command;
+use lineshaft_core::machine::Machine;
+use lineshaft_ros::surface::host::{TuningPhase, TuningWatch};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::oneshot;
+
+/// Steps of the progress that is shown.
+const STEPS: f64 = 1000.0;
+/// Of a number that holds progress and phase.
+const PHASES: u32 = 8;
+
+/// How a trial does: written by the cycle thread, read by anybody.
+#[derive(Debug, Default)]
+pub struct Watch {
+    /// Progress and phase, in one so that they belong together.
+    shown: AtomicU32,
+    is_cancelled: AtomicBool,
+}
+
+impl Watch {
+    fn show(&self, (doing, progress): (Doing, f64)) {
+        let phase = match doing {
+            Doing::Enabling => TuningPhase::Enabling,
+            Doing::Exciting => TuningPhase::Exciting,
+            Doing::Disabling => TuningPhase::Disabling,
+            Doing::Nothing => TuningPhase::Designing,
+        };
+        let steps = (progress.clamp(0.0, 1.0) * STEPS) as u32;
+        self.shown.store(steps * PHASES + phase as u32, Ordering::Relaxed);
+    }
+}
+
+impl TuningWatch for Watch {
+    fn progress(&self) -> (TuningPhase, f64) {
+        let shown = self.shown.load(Ordering::Relaxed);
+        let phase = [TuningPhase::Exciting, TuningPhase::Disabling, TuningPhase::Designing];
+        let phase = phase.into_iter().find(|&phase| phase as u32 == shown % PHASES);
+        (phase.unwrap_or(TuningPhase::Enabling), f64::from(shown / PHASES) / STEPS)
+    }
+
+    fn cancel(&self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A trial with who watches it.
+#[derive(Debug)]
+struct Tried {
+    trial: Trial,
+    watch: Arc<Watch>,
+}
+
+/// The end at which trials are begun, and come back.
+#[derive(Debug)]
+pub struct TrialDesk(Mutex<Desk>);
+
+#[derive(Debug)]
+struct Desk {
+    to: Producer<Box<Tried>>,
+    from: Consumer<Box<Tried>>,
+    /// Place of its axis, and who waits for the trial under way.
+    waiting: Option<(u16, oneshot::Sender<Trial>)>,
+}
+
+/// The end in the cycle thread.
+#[derive(Debug)]
+pub struct TrialSlot {
+    coming: Consumer<Box<Tried>>,
+    going: Producer<Box<Tried>>,
+    tried: Option<Box<Tried>>,
+}
+
+/// Both ends.
+pub fn trials() -> (TrialDesk, TrialSlot) {
+    let ((to, coming), (going, from)) = (RingBuffer::new(1), RingBuffer::new(1));
+    (TrialDesk(Mutex::new(Desk { to, from, waiting: None })), TrialSlot { coming, going, tried: None })
+}
+
+impl TrialDesk {
+    fn desk(&self) -> MutexGuard<'_, Desk> {
+        // Between two whole steps the rings are sound.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Hands a trial over; it comes back when it is over.
+    ///
+    /// # Errors
+    /// Another one is under way: the place of its axis.
+    pub fn begin(&self, trial: Trial) -> Result<(Arc<Watch>, oneshot::Receiver<Trial>), u16> {
+        let mut desk = self.desk();
+        if let Some((axis, _)) = desk.waiting {
+            return Err(axis);
+        }
+        let watch = Arc::<Watch>::default();
+        let (axis, (answer, answered)) = (trial.setting().axis, oneshot::channel());
+        // Nothing is under way, so nothing lies in the ring.
+        let pushed = desk.to.push(Box::new(Tried { trial, watch: Arc::clone(&watch) }));
+        if pushed.is_ok() {
+            desk.waiting = Some((axis, answer));
+        }
+        Ok((watch, answered))
+    }
+
+    /// Gives back what has come back.
+    pub fn collect(&self) {
+        let mut desk = self.desk();
+        let Ok(tried) = desk.from.pop() else { return };
+        if let Some((_, answer)) = desk.waiting.take() {
+            // Who began it may have gone.
+            let _ = answer.send(tried.trial);
+        }
+    }
+}
+
+impl TrialSlot {
+    /// Is there one, or one to begin?
+    pub fn is_busy(&self) -> bool {
+        self.tried.is_some() || !self.coming.is_empty()
+    }
+
+    /// The command of the trial for this cycle; `has_room` for one.
+    pub fn before(&mut self, machine: &Machine, has_room: bool, numbers: &Numbers) -> Option<Command> {
+        if self.tried.is_none() {
+            self.tried = self.coming.pop().ok();
+        }
+        let Tried { trial, watch } = &mut **self.tried.as_mut()?;
+        // A cycle that is left out would be missing in the record.
+        if !has_room || watch.is_cancelled.load(Ordering::Relaxed) {
+            trial.stop();
+        }
+        let command = if has_room { trial.before(machine, || numbers.reserve(1) + 1) } else { None };
+        watch.show(trial.progress());
+        if trial.ended().is_some() {
+            self.give_back();
+        }
+        command
+    }
+
+    /// No cycle comes any more: what was begun ends, what was not begun never will.
+    pub fn give_up(&mut self) {
+        if self.tried.is_none() {
+            self.tried = self.coming.pop().ok();
+        }
+        if let Some(tried) = &mut self.tried {
+            tried.trial.give_up();
+            self.give_back();
+        }
+    }
+
+    fn give_back(&mut self) {
+        if let Some(tried) = self.tried.take()
+            && let Err(rtrb::PushError::Full(tried)) = self.going.push(tried)
+        {
+            // Its own place is free once the one before was collected.
+            self.tried = Some(tried);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Cell;
+    use crate::run::lanes::lanes;
+    use crate::tune::{Bounds, Ended, Setting};
+    use lineshaft_core::command::{Action, Commands, Source};
+    use lineshaft_core::drive::Backend;
+    use lineshaft_core::object::AxisSet;
+    use lineshaft_core::sim::Plant;
+
+    const CELL: &str = include_str!("../../../launch-configs/torque.yaml");
+
+    /// A machine with its slot.
+    struct Rig {
+        machine: Machine,
+        plant: Plant,
+        slot: TrialSlot,
+        desk: TrialDesk,
+        numbers: Numbers,
+        actions: Vec<Action>,
+    }
+
+    impl Rig {
+        fn new() -> Self {
+            let cell = Cell::parse("torque.yaml", CELL).expect("a cell");
+            let plant = cell.plant();
+            let machine = Machine::new(cell.machine).expect("a machine");
+            let (desk, slot) = trials();
+            Self { machine, plant, slot, desk, numbers: lanes(1).0.numbers(), actions: Vec::new() }
+        }
+
+        fn trial(&self) -> Trial {
+            let config = self.machine.config();
+            let setting = Setting::of(config, "x", |place| config.axes[place].power_on(), &Bounds::default());
+            Trial::new(setting.expect("fit"), Source::Ros, config, self.machine.directory()).expect("a trial")
+        }
+
+        fn run(&mut self, cycles: usize, has_room: bool) {
+            let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
+            for _ in 0..cycles {
+                inputs.begin(self.machine.next_cycle(), 0);
+                let command = self.slot.before(&self.machine, has_room, &self.numbers);
+                self.actions.extend(command.iter().map(|command| command.action.clone()));
+                self.plant.read(&mut inputs);
+                self.machine.cycle(&inputs, Commands::queue(command.as_slice()), &mut outputs);
+                self.plant.write(&outputs);
+                self.desk.collect();
+            }
+        }
+
+        fn is_on(&self) -> bool {
+            self.machine.board().bit(self.machine.directory().find("x.enabled").expect("a signal"))
+        }
+    }
+
+    #[test]
+    fn one_at_a_time_and_it_comes_back_with_its_record() {
+        let mut rig = Rig::new();
+        rig.run(10, true);
+        let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+        assert_eq!(watch.progress(), (TuningPhase::Enabling, 0.0));
+        assert_eq!(rig.desk.begin(rig.trial()).err(), Some(0), "one at a time");
+        rig.run(2000, true);
+        let (phase, begun) = watch.progress();
+        assert_eq!(phase, TuningPhase::Exciting);
+        rig.run(4000, true);
+        assert!(begun < watch.progress().1, "{begun}");
+        rig.run(30_000, true);
+        let trial = back.try_recv().expect("it is over");
+        assert_eq!((trial.ended(), watch.progress()), (Some(Ended::Done), (TuningPhase::Designing, 1.0)));
+        assert!(trial.record().commands.len() > 6000, "{}", trial.record().commands.len());
+        assert!(!rig.is_on() && !rig.slot.is_busy());
+        assert!(rig.desk.begin(rig.trial()).is_ok(), "the next one");
+    }
+
+    #[test]
+    fn who_cancels_it_finds_the_axis_off() {
+        let mut rig = Rig::new();
+        rig.run(10, true);
+        let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+        rig.run(3000, true);
+        assert!(rig.is_on());
+        watch.cancel();
+        rig.run(3000, true);
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
+        assert!(!rig.is_on());
+        assert_eq!(rig.actions.last(), Some(&Action::Disable(AxisSet::one(0))));
+        // Before it has begun nothing moves.
+        let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the next one");
+        (watch.cancel(), rig.actions.clear());
+        rig.run(10, true);
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
+        assert_eq!(rig.actions, []);
+    }
+
+    #[test]
+    fn without_room_for_its_command_it_ends() {
+        let mut rig = Rig::new();
+        rig.run(10, true);
+        let (_, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+        rig.run(3000, true);
+        rig.run(1, false);
+        rig.run(3000, true);
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
+        assert!(!rig.is_on());
+    }
+
+    #[test]
+    fn where_cycles_end_it_comes_back_begun_or_not() {
+        for cycles in [0, 100, 3000] {
+            let mut rig = Rig::new();
+            rig.run(10, true);
+            let (_, mut back) = rig.desk.begin(rig.trial()).expect("nothing is under way");
+            rig.run(cycles, true);
+            rig.slot.give_up();
+            rig.desk.collect();
+            assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped), "{cycles}");
+            assert!(!rig.slot.is_busy());
+        }
+    }
+}

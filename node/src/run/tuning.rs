@@ -1,0 +1,81 @@
+//! Tuning of an axis of the running machine, from the order to what was found.
+//!
+//! Law      the trial runs in the cycle thread; what its record tells is computed on a thread that may take its time
+//! Reads    the parameters in force when it begins
+//! Writes   a trial, then findings
+//! Refuses  what [`Setting`] refuses, a real drive without leave, a second trial
+
+use super::bridge::Handle;
+use super::trials::Watch;
+use crate::tune::{Bounds, Ended, Findings, Setting, Subject, Trial};
+use lineshaft_core::code::Code;
+use lineshaft_core::command::Source;
+use lineshaft_core::config::MachineConfig;
+use lineshaft_ros::surface::host::{Host, TuneOrder, Tuned, Tuning, Untuned};
+use std::sync::Arc;
+use tokio::sync::oneshot;
+
+impl Handle {
+    /// Has the cycle thread try an axis; the trial comes back when it is over.
+    ///
+    /// # Errors
+    /// Why not, in one sentence.
+    pub fn begin_trial(
+        &self,
+        setting: Setting,
+        source: Source,
+    ) -> Result<(Arc<Watch>, oneshot::Receiver<Trial>), String> {
+        let (config, trials) = (self.config(), &self.trials);
+        let trial = Trial::new(setting, source, config, self.directory()).map_err(|unfit| unfit.to_string())?;
+        // Behind a closed door no cycle would take it.
+        let begun = self.commander.while_open(|| trials.begin(trial)).map_err(|busy| busy.to_string())?;
+        begun.map_err(|other| {
+            let name = config.axes.get(usize::from(other)).map_or("another axis", |axis| axis.name.as_str());
+            format!("{name} is being tuned; one axis at a time")
+        })
+    }
+}
+
+/// Begins it; the axes at places of `real` have a real drive.
+///
+/// # Errors
+/// Why not, in one sentence.
+pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result<Tuning, String> {
+    let (config, parameters) = (handle.config(), handle.parameters());
+    let place = usize::from(order.axis);
+    let Some(axis) = config.axes.get(place) else { return Err(format!("there is no axis {place}")) };
+    let &TuneOrder { travel, velocity, effort, duration, .. } = order;
+    let bounds = Bounds { travel, velocity, effort, duration };
+    let in_force = |place: usize| parameters.effective.get(place).unwrap_or(&axis.parameters).clone();
+    let setting = Setting::of(config, &axis.name, in_force, &bounds).map_err(|unfit| unfit.to_string())?;
+    if real.get(place) != Some(&false) && !order.real {
+        return Err(format!("{}; `real` permits that", setting.asks_for_leave(axis)));
+    }
+    let (watch, back) = handle.begin_trial(setting, Source::Ros)?;
+    let (subject, config) = (Subject::of(axis), config.clone());
+    let found = async move {
+        let gone = || Untuned { code: Code::DISABLED, message: "the machine has stopped".to_owned() };
+        let trial = back.await.map_err(|_| gone())?;
+        tokio::task::spawn_blocking(move || find(&trial, subject, &config)).await.unwrap_or_else(|_| Err(gone()))
+    };
+    Ok(Tuning { watch, found: Box::pin(found) })
+}
+
+/// What a trial that is over tells.
+fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<Tuned, Untuned> {
+    let setting = trial.setting();
+    let ended = trial.ended().unwrap_or(Ended::Late);
+    if let Some(message) = ended.sentence(config, setting) {
+        let code = match ended {
+            Ended::Failed(event) => event.code,
+            Ended::Stopped => Code::CANCELLED,
+            _ => Code::NOT_TUNED,
+        };
+        return Err(Untuned { code, message: format!("{}: {message}", subject.axis) });
+    }
+    let name = subject.axis.clone();
+    let refused = |refusal| Untuned { code: Code::NOT_TUNED, message: format!("{name}: {refusal}") };
+    let findings = Findings::find(subject, trial.record(), &setting.wish, &setting.before).map_err(refused)?;
+    let gains = findings.gains.iter().map(|gain| (gain.key, gain.new)).collect();
+    Ok(Tuned { report: findings.text(), gains })
+}
