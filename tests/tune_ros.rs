@@ -48,7 +48,7 @@ impl Node {
     }
 
     fn values(&mut self) -> Value {
-        self.cyclone.run(&format!("params /lineshaft get {PARAMETERS}"))["values"].clone()
+        self.cyclone.run(&format!("params /lineshaft get {PARAMETERS}"))["get"].clone()
     }
 }
 
@@ -84,11 +84,11 @@ fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     let gains = found["parameters"].as_object().expect("gains by their names");
     for (name, value) in gains {
         let read = node.cyclone.run(&format!("params /lineshaft get {name}"));
-        assert_eq!(&read["values"][name], value, "{name}");
+        assert_eq!(&read["get"][0], value, "{name}");
     }
     // With these gains the axis moves.
     node.cyclone.run("axes /lineshaft enable x");
-    node.cyclone.run("move /lineshaft --axis x --mode relative --position 3 --velocity 20 --acceleration 50");
+    node.cyclone.run("move /lineshaft --axis x --mode relative --position 3 --velocity 20 --acceleration 50 --wait");
     node.program.end();
     let bag = node.folder.path().join("bag.mcap");
     let replayed = std::process::Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(bag).output();
@@ -101,7 +101,7 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     let mut node = Node::start();
     let log = |node: &Node, part: &str| assert!(node.program.log().contains(part), "{part}: {}", node.program.log());
     for (more, part) in [
-        ("--axis z", "no axis is called `z`; x, y are known"),
+        ("--axis z", "no axis is called `z`; there are x, y"),
         ("--axis y", "y: no loop of it is closed here (the axis is virtual)"),
         ("--axis x --travel nan", "travel"),
         ("--axis x --travel -1", "x: travel is -"),
@@ -118,7 +118,7 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     node.cyclone.run("tune /lineshaft --axis x --until exciting --progress 0.05 --leave");
     node.cyclone.fails("tune /lineshaft --axis x");
     log(&node, "x is being tuned; one axis at a time");
-    node.cyclone.fails("move /lineshaft --axis x --mode relative --position 1");
+    node.cyclone.run("move /lineshaft --axis x --mode relative --position 1 --wait --expect ABORTED");
     node.cyclone.run("axes /lineshaft halt x");
     thread::sleep(Duration::from_secs(2));
     assert_eq!(node.state(), "DISABLED", "a halt ends it, and its end switches the axis off");
@@ -151,7 +151,7 @@ fn a_real_drive_is_tuned_with_leave_alone() {
     let before = drives.shown(1).position;
     let mut refused = tune(&[]);
     assert_eq!(refused.wait_exit(Duration::from_secs(30)).code(), Some(2), "{}", refused.log());
-    let sentence = "v hangs on a real drive, or runs beside one: tuning shakes it by up to 75 mm either side of where it stands, with up to 50 mm/s; --real permits that";
+    let sentence = "v hangs on a real drive, or runs beside one: tuning shakes it by up to 0.075 m either side of where it stands, with up to 0.05 m/s; --real permits that";
     assert!(refused.log().contains(sentence), "{}", refused.log());
     assert_eq!(drives.shown(1).position, before);
 

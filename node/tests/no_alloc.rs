@@ -5,7 +5,9 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
 use lineshaft::run::frames::frames;
 use lineshaft::run::lanes::lanes;
-use lineshaft_core::command::{Action, Command, Setpoint, Setpoints, Source};
+use lineshaft::run::trials::trials;
+use lineshaft::tune::{Bounds, Ended, Setting, Trial};
+use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, Source};
 use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
@@ -63,4 +65,38 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
         }
     }
     assert_eq!(receiver.lost(), 501, "of 2501 cycles without the recorder 2000 fit");
+}
+
+/// From the cycle that takes it in to the one that gives it back.
+#[test]
+fn a_trial_takes_no_memory_in_the_cycle_thread() {
+    let cell = Cell::parse("torque.yaml", include_str!("../../launch-configs/torque.yaml")).unwrap();
+    let mut plant = cell.plant();
+    let mut machine = Machine::new(cell.machine).unwrap();
+    let config = machine.config();
+    let setting = Setting::of(config, "x", |place| config.axes[place].power_on(), &Bounds::default()).unwrap();
+    let trial = Trial::new(setting, Source::Ros, config, machine.directory()).unwrap();
+    let ((desk, mut slot), (commander, mut lanes)) = (trials(), lanes(1));
+    let numbers = commander.numbers();
+    let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+    let mut begun = Some(trial);
+    let mut back = None;
+    for cycle in 0..40_000 {
+        if cycle == 10 {
+            back = begun.take().map(|trial| desk.begin(trial).expect("the first one").1);
+        }
+        inputs.begin(cycle, 0);
+        plant.read(&mut inputs);
+        assert_no_alloc(|| {
+            let command = slot.before(&machine, true, &numbers);
+            lanes.add(Commands::queue(command.as_slice()));
+            machine.cycle(&inputs, lanes.commands(), &mut outputs);
+            lanes.drain().1.for_each(drop);
+        });
+        assert_eq!(violation_count(), 0, "in cycle {cycle}");
+        plant.write(&outputs);
+    }
+    desk.collect();
+    let trial = back.expect("it was begun").try_recv().expect("it is over");
+    assert_eq!(trial.ended(), Some(Ended::Done));
 }

@@ -7,7 +7,9 @@ use lineshaft_core::function::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
-use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, SynchronizeGoal};
+use lineshaft_msgs::action::{
+    HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, SynchronizeGoal, TuneGoal,
+};
 use lineshaft_msgs::cdr::{Endian, decode};
 
 use super::goal::GoalAction;
@@ -53,13 +55,28 @@ fn indexer() -> SlotConfig {
 /// When a law does not hold.
 pub fn any_goal(bytes: &[u8]) {
     let [kind, bytes @ ..] = bytes else { return };
-    match kind % 6 {
+    match kind % 7 {
         0 => law::<MoveAxis>(bytes),
         1 => law::<ProbeAxis>(bytes),
         2 => law::<Synchronize>(bytes),
         3 => law::<Phase>(bytes),
         4 => law::<RunFunction>(bytes),
+        5 => tune_law(bytes),
         _ => law::<HomeAxis>(bytes),
+    }
+}
+
+/// Refused, or an order of numbers.
+fn tune_law(bytes: &[u8]) {
+    let goal = match decode::<TuneGoal>(bytes, Endian::Little) {
+        Ok(goal) => goal,
+        Err(error) => return assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
+    };
+    match super::tune::order(&config(), &goal) {
+        Err(error) => assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
+        Ok(order) => {
+            assert!(order.axis < 2 && [order.travel, order.velocity].iter().flatten().all(|value| value.is_finite()));
+        }
     }
 }
 
@@ -169,6 +186,10 @@ mod tests {
                 distance: position,
             };
             any_goal(&[&[1], encode(&probe).as_slice()].concat());
+            let ProbeAxisGoal { axis, .. } = probe;
+            let (travel, effort, duration) = (position, acceleration, deceleration);
+            let tune = TuneGoal { axis, units, travel, velocity, effort, duration, real: false, apply: false };
+            any_goal(&[&[5], encode(&tune).as_slice()].concat());
         }
 
         #[test]

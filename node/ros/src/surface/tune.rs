@@ -56,7 +56,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
 }
 
 /// What a goal asks for, in increments.
-fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder, RequestError> {
+pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder, RequestError> {
     let (axis, found) = config.find_axis(&goal.axis)?;
     let (units, scale) = (Units::from_number(goal.units)?, &found.scale);
     let bad =
