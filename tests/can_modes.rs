@@ -59,6 +59,39 @@ expect:
     }
 }
 
+/// A drive of torques (mode 10): position and velocity loop are closed in the core, on an axis of 2e6 counts/s^2 at the rated torque that sticks with 20 of 1000. It
+/// ends within its window, and leaves nothing that pushes once it is off.
+#[test]
+fn an_axis_moves_by_the_torques_of_the_core() {
+    let mut drives = CanDrives::boot("1");
+    let keys = ", max_effort: 800, velkprop: 1000, velkint: 10, velkilim: 5000, position_loop: {kv: 10}, in_position_window: 0.1 mm, \
+                sim: {model: motor, inertia: 1e-4 kg*m^2, rated_torque: 1 Nm, counts_per_turn: 10000 inc}";
+    let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axis("t", 1, ", interface: torque", keys));
+    let run = cell.run(
+        "scenario: torques
+for: 8 s
+steps:
+  - {when: {signal: t.drive_state, is: SWITCH_ON_DISABLED}, do: {enable: {axes: [t]}}}
+  - {when: {signal: t.state, is: STANDSTILL}, do: {move_axis: {axis: t, position: 60 mm, velocity: 40 mm/s, acceleration: 0.2 m/s^2}}}
+  - {when: {signal: t.in_position, is: 1}, after: 500 ms, do: {move_axis: {axis: t, position: -5 mm, velocity: 40 mm/s, acceleration: 0.2 m/s^2}}}
+  - {when: {signal: t.in_position, is: 1}, after: 1 s, do: {disable: {axes: [t]}}}
+expect:
+  - {signal: t.actual.position, mode: eventually, min: 59900, max: 60100}
+  - {signal: t.actual.position, at: end, is: -5000, within: 100}
+  - {signal: t.actual.effort, mode: eventually, min: 30}
+  - {signal: t.output.effort, at: end, is: 0}
+  - {event: {kind: error}, mode: never}
+",
+    );
+    run.until(&mut drives, 1, "enabled", Shown::is_enabled);
+    assert_eq!(drives.tell("get 1 0x6061 0")["value"], 10);
+    run.passes();
+    assert_eq!(drives.tell("get 1 0x6071 0")["value"], 0);
+    let shown = drives.shown(1);
+    assert!(shown.is_off() && (shown.position + 5_000).abs() <= 100, "{shown:?}");
+    assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
+}
+
 /// Types 2 (guarded) and -3 are mapped; 13 is mapped beforehand, with a position of 16 bits, which wraps on the way: 100000 counts. Where an
 /// axis is off its drive is shut down (06h), not without voltage.
 ///

@@ -126,6 +126,7 @@ pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabil
         delay: DELAY,
         position: interface == Interface::Position,
         velocity: interface == Interface::Velocity,
+        torque: interface == Interface::Torque,
         open_loop: interface == Interface::OpenLoop,
         // Those by number stay in their mode.
         homes: !by_type,
@@ -255,7 +256,8 @@ pub(super) fn drive(
     let given = map.optional("velocity_factor").map_or(Some(None), |value| factor(&value).map(Some));
     let policies = [("hold", false), ("extrapolate", true)];
     let extrapolates = map.optional("missed_pdo").map_or(Some(false), |value| value.choice(&policies));
-    let rated = map.optional("rated_effort").map_or(Some(None), |value| rated_effort(&value, travel).map(Some));
+    let rated =
+        map.optional("rated_effort").map_or(Some(None), |value| rated_effort(&value, travel, interface).map(Some));
     let factor = factor_of(given?, drive_type?, feed?, number.as_ref());
     Some(CellDrive {
         device: device?,
@@ -270,7 +272,12 @@ pub(super) fn drive(
 }
 
 /// What the axis has at the rated torque of its drive (N or Nm).
-fn rated_effort(value: &Value<'_>, travel: &Travel) -> Option<f64> {
+fn rated_effort(value: &Value<'_>, travel: &Travel, interface: Option<Interface>) -> Option<f64> {
+    if interface == Some(Interface::Torque) {
+        let sentence = "rated_effort is not for interface torque, whose efforts are per mille of the rated torque";
+        value.refuse(sentence, Some("leave it out".to_owned()));
+        return None;
+    }
     let dimension = match travel.kind? {
         ScaleKind::Linear => Dimension::Force,
         ScaleKind::Rotary => Dimension::Torque,

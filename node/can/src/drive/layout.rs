@@ -13,7 +13,7 @@ use crate::config::{Analog, Terminals};
 use crate::eds::Dictionary;
 use crate::sdo::Object;
 use crate::{Id, NodeId};
-use lineshaft_core::drive::Terminal;
+use lineshaft_core::drive::{Interface, Terminal};
 
 /// PDOs of each direction that have an identifier by default.
 pub const MOST_PDOS: u8 = 4;
@@ -58,6 +58,8 @@ pub enum Asked {
     Position,
     /// Target velocity.
     Velocity,
+    /// Target torque (0.1 % of the rated one).
+    Torque,
     /// Modes of operation.
     Mode,
     /// Digital outputs of a drive.
@@ -227,9 +229,11 @@ impl Layout {
         if let Some(object) = used.into_iter().flatten().find(cannot) {
             return Err(LayoutError::NoTerminal(object));
         }
-        if extras.torque {
+        let is_for_torque = mode.interface() == Interface::Torque;
+        if extras.torque || is_for_torque {
             if cannot(&objects::TORQUE) {
-                return Err(LayoutError::NoTorque);
+                let needed = LayoutError::NotMappable(objects::TORQUE, mode.name());
+                return Err(if is_for_torque { needed } else { LayoutError::NoTorque });
             }
             each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
         }
@@ -355,6 +359,24 @@ mod tests {
             Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap();
         let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
+    }
+
+    /// A drive of torques tells its torque in each cycle, whatever else is asked for.
+    #[test]
+    fn a_drive_of_torques_is_asked_for_one_and_tells_it() {
+        for mode in [DriveMode::Cst, DriveMode::Tq] {
+            let plan = |dictionary| Layout::plan(node(), mode, Extras::default(), &Terminals::default(), dictionary);
+            let layout = plan(None).unwrap();
+            let words: Vec<_> = layout.asked[0].fields.iter().map(|field| (field.object.index, field.bits)).collect();
+            assert_eq!(words, [(0x6040, 16), (0x6071, 16), (0x6060, 8)]);
+            let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
+            assert_eq!(told(&layout), [cyclic, (2, 0x283, 1, vec![Told::Torque])]);
+            let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
+            let at = text.find("[6077]").unwrap();
+            let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+            let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+            assert_eq!(plan(Some(&known)).err(), Some(LayoutError::NotMappable(objects::TORQUE, mode.name())));
+        }
     }
 
     /// 64 bits are a PDO; one more bit is another one.

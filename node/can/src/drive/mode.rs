@@ -1,10 +1,10 @@
 //! Modes of operation of a drive behind the interfaces of an axis.
 //!
-//! Law      an axis knows its drive in cyclic modes alone (csp, csv, vl); a drive that offers others is commanded through them: what the axis
+//! Law      an axis knows its drive in cyclic modes alone (csp, csv, cst, vl); a drive that offers others is commanded through them: what the axis
 //!          asks for and sees is the number of the cyclic one
 //! Reads    control words and setpoints of a cycle, the status word
 //! Writes   the control word with the bits that the mode needs
-//! Source   CiA 402-2 (modes pp, vl, pv, ip, csp, csv)
+//! Source   CiA 402-2 (modes pp, vl, pv, tq, ip, csp, csv, cst)
 
 use super::layout::{Asked, Field};
 use super::objects;
@@ -28,23 +28,29 @@ pub enum DriveMode {
     Vl,
     /// Profile velocity: the drive has ramps of its own.
     Pv,
+    /// Profile torque: the drive has a slope of its own.
+    Tq,
     /// Interpolated position.
     Ip,
     /// Cyclic synchronous position.
     Csp,
     /// Cyclic synchronous velocity.
     Csv,
+    /// Cyclic synchronous torque.
+    Cst,
 }
 
 impl DriveMode {
     /// All, with the name of each.
-    pub const NAMES: [(&'static str, Self); 6] = [
+    pub const NAMES: [(&'static str, Self); 8] = [
         ("pp", Self::Pp),
         ("vl", Self::Vl),
         ("pv", Self::Pv),
+        ("tq", Self::Tq),
         ("ip", Self::Ip),
         ("csp", Self::Csp),
         ("csv", Self::Csv),
+        ("cst", Self::Cst),
     ];
 
     /// The mode of an interface where nothing else is said; none where CAN has none.
@@ -53,7 +59,7 @@ impl DriveMode {
             Interface::Position => Some(Self::Csp),
             Interface::Velocity => Some(Self::Csv),
             Interface::OpenLoop => Some(Self::Vl),
-            Interface::Torque => None,
+            Interface::Torque => Some(Self::Cst),
         }
     }
 
@@ -62,6 +68,7 @@ impl DriveMode {
         match self {
             Self::Pp | Self::Ip | Self::Csp => Interface::Position,
             Self::Pv | Self::Csv => Interface::Velocity,
+            Self::Tq | Self::Cst => Interface::Torque,
             Self::Vl => Interface::OpenLoop,
         }
     }
@@ -72,9 +79,11 @@ impl DriveMode {
             Self::Pp => 1,
             Self::Vl => 2,
             Self::Pv => 3,
+            Self::Tq => 4,
             Self::Ip => 7,
             Self::Csp => 8,
             Self::Csv => 9,
+            Self::Cst => 10,
         }
     }
 
@@ -99,6 +108,7 @@ impl DriveMode {
             Self::Pp | Self::Csp => (Asked::Position, objects::TARGET_POSITION, 32),
             Self::Ip => (Asked::Position, objects::INTERPOLATION_POSITION, 32),
             Self::Pv | Self::Csv => (Asked::Velocity, objects::TARGET_VELOCITY, 32),
+            Self::Tq | Self::Cst => (Asked::Torque, objects::TARGET_TORQUE, 16),
             Self::Vl => (Asked::Velocity, objects::VL_TARGET_VELOCITY, 16),
         };
         Field { word, object, bits }
@@ -132,7 +142,7 @@ impl Commander {
         let is_enabled = is_in_mode && asked == control::ENABLE;
         let runs = is_enabled && DriveState::from_status(status) == DriveState::Enabled;
         match self.mode {
-            DriveMode::Csp | DriveMode::Csv | DriveMode::Pv => (asked, position),
+            DriveMode::Csp | DriveMode::Csv | DriveMode::Cst | DriveMode::Pv | DriveMode::Tq => (asked, position),
             DriveMode::Ip => (if runs { asked | BIT_4 } else { asked }, position),
             DriveMode::Vl => (if is_enabled { asked | RAMP } else { asked }, position),
             DriveMode::Pp => {
@@ -166,11 +176,20 @@ mod tests {
 
     const ENABLED: u16 = 0x0237;
 
-    /// Numbers of 6060h; the axis sees 8, 9 and 2.
+    /// Numbers of 6060h; the axis sees 8, 9, 10 and 2.
     #[test]
     fn each_mode_has_its_number_and_that_of_the_axis() {
         let numbers = DriveMode::NAMES.map(|(name, mode)| (name, mode.number(), mode.across(mode.number())));
-        let expected = [("pp", 1, 8), ("vl", 2, 2), ("pv", 3, 9), ("ip", 7, 8), ("csp", 8, 8), ("csv", 9, 9)];
+        let expected = [
+            ("pp", 1, 8),
+            ("vl", 2, 2),
+            ("pv", 3, 9),
+            ("tq", 4, 10),
+            ("ip", 7, 8),
+            ("csp", 8, 8),
+            ("csv", 9, 9),
+            ("cst", 10, 10),
+        ];
         assert_eq!(numbers, expected);
         // One that is in csp where pp is meant is not in its mode; homing is the same in all.
         assert_eq!([DriveMode::Pp.across(8), DriveMode::Pp.across(6), DriveMode::Pp.across(0)], [1, 6, 0]);
@@ -185,7 +204,7 @@ mod tests {
     #[test]
     fn control_words_have_the_bits_of_their_mode() {
         let word = |mode, asked, status, is_in_mode| Commander::new(mode).command(asked, 5, status, is_in_mode).0;
-        for mode in [DriveMode::Csp, DriveMode::Csv, DriveMode::Pv] {
+        for mode in [DriveMode::Csp, DriveMode::Csv, DriveMode::Cst, DriveMode::Pv, DriveMode::Tq] {
             assert_eq!(word(mode, control::ENABLE, ENABLED, true), 0x0F);
         }
         assert_eq!(word(DriveMode::Ip, control::ENABLE, ENABLED, true), 0x1F);

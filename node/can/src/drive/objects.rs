@@ -62,6 +62,8 @@ pub const MODE_DISPLAY: Object = of(0x6061, 0);
 pub const POSITION: Object = of(0x6064, 0);
 /// Velocity actual value (CiA 402).
 pub const VELOCITY: Object = of(0x606C, 0);
+/// Target torque (0.1 % of the rated torque; CiA 402).
+pub const TARGET_TORQUE: Object = of(0x6071, 0);
 /// Torque actual value (0.1 % of the rated torque; CiA 402).
 pub const TORQUE: Object = of(0x6077, 0);
 /// Target position (counts; CiA 402).

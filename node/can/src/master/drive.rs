@@ -11,8 +11,8 @@ use crate::drive::layout::{Asked, Layout, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Commander, Counter, HomingSetup};
 use lineshaft_core::drive::{
-    BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Latch, MODE_HOMING, STATUS_HOMING_ATTAINED,
-    control,
+    BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING,
+    STATUS_HOMING_ATTAINED, control,
 };
 use lineshaft_core::object::Object;
 
@@ -43,7 +43,7 @@ pub(crate) struct Drive {
     /// Cycles since its counts were fresh.
     stale: u32,
     missed: Missed,
-    /// Effort of a thousandth of its rated torque.
+    /// Effort of a thousandth of its rated torque; what takes efforts has them in thousandths.
     effort_unit: f64,
     emergency: Option<Emergency>,
     object: Object,
@@ -79,7 +79,10 @@ impl Drive {
             is_fresh: false,
             stale: 0,
             missed: config.missed,
-            effort_unit: config.rated_effort.unwrap_or_default() / 1000.0,
+            effort_unit: match config.mode.interface() {
+                Interface::Torque => 1.0,
+                _ => config.rated_effort.unwrap_or_default() / 1000.0,
+            },
             emergency: None,
             object: Object::Axis(config.object),
             probes: config.probes,
@@ -240,6 +243,8 @@ impl Drive {
                 let most = (1_i64 << (self.target_bits.clamp(2, 63) - 1)) - 1;
                 self.factor.to_drive(output.velocity).clamp(-most, most)
             }
+            // Saturates; no number is none.
+            Asked::Torque => i64::from(output.effort.round() as i16),
             Asked::Mode => i64::from(self.commander.mode().across(self.mode)),
             Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) | Asked::Nothing => 0,
         }

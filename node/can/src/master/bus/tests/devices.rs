@@ -70,6 +70,26 @@ fn an_encoder_that_has_booted_has_another_coordinate() {
     assert_eq!(seen, [1, 1, 2]);
 }
 
+/// Efforts are per mille of the rated torque, 16 bits of them, there and back.
+#[test]
+fn a_drive_of_torques_takes_and_tells_them_per_mille() {
+    let mut config = drive(0, 3, Watching::None);
+    config.layout = Layout::plan(node(3), DriveMode::Cst, Extras::default(), &config.terminals, None).unwrap();
+    as_drive(&mut config).mode = DriveMode::Cst;
+    let mut rig = Rig::running(Watching::None);
+    rig.replace_first(&config);
+    for (effort, word) in [(250.4, 250), (-250.6, -251), (0.0, 0), (1e9, i16::MAX), (-1e9, i16::MIN), (f64::NAN, 0)] {
+        rig.comes(0x283, &(-137_i16).to_le_bytes());
+        rig.answer(0x0237, 100, 10);
+        rig.outputs.drive[0].effort = effort;
+        rig.cycle();
+        assert_eq!(rig.inputs.drive[0].effort, -137.0);
+        let sent = rig.sent();
+        let asked = sent.iter().find(|frame| frame.id().get() == 0x203).expect("PDO 1 of the drive").bytes();
+        assert_eq!(i16::from_le_bytes([asked[2], asked[3]]), word, "{effort}");
+    }
+}
+
 /// 100 counts a cycle: while its words are missing the position stays, or goes on, for as many cycles as are waited for. A thousandth of the
 /// rated torque is 2 mNm.
 #[test]
