@@ -1,7 +1,7 @@
 //! The trial: an axis is enabled, excited, and disabled, cycle by cycle.
 //!
 //! Law      enable | excitation by OUTAN, a command where the value is another one | disable, whatever ends it. What was put out in a
-//!          cycle and where the axis was then makes the record
+//!          cycle and where the axis was then makes the record; of a cycle that was missed, on a line between its neighbours
 //! Reads    signals and events of the cycle before; whether somebody stops it
 //! Writes   commands for this cycle, the record
 //! Refuses  an axis that is neither off nor at rest, or has no room
@@ -33,6 +33,8 @@ pub enum Ended {
     Interrupted(i64),
     /// Too little room: the travel that there is (inc).
     NoRoom(f64),
+    /// So many cycles were missed in a row.
+    Missed(i64),
     /// Who began it has stopped it.
     Stopped,
     /// Nothing came in time.
@@ -55,6 +57,11 @@ impl Ended {
                 travel.max(0.0),
                 setting.permitted.travel
             ),
+            Self::Missed(cycles) => {
+                format!(
+                    "the machine has missed {cycles} cycles in a row; {MOST_MISSED} at most leave a record that tells something"
+                )
+            }
             Self::Stopped => "it was stopped before its end".to_owned(),
             Self::Late => "it took too long, which an excitation of this axis should not".to_owned(),
         })
@@ -88,6 +95,7 @@ enum Phase {
 struct Signals {
     state: Signal,
     position: Signal,
+    overruns: Signal,
 }
 
 /// Time for enabling and disabling, brakes and stops included (s).
@@ -98,6 +106,8 @@ const SMOOTHING: f64 = 0.3;
 const STEP: f64 = 1.0 / 512.0;
 /// Longest record in times of ramp and duration.
 const LONGEST: f64 = 8.0;
+/// Most cycles in a row that may be missed.
+const MOST_MISSED: i64 = 10;
 /// Most cycles of a record.
 const MOST_CYCLES: f64 = 2e6;
 
@@ -122,6 +132,8 @@ pub struct Trial {
     sent: f64,
     start: i64,
     before: i64,
+    /// Cycles that were missed until then.
+    overruns: i64,
     velocity: f64,
 }
 
@@ -134,14 +146,15 @@ impl Trial {
         let p = setting.permitted;
         let name = config.axes.get(usize::from(setting.axis)).map_or("", |axis| axis.name.as_str());
         let find = |of: &str| directory.find(&format!("{name}.{of}"));
-        let (Some(state), Some(position)) = (find("state"), find("actual.position")) else {
+        let overruns = directory.find("machine.overruns");
+        let (Some(state), Some(position), Some(overruns)) = (find("state"), find("actual.position"), overruns) else {
             return Err(Unfit::unknown(config, name));
         };
         let cycles = (LONGEST * (p.ramp + p.duration) / p.cycle).min(MOST_CYCLES);
         Ok(Self {
             setting,
             source,
-            signals: Signals { state, position },
+            signals: Signals { state, position, overruns },
             excitation: Excitation::new(p).map_err(|error| Unfit::Excitation { axis: name.to_owned(), error })?,
             record: Record::with_capacity(p.cycle, p.takes, cycles as usize),
             phase: Phase::Begin,
@@ -150,6 +163,7 @@ impl Trial {
             sent: 0.0,
             start: 0,
             before: 0,
+            overruns: 0,
             velocity: 0.0,
         })
     }
@@ -278,6 +292,7 @@ impl Trial {
             self.excitation = excitation;
         }
         (self.start, self.before) = (position, position);
+        self.overruns = machine.board().int(self.signals.overruns);
         self.record.push(0.0, position);
         self.phase = Phase::Exciting;
         Some(self.ask(0.0))
@@ -290,13 +305,23 @@ impl Trial {
 
     fn excite(&mut self, machine: &Machine, state: i64) -> Option<Action> {
         let position = machine.board().int(self.signals.position);
-        let moved = position.wrapping_sub(self.before) as f64 / self.setting.permitted.cycle;
+        let overruns = machine.board().int(self.signals.overruns);
+        let missed = overruns.saturating_sub(std::mem::replace(&mut self.overruns, overruns));
+        if missed > MOST_MISSED {
+            return self.end(state, Ended::Missed(missed));
+        }
+        let (before, cycles) = (std::mem::replace(&mut self.before, position), missed + 1);
+        let way = position.wrapping_sub(before);
+        let moved = way as f64 / (cycles as f64 * self.setting.permitted.cycle);
         self.velocity += SMOOTHING * (moved - self.velocity);
-        self.before = position;
-        if self.record.commands.len() == self.record.commands.capacity() {
+        let room = self.record.commands.capacity() - self.record.commands.len();
+        if room < cycles as usize {
             return self.end(state, Ended::Late);
         }
-        self.record.push(self.sent, position);
+        // The drive was asked for the same.
+        for cycle in 1..=cycles {
+            self.record.push(self.sent, before.wrapping_add(way.wrapping_mul(cycle) / cycles));
+        }
         match self.excitation.next(position.wrapping_sub(self.start) as f64, self.velocity) {
             Drive::Command(value) => {
                 let is_other = (value - self.sent).abs() > STEP * self.setting.permitted.command;

@@ -1,9 +1,12 @@
 //! Axes of cells, tried and tuned as `lineshaft tune` does it, and moved with the gains that were found.
 
-use super::super::{Bounds, Ended, Findings, Setting, Subject, Unfit, edited, try_simulated};
+use super::super::{Bounds, Ended, Findings, Setting, Subject, Trial, Unfit, edited, try_simulated};
 use crate::cell::Cell;
 use crate::scenario::{Options, Scenario, simulate};
 use lineshaft_core::code::Code;
+use lineshaft_core::command::{Commands, Source};
+use lineshaft_core::drive::Backend;
+use lineshaft_core::machine::Machine;
 use lineshaft_core::sim::Plant;
 use lineshaft_tune::{Abort, Dynamics, Record, Refusal};
 use std::path::Path;
@@ -215,4 +218,46 @@ fn the_travel_leaves_a_way_to_stop() {
     let shorter = setting(&cell(slow(limits)), Bounds::default()).expect("bounds").at(0).expect("room");
     assert_eq!((shorter.travel, shorter.velocity), (permitted.travel / 2.0, permitted.velocity / 2.0));
     assert!((shorter.command - permitted.command / 2.0).abs() < 1e-12);
+}
+
+/// Ten cycles a second are missed, one or three in a row: the record has them, and the model is the same. More than ten end the trial.
+#[test]
+fn missed_cycles_are_in_the_record() {
+    let text = torque(PID, 8192, "", EFFORT);
+    let run = |row: u32| {
+        let cell = Cell::parse("cell.yaml", &text).expect("a cell");
+        let setting = setting(&cell, Bounds::default()).expect("fit");
+        let (mut plant, mut machine) = (cell.plant(), Machine::new(cell.machine.clone()).expect("a machine"));
+        let mut trial = Trial::new(setting, Source::Cli, machine.config(), machine.directory()).expect("a trial");
+        let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
+        let mut number = 0;
+        while trial.ended().is_none() {
+            let missed = if machine.next_cycle() % 200 == 199 { row } else { 0 };
+            for _ in 0..missed {
+                // The plant goes on with what it was asked for last.
+                inputs.begin(machine.next_cycle(), 0);
+                plant.read(&mut inputs);
+                plant.write(&outputs);
+            }
+            inputs.begin(machine.next_cycle(), missed);
+            plant.read(&mut inputs);
+            let command = (machine.next_cycle() > 1).then(|| trial.before(&machine, || number + 1)).flatten();
+            number += u64::from(command.is_some());
+            machine.cycle(&inputs, Commands::queue(command.as_slice()), &mut outputs);
+            plant.write(&outputs);
+        }
+        let findings =
+            Findings::find(Subject::of(&cell.machine.axes[0]), trial.record(), &setting.wish, &setting.before);
+        (trial.ended(), findings.ok().map(|found| found.identified.model.dynamics))
+    };
+    let gain = |dynamics: Option<Dynamics>| match dynamics {
+        Some(Dynamics::Effort { acceleration, .. }) => acceleration,
+        other => panic!("{other:?}"),
+    };
+    let (whole, one, three) = (run(0), run(1), run(3));
+    assert_eq!([whole.0, one.0, three.0], [Some(Ended::Done); 3]);
+    for (_, dynamics) in [one, three] {
+        assert!((gain(dynamics) / gain(whole.1) - 1.0).abs() < 0.02, "{dynamics:?} {:?}", whole.1);
+    }
+    assert_eq!(run(11).0, Some(Ended::Missed(11)));
 }
