@@ -18,3 +18,4 @@ pub mod scenario;
 pub mod store;
 pub mod table;
 pub mod tune;
+mod whole_file;

@@ -1,9 +1,9 @@
 //! metadata.yaml of a bag, as rosbag2 of ROS 2 Jazzy writes it (its version 9).
 
+use crate::whole_file::WholeFile;
 use lineshaft_ros::layer::Qos;
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Its file name.
@@ -88,23 +88,12 @@ impl Metadata {
     /// What could not be done with which path; nothing is left behind then.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, (PathBuf, io::Error)> {
         let path = folder.join(FILE_NAME);
-        let new = folder.join(format!("{FILE_NAME}.{}.part", std::process::id()));
-        let written = write_through(&new, &self.text()).and_then(|()| fs::rename(&new, &path));
+        let written = WholeFile::write(&path, self.text().as_bytes(), None).and_then(WholeFile::take_place);
         match written {
             Ok(()) => Ok(path),
-            Err(error) => {
-                let _ = fs::remove_file(&new);
-                Err((path, error))
-            }
+            Err(error) => Err((path, error)),
         }
     }
-}
-
-fn write_through(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(text.as_bytes())?;
-    // Before the new name: after a loss of power the name must not show a file without its content.
-    file.sync_all()
 }
 
 fn span_text(span: Option<(u64, u64)>, indent: usize) -> String {
@@ -171,6 +160,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use saphyr_parser::{Event, Parser};
+    use std::fs;
 
     fn metadata(names: &[&str]) -> Metadata {
         let file = |name: &&str| FileInformation { name: (*name).to_owned(), span: Some((5, 12)), messages: 7 };

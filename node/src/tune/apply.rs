@@ -12,11 +12,11 @@
 use super::findings::Gain;
 use crate::cell::Cell;
 use crate::document::{Document, Fixed, Source};
+use crate::whole_file::WholeFile;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::{ROWS, Range, Row, Value};
-use std::ffi::OsString;
-use std::fs::{self, File};
-use std::io::{self, Write as _};
+use std::fs;
+use std::io;
 use std::path::Path;
 
 /// Why gains are not in the cell file.
@@ -169,29 +169,14 @@ fn is_same(one: Cell, other: Cell) -> bool {
 fn replace(path: &Path, old: &str, new: &str) -> Result<(), ApplyError> {
     let name = || path.display().to_string();
     let file = |error: io::Error| ApplyError::File { name: name(), reason: error.to_string() };
+    // A link leads to where it led.
     let path = &fs::canonicalize(path).map_err(file)?;
-    let beside = {
-        let mut beside = OsString::from(".");
-        beside.push(path.file_name().unwrap_or_default());
-        beside.push(format!(".{}.part", std::process::id()));
-        path.with_file_name(beside)
-    };
-    let written = File::create_new(&beside).and_then(|mut to| {
-        to.set_permissions(fs::metadata(path)?.permissions())?;
-        to.write_all(new.as_bytes())?;
-        to.sync_all()
-    });
-    let replaced = written.map_err(file).and_then(|()| {
-        if fs::read(path).map_err(file)? != old.as_bytes() {
-            return Err(ApplyError::Changed { name: name() });
-        }
-        fs::rename(&beside, path).map_err(file)
-    });
-    if replaced.is_err() {
-        // It may never have existed.
-        let _ = fs::remove_file(&beside);
+    let permissions = fs::metadata(path).map_err(file)?.permissions();
+    let written = WholeFile::write(path, new.as_bytes(), Some(permissions)).map_err(file)?;
+    if fs::read(path).map_err(file)? != old.as_bytes() {
+        return Err(ApplyError::Changed { name: name() });
     }
-    replaced
+    written.take_place().map_err(file)
 }
 
 #[cfg(test)]

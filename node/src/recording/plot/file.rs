@@ -1,10 +1,8 @@
 //! Figures as files.
 
 use super::{Figure, Problem, draw};
-use std::ffi::OsString;
-use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use crate::whole_file::WholeFile;
+use std::path::Path;
 
 /// The format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,21 +40,6 @@ pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
 /// # Errors
 /// [`Problem::File`]
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    let beside = beside(path);
-    let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, path));
-    written.map_err(|error| {
-        // It may never have existed.
-        let _ = fs::remove_file(&beside);
-        Problem::File { name: path.display().to_string(), reason: error.to_string() }
-    })
-}
-
-/// A name in the same folder, so that the file can take the place of the old one in one step.
-fn beside(path: &Path) -> PathBuf {
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    path.with_file_name(name)
+    let written = WholeFile::write(path, bytes, None).and_then(WholeFile::take_place);
+    written.map_err(|error| Problem::File { name: path.display().to_string(), reason: error.to_string() })
 }
