@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// A new file that is complete, and has not its name yet; dropped it is gone.
 #[derive(Debug)]
-pub struct WholeFile {
+pub(crate) struct WholeFile {
     beside: PathBuf,
     path: PathBuf,
 }
@@ -20,7 +20,7 @@ impl WholeFile {
     ///
     /// # Errors
     /// What the system says; nothing is left.
-    pub fn write(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<Self> {
+    pub(crate) fn write(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<Self> {
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}.part", std::process::id()));
@@ -40,7 +40,7 @@ impl WholeFile {
     ///
     /// # Errors
     /// What the system says; the old one stays, and nothing else is left.
-    pub fn take_place(self) -> io::Result<()> {
+    pub(crate) fn take_place(self) -> io::Result<()> {
         fs::rename(&self.beside, &self.path)
     }
 }
