@@ -17,8 +17,8 @@ pub use slots::{
 };
 
 use crate::axis::{
-    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_close_loop, may_name, may_read, may_tell_sign,
-    may_turn_loop,
+    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_close_loop, may_find_velocity, may_name,
+    may_read, may_tell_sign, may_turn_loop,
 };
 use crate::code::Code;
 use crate::drive::{Capabilities, Interface, SpeedOutputs};
@@ -310,7 +310,8 @@ impl MachineConfig {
                 may_read(axis.wired, self.encoders.len(), axis.drive.map(|_| axis.interface), &parameters)
                     .and_then(|()| {
                         let interface = axis.drive.map(|_| axis.interface);
-                        may_close_loop(interface, axis.law, &parameters, self.cycle_ns)
+                        may_close_loop(interface, axis.law, &parameters, self.cycle_ns)?;
+                        may_find_velocity(place, interface, axis.second.is_some(), &parameters)
                     })
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
                     .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;

@@ -148,7 +148,7 @@ impl Axis {
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
         let timed = super::may_close_loop(interface, self.setup.law, candidate, self.setup.cycle_ns);
-        let (key, code) = if let Err(refused) = wired.and(timed) {
+        let (key, code) = if let Err(refused) = wired.and(timed).and(self.may_find_velocity_with(candidate)) {
             refused
         } else if !may_turn_loop(interface, candidate) {
             ("posdrct", Code::LOOP_IN_DRIVE)

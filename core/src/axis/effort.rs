@@ -26,7 +26,7 @@ pub(super) struct EffortLoops {
     velocity: VelocityLoop,
     /// None while the axis is off.
     estimator: Option<VelocityEstimator>,
-    /// Way of the axis since it was switched on (inc), which no new coordinate changes.
+    /// Way of the encoder of the velocity loop since the axis was switched on (inc of that encoder), which no new coordinate changes.
     way: i64,
     /// -1 to 1
     output: f64,
@@ -71,7 +71,7 @@ impl Axis {
             return 0.0;
         }
         let (full, _) = self.full_reference();
-        let moved = self.motor_change().floor();
+        let (full, moved) = (self.full_of_loop(full), self.velocity_change());
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();
@@ -103,9 +103,10 @@ impl Axis {
         if self.takes_effort() { self.reference_across(effort) } else { self.across(effort) }
     }
 
-    /// Its velocity as the velocity loop sees it (inc/s); 0 without one.
+    /// Its velocity as the velocity loop sees it (inc/s of the axis, where that has the full velocity with its encoder); 0 without one.
     pub(super) fn estimated_velocity(&self) -> f64 {
-        self.effort_loops.estimator.map_or(0.0, |estimator| estimator.velocity())
+        let velocity = self.effort_loops.estimator.map_or(0.0, |estimator| estimator.velocity());
+        if self.has_velocity_encoder() { velocity * self.per_velocity_encoder() } else { velocity }
     }
 
     /// The effort that is asked for in parts of the full one, -1 to 1.

@@ -358,7 +358,7 @@ impl Axis {
     /// Why the axis has no position, if it has none although its drive answers.
     pub(super) fn source_failure(&self) -> Option<Code> {
         let code = if self.parameters.encoder.monitored == 1 { Code::WF_ENCODER_CABLE } else { Code::ENCODER_INVALID };
-        (!self.actual.valid).then_some(code)
+        (!self.actual.valid || self.has_lost_velocity()).then_some(code)
     }
 
     /// Moves the coordinate as others have done who share the encoder; what a new source has moved is told as well.

@@ -55,6 +55,7 @@ mod stops;
 mod stream;
 mod switches;
 mod track;
+mod velocity_encoder;
 mod vocabulary;
 mod waiting;
 
@@ -76,6 +77,7 @@ pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
 pub use track::{Run, Violation};
+pub use velocity_encoder::may_find_velocity;
 pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
@@ -120,6 +122,7 @@ use shown::DriveShown;
 pub use shown::MISSED_CYCLES;
 use std::sync::Arc;
 use stream::Streamed;
+use velocity_encoder::VelocityFeedback;
 use waiting::Waiting;
 
 /// Longest delay of a drive in cycles.
@@ -281,6 +284,7 @@ pub struct Axis {
     compensation: TakeUp,
     position_loop: PositionLoop,
     effort_loops: EffortLoops,
+    velocity_feedback: VelocityFeedback,
     recovery: Recovery,
 }
 
@@ -332,6 +336,7 @@ impl Axis {
             compensation: TakeUp::new(delay),
             position_loop: PositionLoop::default(),
             effort_loops: EffortLoops::default(),
+            velocity_feedback: VelocityFeedback::default(),
             recovery: Recovery::default(),
             judge: Judge::new(delay),
             at_limits: AtLimits::default(),
@@ -397,6 +402,7 @@ impl Axis {
         self.take_mark(cx);
         self.step_homing(cx);
         self.judge_errors(cx);
+        self.supervise_encoders(cx);
         self.supervise_recovery(cx);
         self.show_virtual(Position::ZERO);
     }
@@ -506,6 +512,7 @@ impl Axis {
             && self.compensation.is_sound()
             && self.position_loop.is_sound()
             && self.effort_loops.is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
+            && self.velocity_feedback.is_sound()
             && self.can_close_loop()
             && self.recovery.is_sound()
             && self.vocabularies.is_sound()
@@ -595,5 +602,6 @@ impl Axis {
         let Some(input) = input else { return };
         self.shown.read(input, self.told_effort(input.effort));
         self.read_source(input, encoders, raw);
+        self.read_velocity_encoder(input);
     }
 }

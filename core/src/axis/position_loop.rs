@@ -115,7 +115,8 @@ impl Axis {
     /// Can its loops run with its parameters?
     pub(super) fn can_close_loop(&self) -> bool {
         let interface = self.setup.drive.map(|_| self.setup.interface);
-        may_close_loop(interface, self.setup.law, &self.parameters, self.setup.cycle_ns).is_ok()
+        let loops = may_close_loop(interface, self.setup.law, &self.parameters, self.setup.cycle_ns);
+        loops.and(self.may_find_velocity_with(&self.parameters)).is_ok()
     }
 
     /// Does its loop change its output while nothing moves?
@@ -183,6 +184,11 @@ impl Axis {
         let full = self.position_loop.full.filter(is_enough).unwrap_or(now);
         self.position_loop.full = Some(full);
         full
+    }
+
+    /// The velocity that the output 1 is, as it was asked for last (inc/s).
+    pub(super) fn full_in_force(&self) -> f64 {
+        self.position_loop.full.map_or(self.parameters.max_velocity, |(full, _)| full)
     }
 
     /// The sum of errors of the PID (inc).

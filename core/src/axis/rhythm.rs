@@ -178,6 +178,7 @@ impl Axis {
             && !self.is_simulated()
             && !self.is_open_loop()
             && !self.watches_current()
+            && !self.has_velocity_encoder()
             && self.alarm.is_none()
             && self.open_contact.is_none()
             && self.switches == Default::default()

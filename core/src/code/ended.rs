@@ -608,6 +608,14 @@ codes! {
         remedy: "Free the axis, check the encoder and its cable, then reset_errors.",
     }
 
+    /// Motor and load do not move together.
+    ENCODERS_APART = 10087, Feedback {
+        says: "the encoders of motor and load are {asked} apart; {limit} is allowed",
+        cause: "The encoder of the velocity loop and that of the position loop did not move together: one of them is dead or counts the wrong \
+            way, what is between motor and load is broken or slips, or ampencres, ampencrpm and max_velocity do not fit each other.",
+        remedy: "Check both encoders, coupling or belt, the digits of posdrct, ampencres and ampencrpm, then reset_errors.",
+    }
+
     /// Too fast while no position loop holds it.
     OVERSPEED = 10244, Ends {
         says: "the axis is too fast for one whose position loop is open: {asked}, {limit} is allowed",

@@ -11,6 +11,13 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::NO_VELOCITY_LOOP => {
             "inverts one loop and not the other, and both have one encoder; 1, 2, 11, 22 and their negatives are allowed"
         }
+        Code::VELOCITY_ENCODER_OTHER => {
+            "names no encoder that its velocity loop reads: -1, that of the position loop, and the number of the axis itself, the encoder of its drive, are allowed"
+        }
+        Code::VELOCITY_ENCODER_TURN => {
+            "gives no turn of the encoder that ampencno names; 1 to 1073741823 increments are allowed"
+        }
+        Code::VELOCITY_ENCODER_TWO_DRIVES => "names one encoder for an axis that two drives carry; -1 is allowed",
         Code::LOOP_PERIOD => {
             "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"
         }

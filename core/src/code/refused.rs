@@ -487,6 +487,27 @@ codes! {
         remedy: "Use move_axis; tune the loops of such a drive in the drive.",
     }
 
+    /// An encoder for the velocity loop that it does not read.
+    VELOCITY_ENCODER_OTHER = 10084, NoError {
+        says: "",
+        cause: "ampencno names the encoder of another axis, or of none.",
+        remedy: "Give the number of the axis itself, whose drive has the encoder of its motor, or -1.",
+    }
+
+    /// Its turn is not given.
+    VELOCITY_ENCODER_TURN = 10085, NoError {
+        says: "",
+        cause: "ampencno gives the velocity loop an encoder of its own, and ampencres is not set.",
+        remedy: "Give ampencres, the increments of that encoder in a turn, in the same set.",
+    }
+
+    /// Two motors.
+    VELOCITY_ENCODER_TWO_DRIVES = 10086, NoError {
+        says: "",
+        cause: "ampencno names the encoder of one motor for an axis that two drives carry.",
+        remedy: "Leave it out.",
+    }
+
     /// The position loop is open.
     OUT_AN_RUNS = 10088, NoError {
         says: "the position loop is open by `out_an`; a stop or disable ends that",

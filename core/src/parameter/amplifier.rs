@@ -5,6 +5,10 @@ use crate::regulator::{EstimatorError, I2tSettings, MotionModel, VelocityEstimat
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+mod encoder;
+
+pub use encoder::VelocityEncoder;
+
 /// How the velocity of the velocity loop is found.
 pub const ESTIMATORS: &[&str] = &["difference", "filtered", "alpha_beta", "kalman"];
 
@@ -40,6 +44,8 @@ pub struct Amplifier {
     pub heat_limit: i64,
     /// CURFTIME (ms)
     pub current_time: i64,
+    /// Of the velocity loop alone.
+    pub encoder: VelocityEncoder,
 }
 
 impl Amplifier {

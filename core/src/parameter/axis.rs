@@ -249,7 +249,7 @@ impl AxisParameters {
             }
         }
         let sense = self.sense();
-        if sense.position != sense.velocity {
+        if sense.position != sense.velocity && !self.has_velocity_encoder() {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
         self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;

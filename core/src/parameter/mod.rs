@@ -29,7 +29,7 @@ pub mod vocabularies;
 pub mod wf;
 mod words;
 
-pub use amplifier::{Amplifier, ESTIMATORS};
+pub use amplifier::{Amplifier, ESTIMATORS, VelocityEncoder};
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use compensation::Compensation;

@@ -172,6 +172,11 @@ impl SimDrive {
         self.word.disturb(bits, words);
     }
 
+    /// Lets its encoder tell so many counts for each from now on: 0 where it is dead, -1 where its tracks are swapped.
+    pub fn count_by(&mut self, factor: i64) {
+        self.word.count_by(factor);
+    }
+
     /// Cuts the line of its encoder for good: an absolute one has no words any more; of an incremental one the drive tells it, as
     /// a fault of its encoder (7305h).
     pub fn cut_encoder(&mut self) {

@@ -77,6 +77,10 @@ impl SimEncoder {
         self.word.disturb(bits, words);
     }
 
+    pub(super) fn count_by(&mut self, factor: i64) {
+        self.word.count_by(factor);
+    }
+
     pub(super) fn cut(&mut self) {
         self.word.cut();
     }

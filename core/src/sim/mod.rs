@@ -27,7 +27,7 @@ pub use plant::{Amplifier, Coupling, Friction, Load, Motor, MotorData, Reading, 
 pub use second_order::{ModelError, SecondOrder};
 pub use sensors::Carrier;
 
-use crate::axis::Source;
+use crate::axis::{Source, Wired};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::drive::{
     Backend, BusState, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, Objects, Outputs, Terminal, bit,
@@ -172,8 +172,11 @@ impl Plant {
             .zip(models)
             .map(|((axis, offers), model)| {
                 let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(*offers);
-                if let Some(Source::Drive(form)) = source(axis) {
-                    drive.speak(form);
+                match (source(axis), axis.wired) {
+                    (Some(Source::Drive(form)), _) | (Some(Source::Encoder(_)), Wired::Drive(form)) => {
+                        drive.speak(form)
+                    }
+                    _ => {}
                 }
                 Some(drive)
             })
@@ -280,6 +283,13 @@ impl Plant {
     pub fn disturb_encoder(&mut self, place: usize, bits: i64, words: u32) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.disturb(bits, words);
+        }
+    }
+
+    /// Lets an encoder tell so many counts for each from now on: 0 where it is dead, -1 where its tracks are swapped.
+    pub fn count_encoder_by(&mut self, place: usize, factor: i64) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.count_by(factor);
         }
     }
 

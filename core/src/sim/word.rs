@@ -1,6 +1,7 @@
 //! What a simulated encoder says: words of any form, and what may go wrong with them.
 //!
-//! Law      word = code of (count); bits that are disturbed are turned over, a broken line reads all ones
+//! Law      word = code of (count); bits that are disturbed are turned over, a broken line reads all ones; from some count on it may count
+//!          another number for each: none where it is dead
 //! Source   MACS-ENC-01, -08, WF-ABS-01, WF-MON-01
 
 use crate::encoder::Form;
@@ -12,11 +13,31 @@ pub(super) struct Word {
     /// Bits that are turned over, in so many words to come.
     disturbed: (i64, u32),
     broken: bool,
+    pace: Pace,
+}
+
+/// How many counts it tells for each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pace {
+    factor: i64,
+    /// The last count, and what it was told as.
+    last: (i64, i64),
+}
+
+impl Pace {
+    fn told(self, count: i64) -> i64 {
+        self.last.1.wrapping_add(count.wrapping_sub(self.last.0).wrapping_mul(self.factor))
+    }
 }
 
 impl Word {
     pub(super) fn new(form: Form) -> Self {
-        Self { form, disturbed: (0, 0), broken: false }
+        Self { form, disturbed: (0, 0), broken: false, pace: Pace { factor: 1, last: (0, 0) } }
+    }
+
+    /// Tells so many counts for each from now on.
+    pub(super) fn count_by(&mut self, factor: i64) {
+        self.pace.factor = factor;
     }
 
     /// Turns bits over in the next `words` words.
@@ -53,10 +74,12 @@ impl Word {
     pub(super) fn tell(&mut self, count: i64) -> i64 {
         let (bits, left) = self.disturbed;
         self.disturbed.1 = left.saturating_sub(1);
+        let told = self.pace.told(count);
+        self.pace.last = (count, told);
         match (self.broken, left) {
             (true, _) => -1,
-            (false, 0) => self.of(count),
-            (false, _) => self.of(count) ^ bits,
+            (false, 0) => self.of(told),
+            (false, _) => self.of(told) ^ bits,
         }
     }
 

@@ -110,6 +110,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
         Code::LOOP_IN_DRIVE
         | Code::NO_VELOCITY_LOOP
+        | Code::VELOCITY_ENCODER_OTHER
+        | Code::VELOCITY_ENCODER_TURN
+        | Code::VELOCITY_ENCODER_TWO_DRIVES
         | Code::LOOP_PERIOD
         | Code::EFFORT_MISSING
         | Code::ESTIMATOR_RANGE

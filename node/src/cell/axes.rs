@@ -16,7 +16,9 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
-use lineshaft_core::axis::{MISSED_CYCLES, Wired, may_carry, may_close_loop, may_read, may_tell_sign};
+use lineshaft_core::axis::{
+    MISSED_CYCLES, Wired, may_carry, may_close_loop, may_find_velocity, may_read, may_tell_sign,
+};
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
 use lineshaft_core::drive::Interface;
@@ -203,7 +205,7 @@ fn axis<'d>(
     compensation::check(&config, &pitch_error?, tables);
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
-    check_loop(&config, &entry.key, &given, cx.cycle_ns);
+    check_loop(&config, place, &entry.key, &given, cx.cycle_ns);
     check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
     Some(Axis { config, first, second })
@@ -238,10 +240,12 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
 }
 
 /// Refuses what the loops that are closed here cannot run with; of a key that is not given it is said of the axis.
-fn check_loop(axis: &AxisConfig, name: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
+fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
     let Some(cycle_ns) = cycle_ns else { return };
     let interface = axis.drive.map(|_| axis.interface);
-    let Err((key, code)) = may_close_loop(interface, axis.law, &axis.parameters, cycle_ns) else { return };
+    let closes = may_close_loop(interface, axis.law, &axis.parameters, cycle_ns);
+    let finds = may_find_velocity(place, interface, axis.second.is_some(), &axis.parameters);
+    let Err((key, code)) = closes.and(finds) else { return };
     let why = not_built_here(code);
     match given.iter().find(|(given, _)| *given == key) {
         Some((_, value)) => value.refuse(format!("{key} {} {why}", value.peek().unwrap_or_default()), None),

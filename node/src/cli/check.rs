@@ -132,10 +132,28 @@ fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
     let idle = idle.map(move |(key, value, _)| {
         format!("{name}: {key} is {value} and does nothing: with ampmode 2 the axis has no velocity loop")
     });
+    let encoder = idle_encoder(axis).filter(|_| is_torque);
     let is_tight = is_torque && p.heat_time > 0 && p.heat_limit == 0;
     let tight =
         is_tight.then(|| format!("{name}: i2tlimit is 0: with i2tftime {} any current is error 99", p.heat_time));
-    idle.chain(tight)
+    idle.chain(encoder).chain(tight)
+}
+
+/// An encoder of a velocity loop that there is not, or one that is described and not chosen (MACS-AMP-06).
+fn idle_encoder(axis: &AxisConfig) -> Option<String> {
+    let p = &axis.parameters.amplifier;
+    let name = &axis.name;
+    if p.encoder.is_own() {
+        return (!p.has_velocity_loop()).then(|| {
+            format!(
+                "{name}: ampencno is {} and does nothing: with ampmode {} the axis has no velocity loop",
+                p.encoder.number, p.mode
+            )
+        });
+    }
+    let given = [("ampencres", p.encoder.resolution, -1), ("ampencrpm", p.encoder.rpm, 0)];
+    let (key, value, _) = given.into_iter().find(|(_, value, usual)| value != usual)?;
+    Some(format!("{name}: {key} is {value} and does nothing: ampencno is -1, the encoder of the position loop"))
 }
 
 /// Limit switches that are none but outputs of the machine (MACS-LIM-07).
@@ -254,6 +272,14 @@ mod tests {
         assert_eq!(warned("velkprop: 900"), [""; 0]);
         let expected = ["x: velkprop is 900 and does nothing: with ampmode 2 the axis has no velocity loop"];
         assert_eq!(warned("velkprop: 900, ampmode: 2"), expected);
+        let expected = ["x: ampencno is 1 and does nothing: with ampmode 2 the axis has no velocity loop"];
+        assert_eq!(warned("ampencno: 1, ampencres: 4000, ampmode: 2"), expected);
+        assert_eq!(warned("ampencno: 1, ampencres: 4000"), [""; 0]);
+        for keys in ["ampencres: 4000", "ampencrpm: 4000"] {
+            let key = &keys[..9];
+            let told = format!("x: {key} is 4000 and does nothing: ampencno is -1, the encoder of the position loop");
+            assert_eq!(warned(keys), [told]);
+        }
         assert_eq!(warned("i2tftime: 500"), ["x: i2tlimit is 0: with i2tftime 500 any current is error 99"]);
         assert_eq!(warned("i2tftime: 500, i2tlimit: 4000"), [""; 0]);
     }

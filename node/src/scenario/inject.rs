@@ -70,6 +70,10 @@ pub(super) enum Injection {
     Cut {
         of: Encoder,
     },
+    /// An encoder counts nothing any more.
+    Dead {
+        of: Encoder,
+    },
     /// Pulses that an encoder counts too many.
     Slip {
         encoder: usize,
@@ -98,6 +102,11 @@ impl Injection {
             Self::Slip { encoder, by } => plant.slip_encoder(encoder, by),
             Self::Bits { of: Encoder::Entry(encoder), bits, words } => plant.disturb_encoder(encoder, bits, words),
             Self::Cut { of: Encoder::Entry(encoder) } => plant.cut_encoder(encoder),
+            Self::Dead { of: Encoder::Entry(encoder) } => plant.count_encoder_by(encoder, 0),
+            Self::Dead { of: Encoder::Drive(drive) } => match plant.drive(drive) {
+                Some(drive) => drive.count_by(0),
+                None => return false,
+            },
             Self::Bits { of: Encoder::Drive(drive), bits, words } => match plant.drive(drive) {
                 Some(drive) => drive.disturb(bits, words),
                 None => return false,
@@ -132,7 +141,7 @@ impl Injection {
 /// Reads what to inject.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     const KINDS: &str = "latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, encoder_cut, \
-                         encoder_slip, index_lost, jam, stuck_switch, power_cycle";
+                         encoder_dead, encoder_slip, index_lost, jam, stuck_switch, power_cycle";
     let entries = value.entries()?;
     let [(kind, arguments)] = entries.as_slice() else {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);
@@ -150,18 +159,22 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         "jam" => jam(arguments, names),
         "stuck_switch" => stuck_switch(arguments, names),
         "encoder_bits" => encoder_bits(arguments, names),
-        "encoder_cut" => {
-            let mut map = arguments.map("encoder_cut")?;
-            let axis = map.required("axis");
-            map.finish();
-            encoder(&axis?, names).map(|of| Injection::Cut { of })
-        }
+        "encoder_cut" => encoder_alone("encoder_cut", arguments, names).map(|of| Injection::Cut { of }),
+        "encoder_dead" => encoder_alone("encoder_dead", arguments, names).map(|of| Injection::Dead { of }),
         "encoder_slip" => encoder_slip(arguments, names),
         _ => {
             kind.refuse(format!("`{}` cannot be injected; {KINDS} can", kind.peek().unwrap_or_default()), None);
             None
         }
     }
+}
+
+/// An injection that says nothing but whose encoder it is.
+fn encoder_alone(kind: &str, arguments: &Value<'_>, names: &Names<'_>) -> Option<Encoder> {
+    let mut map = arguments.map(kind)?;
+    let axis = map.required("axis");
+    map.finish();
+    encoder(&axis?, names)
 }
 
 fn latch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {

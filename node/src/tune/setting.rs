@@ -4,7 +4,7 @@
 //!          an effort. Without other bounds: 30 % of max_velocity and of the effort, 0.4 s of that velocity either way, 6 s
 //! Reads    the configuration of the axis and its parameters in force
 //! Writes   the bounds of the excitation, the loops as they are, what to design
-//! Refuses  an axis without such loops, one with two drives, bounds beyond those of the axis
+//! Refuses  an axis without such loops, one with two drives or with two encoders, bounds beyond those of the axis
 
 use lineshaft_core::command::Level;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
@@ -56,6 +56,17 @@ pub enum Unfit {
     TwoDrives {
         /// The axis.
         axis: String,
+    },
+    /// Its model has one encoder.
+    #[error(
+        "{axis}: ampencno {number} gives its velocity loop another encoder than its position loop has, and a model knows one; \
+         an axis with ampencno -1 can be tuned"
+    )]
+    TwoEncoders {
+        /// The axis.
+        axis: String,
+        /// AMPENCNO
+        number: i64,
     },
     /// A bound that no excitation takes.
     #[error("{axis}: {error}")]
@@ -141,6 +152,9 @@ impl Setting {
         };
         let p = parameters(place);
         let takes = takes(axis)?;
+        if takes == Takes::Effort && p.has_velocity_encoder() {
+            return Err(Unfit::TwoEncoders { axis: name.to_owned(), number: p.amplifier.encoder.number });
+        }
         let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
         Ok(Self {
             axis: u16::try_from(place).unwrap_or(u16::MAX),

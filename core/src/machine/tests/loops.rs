@@ -1,5 +1,6 @@
 //! The position loop of interface velocity.
 
+mod dual;
 mod edges;
 mod integer;
 mod out_an;

@@ -46,7 +46,7 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
         }
         if *drive_kind == TORQUE {
             text += "    sim: {model: motor, inertia: 1e-4, rated_torque: 1 Nm, counts_per_turn: 4000}\n";
-            for (usual, value) in [("max_effort", "1000"), ("torque_constant", "100")] {
+            for (usual, value) in [("max_effort", "1000"), ("torque_constant", "100"), ("ampencres", "4000")] {
                 let line = format!("    {usual}: {value}\n");
                 text += if is_here && key == usual { "" } else { &line };
             }

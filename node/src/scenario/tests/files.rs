@@ -71,6 +71,12 @@ fn the_cascade_of_an_axis_with_interface_torque_passes() {
     passes_on("torque.yaml", "loops/out_an.yaml");
 }
 
+/// Proves: MACS-AMP-06
+#[test]
+fn an_axis_with_two_encoders_passes() {
+    passes_on("dual.yaml", "loops/dual.yaml");
+}
+
 /// Proves: MACS-REG-09, MACS-REG-10
 #[test]
 fn feed_forward_passes() {

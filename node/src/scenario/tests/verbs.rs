@@ -508,12 +508,12 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(
         bad("{inject: {^explode: {}}}"),
         "`explode` cannot be injected; latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
-         encoder_cut, encoder_slip, index_lost, jam, stuck_switch, power_cycle can"
+         encoder_cut, encoder_dead, encoder_slip, index_lost, jam, stuck_switch, power_cycle can"
     );
     assert_eq!(
         bad("{inject: ^{}}"),
         "inject does one thing: one of latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, \
-         encoder_cut, encoder_slip, index_lost, jam, stuck_switch, power_cycle"
+         encoder_cut, encoder_dead, encoder_slip, index_lost, jam, stuck_switch, power_cycle"
     );
     let refused = problem("steps", "{at: 1, refused: x, do: {inject: ^{latch: {input: mark}}}}");
     assert_eq!(refused, "inject is never refused; leave `refused` out of this step");

@@ -178,6 +178,12 @@ fn axes_that_cannot_be_tuned_are_refused_by_name() {
     );
     let bounds = Bounds { effort: Some(f64::NAN), ..Bounds::default() };
     assert!(refused(PID, EFFORT, bounds).starts_with("x: effort is NaN"));
+    let two = format!("{EFFORT}    ampencno: 1\n    ampencres: 65536\n");
+    assert_eq!(
+        refused(PID, &two, Bounds::default()),
+        "x: ampencno 1 gives its velocity loop another encoder than its position loop has, and a model knows one; an axis with \
+         ampencno -1 can be tuned"
+    );
     let demo = Cell::demo();
     let config = &demo.machine;
     let of = |name: &str| Setting::of(config, name, |place| config.axes[place].power_on(), &Bounds::default());

@@ -176,11 +176,13 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "126",
         range: Range::Int(1, MLONG),
         default: Value::Int(-1),
-        missing: "an encoder of the velocity loop alone",
-        description: "Encoder of the velocity loop: -1 that of the position loop, else its number.",
+        description: "Encoder of the velocity loop: -1 that of the position loop, else that in the drive of the axis of this number.",
         source: "MACS-AMP-06",
-        note: "D01: the group is AXA in the overview and AXB in the detail; AXA is taken. The default lies outside the range.",
-        ..AMPLIFIER_ROW
+        note: "D01: the group is AXA in the overview and AXB in the detail; AXA is taken. The default lies outside the range. The axis' own number alone is taken.",
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.amplifier.encoder.number),
+        set: |p, v| p.amplifier.encoder.number = int(v).unwrap_or(p.amplifier.encoder.number),
+        ..TORQUE_ROW
     },
     Row {
         key: "ampencres",
@@ -189,11 +191,13 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc/turn",
         range: Range::Int(1, MLONG),
         default: Value::Int(-1),
-        missing: "an encoder of the velocity loop alone",
         description: "Increments of that encoder in one turn; -1: not set.",
         source: "MACS-AMP-06",
         note: "D01, D02: the group is AXA in the overview and AXB in the detail, AXA is taken; the default means not set and lies outside the range.",
-        ..AMPLIFIER_ROW
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.amplifier.encoder.resolution),
+        set: |p, v| p.amplifier.encoder.resolution = int(v).unwrap_or(p.amplifier.encoder.resolution),
+        ..TORQUE_ROW
     },
     Row {
         key: "ampencrpm",
@@ -202,10 +206,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "rpm",
         range: Range::Int(1, 65_535),
         default: Value::Int(0),
-        missing: "an encoder of the velocity loop alone",
         description: "Speed of that encoder that is full output; 0: not set, VELMAX.",
         source: "MACS-AMP-06",
         note: "D01, D02: the group is AXA in the overview and AXB in the detail, AXA is taken; the default means not set and lies outside the range.",
-        ..AMPLIFIER_ROW
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.amplifier.encoder.rpm),
+        set: |p, v| p.amplifier.encoder.rpm = int(v).unwrap_or(p.amplifier.encoder.rpm),
+        ..TORQUE_ROW
     },
 ];

@@ -130,6 +130,7 @@ mod tests {
     use super::super::catalogue::Catalogue;
     use super::super::fake;
     use super::*;
+    use lineshaft_core::drive::Interface;
 
     fn descriptor(name: &str) -> ParameterDescriptor {
         Catalogue::new(&fake::config()).find(name).expect("a declared parameter").descriptor()
@@ -165,7 +166,9 @@ mod tests {
             "0 to 127, 9999; only 0: a node id other than by key master of the bus in the cell does not exist yet"
         );
         assert_eq!(node_id.integer_range[0], IntegerRange { from_value: 0, to_value: 9999, step: 1 });
-        let amplifier = descriptor("x.ampencrpm");
+        let mut config = fake::config();
+        config.axes.iter_mut().for_each(|axis| axis.interface = Interface::Torque);
+        let amplifier = Catalogue::new(&config).find("x.ampencrpm").expect("a declared parameter").descriptor();
         let constraints = amplifier.additional_constraints;
         assert!(
             amplifier.integer_range[0].from_value > 0 && constraints.starts_with("and its default, 0"),

@@ -1,0 +1,280 @@
+//! The velocity loop with the encoder of the motor, the position loop with one of the load.
+
+mod faults;
+
+use super::super::rig::{Rig, X, at, config, to};
+use crate::axis::Wired;
+use crate::code::Code;
+use crate::command::{Action, SetPosition};
+use crate::config::{ConfigError, MachineConfig};
+use crate::drive::Interface;
+use crate::encoder::Form;
+use crate::object::AxisSet;
+use crate::parameter::{Change, Row, Value, VelocityEncoder};
+use crate::position::Length;
+use crate::regulator::Law;
+use crate::sim::{Amplifier, Coupling, Friction, Load, Model, Motor, MotorData, Reading, Stage};
+
+/// Increments of a turn, 10000 in a rad.
+const TURN: i64 = 62_832;
+
+/// 1 Nm on twice 2.5e-4 kg m^2; motor and load swing against each other with sqrt(50 (1/2.5e-4 + 1/2.5e-4)) = 632 rad/s, 101 Hz.
+fn motor() -> MotorData {
+    MotorData {
+        inertia: 2.5e-4,
+        friction: Friction { viscous: 1e-4, coulomb: 0.005, holding: 0.005 },
+        load: Load { inertia: 2.5e-4, ..Load::default() },
+        coupling: Some(Coupling { stiffness: 50.0, damping: 0.005, backlash: 0.0 }),
+        amplifier: Amplifier { stage: Stage::Torque { rated: 1.0, lag_ns: 0 }, limit: 3.0, dead_time_ns: 0 },
+        reading: Reading { counts_per_turn: TURN as f64, noise: 0.0, seed: 1, at_load: true },
+    }
+}
+
+/// x has its position from an entry of encoders, at the load, and its velocity from its drive. ENCODER: the entry has as many increments in a
+/// turn as the drive.
+fn dual_config() -> MachineConfig {
+    let mut config = config(0);
+    let axis = &mut config.axes[1];
+    (axis.interface, axis.law, axis.wired) = (Interface::Torque, Law::Proportional, Wired::Encoder(0));
+    let p = &mut axis.parameters;
+    (p.max_following_error, p.error_reaction, p.macs.encoder) = (20_000, 2, TURN / 4);
+    (p.amplifier.max_effort, p.amplifier.proportional, p.amplifier.integral) = (Some(1000.0), 60, 1);
+    (p.amplifier.limit, p.position_loop.kv) = (5_000, 10.0);
+    p.amplifier.encoder = VelocityEncoder { number: 2, resolution: TURN, rpm: 0 };
+    config
+}
+
+fn rig(config: MachineConfig, data: MotorData) -> Rig {
+    Rig::with(config, [Model::Motor(Motor::new(data).unwrap()), Model::Ideal])
+}
+
+fn on(config: MachineConfig, data: MotorData) -> Rig {
+    let mut rig = rig(config, data);
+    rig.enable();
+    rig
+}
+
+fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
+    let change = |&(key, value): &(&str, i64)| Change {
+        axis: X,
+        row: Row::find(key).expect("a row").0,
+        value: Value::Int(value),
+    };
+    rig.give(Action::SetParameters(changes.iter().map(change).collect()))
+}
+
+/// Changes of the effort from cycle to cycle over so many of them, added up.
+fn unrest(rig: &mut Rig, cycles: u64) -> f64 {
+    let mut before = rig.real("x.output.effort");
+    (0..cycles)
+        .map(|_| {
+            rig.run(1);
+            let now = rig.real("x.output.effort");
+            let change = (now - before).abs();
+            before = now;
+            change
+        })
+        .sum()
+}
+
+/// A soft coupling: with both loops on the load what the velocity loop asks for comes late by the spring, and it swings itself up; with the
+/// encoder of the motor the same gains are at rest, and the load stands where it is to be.
+///
+/// Proves: MACS-AMP-06
+#[test]
+fn gains_that_shake_a_soft_axis_by_its_load_hold_it_by_its_motor() {
+    let run = |number| {
+        let mut config = dual_config();
+        config.axes[1].parameters.amplifier.encoder.number = number;
+        let mut rig = on(config, motor());
+        rig.give(Action::Move(to(X, 20_000)));
+        rig.run(3_000);
+        rig
+    };
+    let mut dual = run(2);
+    assert_eq!((dual.int("x.error"), dual.state("x")), (0, "STANDSTILL"));
+    assert!((dual.int("x.actual.position") - 20_000).abs() <= 2, "{}", dual.int("x.actual.position"));
+    assert!(unrest(&mut dual, 200) < 100.0);
+    let mut one = run(-1);
+    let shakes = one.int("x.enabled") == 0 || unrest(&mut one, 200) > 10_000.0;
+    assert!(shakes, "{}", unrest(&mut one, 200));
+}
+
+/// A play between motor and load, and a load that pulls: what the position loop sees is the load, and that stands on its target from either
+/// side, wherever the motor is.
+#[test]
+fn a_play_leaves_no_error_at_the_load() {
+    let mut data = motor();
+    data.coupling = Some(Coupling { stiffness: 400.0, damping: 0.05, backlash: 0.02 });
+    data.load.friction = Friction { viscous: 1e-3, coulomb: 0.05, holding: 0.05 };
+    data.load.torque = -0.1;
+    let mut rig = on(dual_config(), data);
+    for target in [30_000, 20_000, 25_000] {
+        rig.give(Action::Move(to(X, target)));
+        rig.run(4_000);
+        assert_eq!((rig.int("x.error"), rig.state("x")), (0, "STANDSTILL"));
+        let load = rig.plant.drive(0).unwrap().load_place();
+        assert!((load - target).abs() <= 3, "{load} of {target}");
+    }
+}
+
+/// The motor has three counts where the load has one, and AMPENCRES says so; of it or of AMPENCRPM alone the ratio is the same. Seen by the
+/// velocity loop is the velocity in the increments of the axis.
+///
+/// Proves: MACS-AMP-06
+#[test]
+fn full_is_what_ampencres_and_ampencrpm_say() {
+    // 100000 inc/s are 1.5915 turns a second, 95.49 a minute.
+    for (factor, resolution, rpm, within) in [(3, 3 * TURN, 0, 500.0), (3, 3 * TURN, 95, 800.0), (-1, TURN, 95, 800.0)]
+    {
+        let mut config = dual_config();
+        config.axes[1].parameters.amplifier.encoder = VelocityEncoder { number: 2, resolution, rpm };
+        config.axes[1].parameters.macs.posdrct = if factor < 0 { 21 } else { 1 };
+        let mut rig = rig(config, motor());
+        rig.plant.drive(0).unwrap().count_by(factor);
+        rig.enable();
+        rig.give(Action::Move(at(X, 50_000.0)));
+        rig.run(2_000);
+        let seen = rig.real("x.regulator.velocity");
+        assert!((seen - 50_000.0).abs() < within + 1_000.0, "{factor}: {seen}");
+        // Behind by v/kv and a cycle, whatever the encoder of the motor counts.
+        let behind = rig.int("x.regulator.error");
+        assert!((behind - 5_000).abs() < 100, "{factor} {rpm}: {behind}");
+        assert_eq!(rig.int("x.error"), 0);
+    }
+}
+
+/// Leads, encoder of the motor, encoder of the load, each wired either way, and the user's sense: the digits of POSDRCT that fit hold and move
+/// the axis, its tens digit is the motor's. Any others lose it.
+///
+/// Proves: MACS-DIR-01, MACS-DIR-03, MACS-AMP-06
+#[test]
+fn the_tens_digit_is_the_sense_of_the_motor() {
+    for (leads, motor_turned, load_turned) in (0..8).map(|bits| (bits & 1 == 1, bits & 2 == 2, bits & 4 == 4)) {
+        let digit = |inverted: bool| 1 + i64::from(inverted);
+        let fits = 10 * digit(leads != motor_turned) + digit(leads != load_turned);
+        for posdrct in [11, 12, 21, 22, -11, -12, -21, -22] {
+            let mut config = dual_config();
+            config.axes[1].parameters.macs.posdrct = posdrct;
+            config.axes[1].parameters.max_following_error = 6_000;
+            let model = Model::Motor(Motor::new(motor()).unwrap()).wired(leads);
+            let mut rig = Rig::with(config, [model, Model::Ideal]);
+            rig.plant.drive(0).unwrap().count_by(if motor_turned { -1 } else { 1 });
+            rig.plant.count_encoder_by(0, if load_turned { -1 } else { 1 });
+            rig.enable();
+            rig.give(Action::Move(at(X, 20_000.0)));
+            rig.run(1_500);
+            let case = format!("{leads} {motor_turned} {load_turned}: {posdrct}");
+            if posdrct.abs() == fits {
+                assert_eq!((rig.int("x.error"), rig.state("x")), (0, "CONTINUOUS_MOTION"), "{case}");
+                assert!((rig.real("x.regulator.velocity") - 20_000.0).abs() < 1_500.0, "{case}");
+            } else {
+                assert_eq!(rig.int("x.enabled"), 0, "{case}");
+            }
+        }
+    }
+}
+
+/// The words of the drive have 16 bits and those of the load too: both go over their seams, and a new zero of the position is none of the
+/// velocity: the effort that holds the load stays.
+#[test]
+fn neither_a_seam_nor_a_new_zero_disturbs_the_velocity_loop() {
+    let mut config = dual_config();
+    config.axes[1].wired = Wired::Drive(Form::Incremental(16));
+    config.axes[1].parameters.encoder.encodertype = 10;
+    let mut data = motor();
+    data.load.torque = -0.2;
+    let mut rig = on(config, data);
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run(300);
+    for _ in 0..3_000 {
+        rig.run(1);
+        let (seen, effort) = (rig.real("x.regulator.velocity"), rig.real("x.output.effort"));
+        assert!((seen - 50_000.0).abs() < 20_000.0 && effort.abs() < 700.0, "{seen} {effort}");
+    }
+    rig.give(Action::Halt(AxisSet::one(X)));
+    rig.run(3_000);
+    let held = rig.real("x.output.effort");
+    assert!((held - 200.0).abs() < 10.0, "{held}");
+    let zero = rig.give(Action::SetPosition(SetPosition { axis: X, position: Length::whole(1_000_000) }));
+    assert!(rig.was_accepted(zero));
+    for _ in 0..200 {
+        rig.run(1);
+        assert!((rig.real("x.output.effort") - held).abs() < 5.0, "{}", rig.real("x.output.effort"));
+    }
+    assert!((rig.int("x.actual.position") - 1_000_000).abs() <= 2);
+    assert_eq!(rig.int("x.error"), 0);
+}
+
+#[test]
+fn a_restored_machine_goes_on_with_both_encoders() {
+    let mut config = dual_config();
+    (config.axes[1].parameters.amplifier.estimator, config.axes[1].parameters.amplifier.bandwidth) = (2, 200.0);
+    let mut rig = on(config, motor());
+    rig.give(Action::Move(to(X, 30_000)));
+    rig.run(151);
+    rig.mirror();
+    rig.plant.drive(0).unwrap().jump(40);
+    rig.run(3_000);
+    assert!(rig.int("x.regulator.error").abs() <= 3, "{}", rig.int("x.regulator.error"));
+}
+
+/// It changes while the axis is off, in one set, and no way of before is seen as one of now.
+#[test]
+fn an_encoder_is_chosen_while_the_axis_is_off() {
+    let mut config = dual_config();
+    config.axes[1].parameters.amplifier.encoder = VelocityEncoder { number: -1, resolution: -1, rpm: 0 };
+    config.axes[1].parameters.amplifier.proportional = 20;
+    let mut rig = on(config, motor());
+    for keys in [&[("ampencno", 2), ("ampencres", TURN)][..], &[("ampencrpm", 95)], &[("ampencres", 5)]] {
+        let refused = set(&mut rig, keys);
+        assert!(rig.refusal(refused).contains("only while x is disabled"), "{}", rig.refusal(refused));
+    }
+    rig.give(Action::Move(to(X, 30_000)));
+    rig.run(2_000);
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(500);
+    let chosen = set(&mut rig, &[("posdrct", 21), ("ampencno", 2), ("ampencres", TURN)]);
+    assert!(rig.was_accepted(chosen));
+    rig.plant.drive(0).unwrap().count_by(-1);
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(1_000);
+    assert_eq!((rig.int("x.error"), rig.state("x")), (0, "STANDSTILL"));
+}
+
+#[test]
+fn what_it_cannot_be_is_refused_by_its_name() {
+    let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
+        let mut config = dual_config();
+        change(&mut config);
+        assert_eq!(config.check(), Err(ConfigError::NotBuilt { axis: "x".into(), key, code }));
+    };
+    assert_eq!(dual_config().check(), Ok(()));
+    for number in [1, 3, 4] {
+        refused(&|c| c.axes[1].parameters.amplifier.encoder.number = number, "ampencno", Code::VELOCITY_ENCODER_OTHER);
+    }
+    refused(&|c| c.axes[1].parameters.amplifier.encoder.resolution = -1, "ampencres", Code::VELOCITY_ENCODER_TURN);
+    // Without one of its own both loops have one encoder, and one sense.
+    let turned = |c: &mut MachineConfig| {
+        (c.axes[1].parameters.amplifier.encoder.number, c.axes[1].parameters.macs.posdrct) = (-1, 21);
+    };
+    refused(&turned, "posdrct", Code::NO_VELOCITY_LOOP);
+    let mut config = dual_config();
+    config.axes[1].parameters.amplifier.encoder.number = -1;
+    let mut rig = Rig::of(config);
+    for (keys, sentence) in [
+        (
+            &[("ampencno", 1)][..],
+            "x: ampencno 1 names no encoder that its velocity loop reads: -1, that of the position loop, and the number of the axis \
+             itself, the encoder of its drive, are allowed",
+        ),
+        (
+            &[("ampencno", 2), ("ampencres", -1)],
+            "x: ampencres -1 gives no turn of the encoder that ampencno names; 1 to 1073741823 increments are allowed",
+        ),
+        (&[("ampencno", 0)], "x: ampencno is 0; 1 to 1073741823 is allowed"),
+    ] {
+        let refused = set(&mut rig, keys);
+        assert_eq!(rig.refusal(refused), sentence);
+    }
+}

@@ -1,0 +1,109 @@
+//! Parameters of an encoder of the velocity loop alone.
+//!
+//! Law      AMPENCNO -1: the velocity loop has the encoder of the position loop; n: that in the drive of axis n, of which AMPENCRES increments are
+//!          a turn, and AMPENCRPM turns a minute the full velocity; 0: as many as VELMAX
+//! Refuses  another axis than its own, an axis with two drives, an encoder without a turn
+//! Source   MACS-AMP-06, D01, D02
+
+use super::super::AxisParameters;
+use crate::code::Code;
+use serde::{Deserialize, Serialize};
+
+/// What AMPENCNO, AMPENCRES and AMPENCRPM say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct VelocityEncoder {
+    /// AMPENCNO
+    pub number: i64,
+    /// AMPENCRES (inc/turn); -1: not set.
+    pub resolution: i64,
+    /// AMPENCRPM (1/min); 0: VELMAX.
+    pub rpm: i64,
+}
+
+impl VelocityEncoder {
+    /// Has the velocity loop an encoder of its own?
+    pub fn is_own(self) -> bool {
+        self.number >= 1
+    }
+
+    /// Can the axis of that number, from 1, have it?
+    ///
+    /// # Errors
+    /// The key that cannot be, and why.
+    pub fn check(self, own: usize, has_two_drives: bool) -> Result<(), (&'static str, Code)> {
+        if !self.is_own() {
+            return Ok(());
+        }
+        if has_two_drives {
+            return Err(("ampencno", Code::VELOCITY_ENCODER_TWO_DRIVES));
+        }
+        if usize::try_from(self.number) != Ok(own) {
+            return Err(("ampencno", Code::VELOCITY_ENCODER_OTHER));
+        }
+        if self.resolution < 1 {
+            return Err(("ampencres", Code::VELOCITY_ENCODER_TURN));
+        }
+        Ok(())
+    }
+}
+
+impl AxisParameters {
+    /// Does its velocity loop see another encoder than its position loop?
+    #[inline]
+    pub fn has_velocity_encoder(&self) -> bool {
+        self.amplifier.encoder.is_own() && self.amplifier.has_velocity_loop()
+    }
+
+    /// Full velocity of the encoder of the velocity loop, where `full` is that of the axis (both in increments of their own by the second).
+    pub(crate) fn full_of_velocity_encoder(&self, full: f64) -> f64 {
+        let VelocityEncoder { resolution, rpm, .. } = self.amplifier.encoder;
+        let turns = if rpm > 0 { rpm as f64 / 60.0 } else { full / self.revolution() as f64 };
+        turns * resolution as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters(resolution: i64, rpm: i64) -> AxisParameters {
+        let mut p = AxisParameters::new(100_000.0, 1e6);
+        p.amplifier.encoder = VelocityEncoder { number: 1, resolution, rpm };
+        p
+    }
+
+    /// 3000 rpm are 50 turns a second, of 65536 inc each; the axis has no part in it.
+    ///
+    /// Proves: MACS-AMP-06
+    #[test]
+    fn the_full_velocity_is_that_of_ampencrpm_or_turn_for_turn_that_of_velmax() {
+        assert_eq!(parameters(65_536, 3_000).full_of_velocity_encoder(100_000.0), 50.0 * 65_536.0);
+        assert_eq!(parameters(65_536, 3_000).full_of_velocity_encoder(7.0), 50.0 * 65_536.0);
+        // ENCODER 500 are 2000 inc a turn: 100000 inc/s are 50 turns a second, VELMAX 3000.
+        assert_eq!(parameters(65_536, 0).full_of_velocity_encoder(100_000.0), 50.0 * 65_536.0);
+        assert_eq!(parameters(65_536, 0).velmax(), 3_000.0);
+        assert_eq!(parameters(1, 1).full_of_velocity_encoder(1.0), 1.0 / 60.0);
+    }
+
+    #[test]
+    fn the_axis_itself_with_a_turn_is_all_that_is_taken() {
+        let check = |number, resolution, two| VelocityEncoder { number, resolution, rpm: 0 }.check(2, two);
+        assert_eq!(check(-1, -1, true), Ok(()));
+        assert_eq!(check(2, 1, false), Ok(()));
+        assert_eq!(check(2, -1, false), Err(("ampencres", Code::VELOCITY_ENCODER_TURN)));
+        for number in [1, 3, 1 << 30, i64::MAX] {
+            assert_eq!(check(number, 1, false), Err(("ampencno", Code::VELOCITY_ENCODER_OTHER)), "{number}");
+        }
+        assert_eq!(check(2, 1, true), Err(("ampencno", Code::VELOCITY_ENCODER_TWO_DRIVES)));
+    }
+
+    /// Proves: MACS-AMP-06
+    #[test]
+    fn without_a_velocity_loop_there_is_no_encoder_of_it() {
+        let mut p = parameters(1, 0);
+        assert!(p.has_velocity_encoder());
+        p.amplifier.mode = 2;
+        assert!(!p.has_velocity_encoder());
+        assert!(!AxisParameters::new(1.0, 1.0).has_velocity_encoder());
+    }
+}
