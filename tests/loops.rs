@@ -113,6 +113,44 @@ fn the_cascade_on_a_motor_is_the_computed_one() {
     agrees(cell, &scenario, "x.output.effort", (0.0, 1e-9), question);
 }
 
+/// The four structures of a power stage on a winding, whose current, velocity and position scipy discretises: what the stage is asked for,
+/// and where the axis is, cycle by cycle. AMPMAXCUR is reached in the modes that have it.
+///
+/// Proves: MACS-AMP-01, MACS-AMP-07, MACS-AMP-08, MACS-REG-12
+#[test]
+fn the_structures_of_a_power_stage_are_the_computed_ones() {
+    for (mode, kprop, kder, ffvel, ffacc) in
+        [(0, 60, 0, 1000, 0), (1, 60, 0, 900, 0), (2, 300, 6000, 0, 0), (3, 60, 60, 833, 0)]
+    {
+        let cell = format!(
+            "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\naxes:\n  x:\n    type: rotary\n    unit: rev\n    \
+             scale: {{increments: 20000, per: 1 rev}}\n    drive: {{backend: plant, address: 0, interface: voltage, regulator: pid}}\n    \
+             max_velocity: 300000 inc/s\n    max_acceleration: 50000000 inc/s^2\n    max_following_error: 1000000 inc\n    \
+             in_position_window: 10 inc\n    max_effort: 1000\n    torque_constant: 25\n    full_current: 10\n    ampmode: {mode}\n    \
+             ampmaxcur: 6000\n    curkprop: 1389\n    curkint: 142\n    curkilim: 5000\n    kprop: {kprop}\n    kder: {kder}\n    \
+             kint: 0\n    ffvel: {ffvel}\n    ffacc: {ffacc}\n    velkprop: 500\n    velkint: 10\n    velkilim: 4000\n    \
+             sim: {{model: motor, inertia: 5e-4 kg*m^2, voltage: 48 V, resistance: 1.2 Ohm, inductance: 3 mH, \
+             torque_constant: 0.4 Nm/A, back_emf: 0.4 V*s/rad, viscous_friction: 1e-3 Nm*s/rad, counts_per_turn: 20000 inc}}\n"
+        );
+        let rates = "acceleration: 30000000 inc/s^2, deceleration: 30000000 inc/s^2";
+        let moves = [
+            &format!("position: 400 inc, velocity: 200000 inc/s, {rates}"),
+            &format!("position: 20000 inc, velocity: 300000 inc/s, {rates}"),
+            "velocity: 60000 inc/s, acceleration: 1000000 inc/s^2",
+            "velocity: 200000 inc/s, acceleration: 2000000 inc/s^2, deceleration: 2000000 inc/s^2",
+        ];
+        let question = json!({
+            "cycle": 1e-3, "period": 1, "max_velocity": 3e5, "max_acceleration": 5e7, "max_effort": 1000.0,
+            "ampmode": mode, "full_current": 10.0, "ampmaxcur": 6000.0,
+            "gains": {"kprop": kprop, "kder": kder, "kint": 0, "kilim": 1000, "bandwidth": 1000, "ffvel": ffvel, "ffacc": ffacc,
+                      "velkprop": 500, "velkint": 10, "velkilim": 4000, "curkprop": 1389, "curkint": 142, "curkilim": 5000},
+            "plant": {"kind": "winding", "inertia": 5e-4, "viscous": 1e-3, "counts_per_turn": 20000.0, "voltage": 48.0,
+                      "resistance": 1.2, "inductance": 3e-3, "torque_constant": 0.4, "back_emf": 0.4},
+        });
+        agrees(&cell, &scenario(moves, 3000.0), "x.output.effort", (0.0, 1e-9), question);
+    }
+}
+
 /// The PID on a drive that lags behind its velocity, every other cycle, with an integral part that comes to its bound.
 ///
 /// Proves: MACS-REG-01, MACS-REG-04, MACS-REG-05, MACS-REG-08, MACS-REG-12

@@ -172,8 +172,8 @@ fn numbers_are_in_the_unit_of_the_row_and_what_may_be_left_out_has_no_value() {
         ("x.posfact_z=1", "x.posfact_z is read-only: part of the cell: changes with the file and a new start"),
         ("x.synctype=3", "x: synctype is 3; 0, 2, 4, 6 is allowed"),
         (
-            "x.curkprop=3",
-            "x: curkprop is 3: a power stage whose voltage is given here does not exist yet; only 200 is allowed",
+            "x.encoderclock=0",
+            "x: encoderclock is 0: a serial interface whose clock could be left to another one does not exist yet; only 1 is allowed",
         ),
     ] {
         let said = bench.refused(value);

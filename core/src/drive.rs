@@ -240,6 +240,8 @@ pub enum Mode {
     Speed,
     /// The drive homes by itself.
     Homing(HomingOrder),
+    /// The drive closes nothing, and gives its motor a voltage.
+    Voltage,
 }
 
 impl Mode {
@@ -252,6 +254,7 @@ impl Mode {
             Mode::Torque => MODE_CST,
             Mode::Speed => MODE_VELOCITY,
             Mode::Homing(_) => MODE_HOMING,
+            Mode::Voltage => MODE_VOLTAGE,
         }
     }
 }
@@ -322,9 +325,24 @@ pub enum Interface {
     Torque,
     /// Nothing is closed: the drive runs at one of some speeds (WF-OLC-01).
     OpenLoop,
+    /// The drive closes nothing: it is a power stage that gives its motor a voltage.
+    Voltage,
 }
 
 impl Interface {
+    /// All of them, as sentences name them.
+    pub const ALL: [Self; 5] = [Self::Position, Self::Velocity, Self::Torque, Self::Voltage, Self::OpenLoop];
+
+    /// Are the loops of such a drive closed here, down to an effort: a torque or a voltage?
+    pub fn takes_effort(self) -> bool {
+        matches!(self, Self::Torque | Self::Voltage)
+    }
+
+    /// Is its position loop closed here?
+    pub fn closes_loop_here(self) -> bool {
+        self == Self::Velocity || self.takes_effort()
+    }
+
     /// Its name in a cell.
     pub fn name(self) -> &'static str {
         match self {
@@ -332,6 +350,7 @@ impl Interface {
             Interface::Velocity => "velocity",
             Interface::Torque => "torque",
             Interface::OpenLoop => "open_loop",
+            Interface::Voltage => "voltage",
         }
     }
 
@@ -342,6 +361,7 @@ impl Interface {
             Interface::Velocity => Mode::Velocity,
             Interface::Torque => Mode::Torque,
             Interface::OpenLoop => Mode::Speed,
+            Interface::Voltage => Mode::Voltage,
         }
     }
 }

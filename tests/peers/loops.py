@@ -28,6 +28,14 @@ class Plant:
             a = [[0.0, 1.0], [0.0, -viscous / inertia]]
             b = [[0.0], [1.0 / inertia]]
             self.counts = plant["counts_per_turn"] / (2 * math.pi)
+        elif plant["kind"] == "winding":
+            # L i' = u - R i - ke w, J w' = kt i - d w; u in V.
+            inertia, inductance = plant["inertia"], plant["inductance"]
+            a = [[0.0, 1.0, 0.0],
+                 [0.0, -plant["viscous"] / inertia, plant["torque_constant"] / inertia],
+                 [0.0, -plant["back_emf"] / inductance, -plant["resistance"] / inductance]]
+            b = [[0.0], [0.0], [1.0 / inductance]]
+            self.counts = plant["counts_per_turn"] / (2 * math.pi)
         elif plant["kind"] == "lag":
             # A drive that has its velocity after a lag; its state is in increments.
             a = [[0.0, 1.0], [0.0, -1.0 / plant["time_constant"]]]
@@ -35,8 +43,10 @@ class Plant:
             self.counts = 1.0
         else:
             raise ValueError(plant["kind"])
-        self.a, self.b, *_ = cont2discrete((np.array(a), np.array(b), np.eye(2), np.zeros((2, 1))), cycle, "zoh")
-        self.x = np.zeros((2, 1))
+        order = len(a)
+        system = (np.array(a), np.array(b), np.eye(order), np.zeros((order, 1)))
+        self.a, self.b, *_ = cont2discrete(system, cycle, "zoh")
+        self.x = np.zeros((order, 1))
 
     def step(self, u):
         self.x = self.a @ self.x + self.b * u
@@ -72,11 +82,26 @@ class VelocityLoop:
         self.p, self.i = gains["velkprop"] / 100, gains["velkint"] / 100
         self.most, self.ms, self.sum = gains["velkilim"] / 50, cycle * 1000, 0.0
 
-    def step(self, error):
+    def step(self, error, most=1.0):
         law = self.p * error + self.i * self.sum
         wanted = clamp(self.sum + error * self.ms, self.most)
         part = self.i * (wanted - self.sum)
-        part = clamp_to(part, -max(1.0 + law, 0.0), max(1.0 - law, 0.0))
+        part = clamp_to(part, -max(most + law, 0.0), max(most - law, 0.0))
+        self.sum = self.sum + part / self.i if self.i else wanted
+        return clamp(self.p * error + self.i * self.sum, most)
+
+
+class CurrentLoop:
+    """Parts of the voltage, (P e / I + 4 Q sum e / I) / 4096 with I the full current (32768 / I / 2^27 = 1 / 4096 / I)."""
+
+    def __init__(self, gains, full):
+        self.p, self.i = gains["curkprop"] / 4096 / full, 4 * gains["curkint"] / 4096 / full
+        self.most, self.sum = gains["curkilim"], 0.0
+
+    def step(self, error):
+        law = self.p * error + self.i * self.sum
+        wanted = clamp(self.sum + error, self.most)
+        part = clamp_to(self.i * (wanted - self.sum), -max(1.0 + law, 0.0), max(1.0 - law, 0.0))
         self.sum = self.sum + part / self.i if self.i else wanted
         return clamp(self.p * error + self.i * self.sum, 1.0)
 
@@ -89,14 +114,24 @@ def run(question):
     cycle, gains = question["cycle"], question["gains"]
     plant = Plant(question["plant"], cycle)
     pid = Pid(gains, question["period"])
-    inner = VelocityLoop(gains, cycle) if question["plant"]["kind"] == "motor" else None
+    kind, mode = question["plant"]["kind"], question.get("ampmode", 0)
+    inner = VelocityLoop(gains, cycle) if kind == "motor" or kind == "winding" and mode in (0, 1) else None
+    current = CurrentLoop(gains, question["full_current"]) if kind == "winding" and mode in (0, 2) else None
     most, last = question["max_velocity"], None
     counts, outputs = [], []
     for position, velocity, acceleration in question["command"]:
         count = plant.count()
         u = pid.step(position - count, velocity / most, acceleration / question["max_acceleration"])
-        if inner:
-            seen = 0.0 if last is None else (count - last) / cycle
+        seen = 0.0 if last is None else (count - last) / cycle
+        if kind == "winding":
+            # AMPMAXCUR bounds what the loop above the current asks for, and nothing where there is no current loop.
+            cap = question["ampmaxcur"] / 1000 / question["full_current"] if current else 1.0
+            above = inner.step(u - seen / most, cap) if inner else clamp(u, cap)
+            told = float(plant.x[2, 0])
+            share = current.step(above * question["full_current"] - told) if current else above
+            output = share * question["max_effort"]
+            plant.step(output / 1000 * question["plant"]["voltage"])
+        elif inner:
             output = inner.step(u - seen / most) * question["max_effort"]
             torque = output / 1000 * question["plant"]["rated_torque"]
             plant.step(clamp(torque, question["plant"]["max_torque"]))

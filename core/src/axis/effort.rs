@@ -1,13 +1,15 @@
-//! The loops below the position loop, for a drive that takes an effort.
+//! The loops below the position loop, for a drive that takes an effort: a torque, or a voltage.
 //!
 //! Law      AMPMODE 0: the output of the position loop is a velocity in parts of max_velocity; the velocity loop makes an effort in
 //!          parts of max_effort of what is missing of it. AMPMODE 2: that output is the effort itself. Both within what
-//!          AMPMAXCUR allows, where currents are known
+//!          AMPMAXCUR allows, where currents are known. Of a voltage that is the setpoint of the current loop, which makes the
+//!          effort; AMPMODE 1 and 3 are 0 and 2 without it, and without a cap
 //! Reads    the output of the position loop, the changes of the actual position, the effort that the drive tells
 //! Writes   the effort for the drive; velocity, current and heat that are shown; the error of I2TLIMIT
 //! Refuses  parameters that these loops cannot run with
-//! Source   MACS-AMP-01, MACS-AMP-02, MACS-AMP-04, MACS-AMP-08, MACS-I2T-01..05
+//! Source   MACS-AMP-01, MACS-AMP-02, MACS-AMP-04, MACS-AMP-07, MACS-AMP-08, MACS-I2T-01..05
 
+use super::current::CurrentStage;
 use super::reaction::Failure;
 use super::{Axis, Context};
 use crate::code::Code;
@@ -28,6 +30,7 @@ pub(super) struct EffortLoops {
     estimator: Option<VelocityEstimator>,
     /// Way of the encoder of the velocity loop since the axis was switched on (inc of that encoder), which no new coordinate changes.
     way: i64,
+    current: CurrentStage,
     /// -1 to 1
     output: f64,
     /// Ready for the cycle, with the parameters that it was made of.
@@ -45,6 +48,7 @@ impl EffortLoops {
         };
         self.velocity.is_sound()
             && self.estimator.is_none_or(|estimator| estimator.is_sound() && is_made_so(estimator))
+            && self.current.is_sound()
             && self.output.abs() <= 1.0
             && self.watch.is_none_or(|watch| watch.is_sound())
             && self.heat.is_sound()
@@ -60,7 +64,7 @@ impl Axis {
     /// Is its drive given efforts?
     #[inline]
     pub(super) fn takes_effort(&self) -> bool {
-        !self.is_virtual() && self.setup.interface == Interface::Torque
+        !self.is_virtual() && self.setup.interface.takes_effort()
     }
 
     /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop; nothing is
@@ -72,7 +76,9 @@ impl Axis {
         }
         let (full, _) = self.full_reference();
         let (full, moved) = (self.full_of_loop(full), self.velocity_change());
-        let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
+        let (most, has_current_loop) = (self.most_output(), self.closes_current_loop());
+        let told = self.shown.effort();
+        let (p, stage, loops) = (&self.parameters.amplifier, &self.parameters.power_stage, &mut self.effort_loops);
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();
         }
@@ -82,7 +88,6 @@ impl Axis {
             loops.estimator = p.estimator(self.setup.cycle_ns).ok();
         }
         let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
-        let most = p.most();
         let passes_by = self.generator.asks_effort();
         let output = if passes_by {
             loops.velocity = VelocityLoop::default();
@@ -93,8 +98,45 @@ impl Axis {
         } else {
             asked
         };
-        loops.output = if output.is_finite() { output.clamp(-most, most) } else { 0.0 };
+        let output = if output.is_finite() { output.clamp(-most, most) } else { 0.0 };
+        loops.output = if has_current_loop {
+            loops.current.step(stage, p, output, told)
+        } else {
+            loops.current = CurrentStage::default();
+            output
+        };
         loops.output * p.max_effort.unwrap_or_default()
+    }
+
+    /// Does its current loop run here? An effort of OUTAN passes it by.
+    fn closes_current_loop(&self) -> bool {
+        self.setup.interface == Interface::Voltage
+            && self.parameters.amplifier.has_current_loop()
+            && !self.generator.asks_effort()
+    }
+
+    /// The largest output of the loop above what the drive or the current loop here is given, 0 to 1.
+    fn most_output(&self) -> f64 {
+        let p = &self.parameters;
+        match self.setup.interface {
+            Interface::Voltage if self.generator.asks_effort() => 1.0,
+            Interface::Voltage => p.power_stage.most(&p.amplifier),
+            _ => p.amplifier.most(),
+        }
+    }
+
+    /// Is that part of the largest effort asked for, or of the largest current?
+    pub(super) fn asks_for_all(&self, part: f64) -> bool {
+        let (loops, p) = (&self.effort_loops, &self.parameters);
+        if !self.closes_current_loop() {
+            return loops.output.abs() >= part * self.most_output();
+        }
+        loops.output.abs() >= part || loops.current.setpoint().abs() >= part * p.power_stage.most_current(&p.amplifier)
+    }
+
+    /// Setpoint of its current loop (mA); 0 without one.
+    pub(super) fn current_setpoint(&self) -> f64 {
+        self.effort_loops.current.setpoint() * 1000.0
     }
 
     /// The effort that the drive tells in the user's sense: that in which it is asked for.

@@ -17,6 +17,7 @@ mod compensation;
 mod conditioning;
 mod coupling;
 mod course;
+mod current;
 mod direction;
 mod effort;
 mod engage;

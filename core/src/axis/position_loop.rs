@@ -57,11 +57,14 @@ pub fn may_close_loop(
     if law == Law::Integer {
         crate::vocabulary::check_loop(parameters)?;
     }
-    if interface != Some(Interface::Torque) {
-        return Ok(());
+    let amplifier = &parameters.amplifier;
+    match interface {
+        Some(Interface::Torque) => amplifier.check(cycle_ns)?,
+        Some(Interface::Voltage) => parameters.power_stage.check(amplifier, cycle_ns)?,
+        _ => return Ok(()),
     }
-    parameters.amplifier.check(cycle_ns)?;
-    if !parameters.amplifier.has_velocity_loop() {
+    // A position loop right above a torque damps nothing; above a voltage the back EMF does (MACS-AMP-03).
+    if amplifier.has_current_loop() && !amplifier.has_velocity_loop() {
         match law {
             Law::Proportional => return Err(("ampmode", Code::NO_DAMPING)),
             Law::Pid if parameters.pid.derivative == 0 => return Err(("kder", Code::NO_DAMPING)),
@@ -77,7 +80,7 @@ pub fn may_close_loop(
 
 /// Is the position loop of such a drive closed here?
 fn closes_loop(interface: Option<Interface>) -> bool {
-    matches!(interface, Some(Interface::Velocity | Interface::Torque))
+    interface.is_some_and(Interface::closes_loop_here)
 }
 
 /// Cycles in a period, if that is a whole number.

@@ -296,7 +296,7 @@ impl Axis {
             Interface::Position => (self.command.velocity, 0.0),
             Interface::Velocity => (self.close_loop().0, 0.0),
             Interface::OpenLoop => (self.speed(), 0.0),
-            Interface::Torque => {
+            Interface::Torque | Interface::Voltage => {
                 let (_, is_done) = self.close_loop();
                 (0.0, self.close_effort(self.regulator_output(), is_done))
             }

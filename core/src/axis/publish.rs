@@ -197,6 +197,7 @@ impl Axis {
             let (current, heat) = self.shown_current();
             set(RegulatorCurrent, real(current));
             set(RegulatorHeat, real(heat));
+            set(RegulatorSetpoint, real(self.current_setpoint()));
             set(OutputEffort, real(self.output.effort));
         }
         set(ModuloPosition, int(within));

@@ -119,8 +119,7 @@ impl Axis {
         }
         let Recovery { way, pushes, .. } = self.recovery;
         if self.takes_effort() {
-            let is_all = self.effort_output().abs() >= ALL * self.parameters.amplifier.most();
-            return (0.0, if is_all { pushes.saturating_add(1) } else { 0 });
+            return (0.0, if self.asks_for_all(ALL) { pushes.saturating_add(1) } else { 0 });
         }
         let output = self.regulator_output().abs();
         (if output > LEAST { way + output * self.parameters.max_velocity * self.cycle_s() } else { way }, 0)

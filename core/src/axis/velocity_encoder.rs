@@ -98,7 +98,7 @@ pub fn may_find_velocity(
     has_two_drives: bool,
     parameters: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
-    if interface != Some(Interface::Torque) {
+    if !interface.is_some_and(Interface::takes_effort) {
         return Ok(());
     }
     parameters.amplifier.encoder.check(own.saturating_add(1), has_two_drives)

@@ -21,12 +21,14 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::LOOP_PERIOD => {
             "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"
         }
-        Code::EFFORT_MISSING => "is missing for an axis with interface torque; an effort above 0 is expected",
+        Code::EFFORT_MISSING => {
+            "is missing for an axis with interface torque or voltage; an effort above 0 is expected"
+        }
         Code::NO_POWER_STAGE => {
             "asks for a voltage, and a drive with interface torque closes its current loop itself; 0 and 2 are allowed"
         }
         Code::NO_DAMPING => {
-            "damps nothing, and with ampmode 2 the position loop makes the effort itself; ampmode 0, or regulator pid or integer with a derivative gain above 0, is allowed"
+            "damps nothing, and with ampmode 2 the position loop makes the effort or the current itself; ampmode 0, or regulator pid or integer with a derivative gain above 0, is allowed"
         }
         Code::ESTIMATOR_RANGE => {
             "is beyond what a Kalman filter finds at this cycle, from 1e-10 to 1000 times 0.29 inc by the square of the cycle"
@@ -34,11 +36,17 @@ pub fn not_built_here(code: Code) -> &'static str {
         Code::CURRENT_UNKNOWN => {
             "is about a current, and without torque_constant none is known; its default is allowed"
         }
+        Code::CURRENT_LOOP => {
+            "is missing for the current loop of an axis with interface voltage; a value above 0 is expected, or ampmode 1 or 3, which have none"
+        }
+        Code::COMMUTATION => {
+            "asks for a motor that is commutated here: there are no inputs for halls, no phases of a stepper and no second output; 0 and 1 (brushes) are allowed"
+        }
         Code::GAIN_RANGE => {
             "is beyond the register of the integer PID, which closes the loop of the axis; 0 to 32767 is allowed, of saia.sampi 0 to 255"
         }
         Code::SIMULATED_EFFORT => {
-            "is a simulated encoder, which follows the command: an axis with interface torque would find no velocity of its motor; another one is allowed"
+            "is a simulated encoder, which follows the command: an axis with interface torque or voltage would find no velocity of its motor; another one is allowed"
         }
         Code::ENCODER_UNKNOWN_TYPE => "is no type of encoder",
         Code::WF_NO_CAM_SIDE => {

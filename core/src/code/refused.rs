@@ -434,7 +434,7 @@ codes! {
     /// The full effort is not given.
     EFFORT_MISSING = 10073, NoError {
         says: "",
-        cause: "max_effort is missing for an axis with interface torque.",
+        cause: "max_effort is missing for an axis with interface torque or voltage.",
         remedy: "Give the effort that the full output is to ask for.",
     }
 
@@ -442,13 +442,13 @@ codes! {
     NO_POWER_STAGE = 10074, NoError {
         says: "",
         cause: "ampmode asks for a voltage, and a drive with interface torque closes its current loop itself.",
-        remedy: "Use 0 (velocity loop here) or 2 (position loop alone).",
+        remedy: "Use 0 (velocity loop here) or 2 (position loop alone), or interface voltage.",
     }
 
     /// A proportional position loop without a velocity loop.
     NO_DAMPING = 10075, NoError {
         says: "",
-        cause: "With ampmode 2 the position loop makes the effort itself, and without a derivative part it damps nothing.",
+        cause: "With ampmode 2 the position loop makes the effort or the current itself, and without a derivative part it damps nothing.",
         remedy: "Use ampmode 0, or regulator pid with kder, integer with saia.kder.",
     }
 
@@ -466,6 +466,20 @@ codes! {
         remedy: "Give torque_constant, the effort for each ampere.",
     }
 
+    /// A current loop that does not know its currents.
+    CURRENT_LOOP = 10245, NoError {
+        says: "",
+        cause: "torque_constant or full_current is missing for an axis with interface voltage, whose current loop (ampmode 0 and 2) needs both.",
+        remedy: "Give torque_constant, the effort that the drive tells for each ampere, and full_current; or use ampmode 1 or 3.",
+    }
+
+    /// AMPCOMMTYPE asks for a motor that is not commutated here.
+    COMMUTATION = 10246, NoError {
+        says: "",
+        cause: "ampcommtype names a motor that the power stage would have to commutate, and it has one voltage and no halls.",
+        remedy: "Use 0, or 1 for a motor with brushes; let a drive with interface torque commutate the others.",
+    }
+
     /// A register of the integer PID that no command would load.
     GAIN_RANGE = 10078, NoError {
         says: "",
@@ -476,13 +490,13 @@ codes! {
     /// A simulated encoder for an axis that is given efforts.
     SIMULATED_EFFORT = 10079, NoError {
         says: "",
-        cause: "encodertype simulates the encoder of an axis with interface torque, whose loops need the motion of the motor.",
+        cause: "encodertype simulates the encoder of an axis with interface torque or voltage, whose loops need the motion of the motor.",
         remedy: "Use another encodertype.",
     }
 
     /// The loops below the position loop cannot be had alone.
     OUT_AN_NO_LOOP = 10080, NoError {
-        says: "no loop below its position loop is closed here; `out_an` needs a drive with interface velocity or torque",
+        says: "no loop below its position loop is closed here; `out_an` needs a drive with interface velocity, torque or voltage",
         cause: "out_an opens the position loop that is closed here, and the drive closes that of this axis, or the axis has none.",
         remedy: "Use move_axis; tune the loops of such a drive in the drive.",
     }
@@ -524,7 +538,7 @@ codes! {
 
     /// An effort for a drive that takes none.
     OUT_AN_NO_EFFORT = 10090, NoError {
-        says: "level effort needs a drive with interface torque",
+        says: "level effort needs a drive with interface torque or voltage",
         cause: "out_an was to give an effort to a drive that takes velocities.",
         remedy: "Use level setpoint.",
     }

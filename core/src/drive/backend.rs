@@ -23,13 +23,15 @@ pub struct Capabilities {
     pub latches: bool,
     /// The drive homes by itself (mode 6).
     pub homes: bool,
+    /// The drive is a power stage that takes voltages.
+    pub voltage: bool,
 }
 
 impl Capabilities {
     /// All that there is, with that delay.
     pub fn all(delay: u32) -> Self {
-        let [position, velocity, torque, open_loop, latches, homes] = [true; 6];
-        Self { delay, position, velocity, torque, open_loop, latches, homes }
+        let [position, velocity, torque, open_loop, latches, homes, voltage] = [true; 7];
+        Self { delay, position, velocity, torque, open_loop, latches, homes, voltage }
     }
 
     /// Can the drive be commanded so?
@@ -39,6 +41,7 @@ impl Capabilities {
             Interface::Velocity => self.velocity,
             Interface::Torque => self.torque,
             Interface::OpenLoop => self.open_loop,
+            Interface::Voltage => self.voltage,
         }
     }
 }

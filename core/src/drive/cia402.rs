@@ -114,6 +114,8 @@ pub const MODE_CSP: i8 = 8;
 pub const MODE_CSV: i8 = 9;
 /// Mode of operation: cyclic synchronous torque.
 pub const MODE_CST: i8 = 10;
+/// Voltage: CiA 402 has no mode for it, and leaves negative numbers to makers of drives.
+pub const MODE_VOLTAGE: i8 = -1;
 /// Mode of operation: velocity mode of frequency converters and switched motors.
 pub const MODE_VELOCITY: i8 = 2;
 

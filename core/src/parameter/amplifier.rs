@@ -71,7 +71,12 @@ impl Amplifier {
 
     /// Has the axis a velocity loop here?
     pub fn has_velocity_loop(&self) -> bool {
-        self.mode == 0
+        matches!(self.mode, 0 | 1)
+    }
+
+    /// Has it a current loop, here or in a drive that closes it?
+    pub fn has_current_loop(&self) -> bool {
+        matches!(self.mode, 0 | 2)
     }
 
     /// How it finds the velocity.
@@ -92,16 +97,24 @@ impl Amplifier {
         VelocityEstimator::new(self.method(), cycle_ns as f64 / 1e9)
     }
 
-    /// Can the loops run with these?
+    /// Can the loops run with these, above a drive that closes the current loop?
     ///
     /// # Errors
     /// The key that cannot be, and why.
     pub fn check(&self, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
+        if !self.has_current_loop() {
+            return Err(("ampmode", Code::NO_POWER_STAGE));
+        }
+        self.check_loops(cycle_ns)
+    }
+
+    /// The same above any drive.
+    ///
+    /// # Errors
+    /// The key that cannot be, and why.
+    pub fn check_loops(&self, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
         if self.max_effort.is_none() {
             return Err(("max_effort", Code::EFFORT_MISSING));
-        }
-        if !matches!(self.mode, 0 | 2) {
-            return Err(("ampmode", Code::NO_POWER_STAGE));
         }
         if self.estimator(cycle_ns).is_err() {
             return Err(("velocity_loop.acceleration", Code::ESTIMATOR_RANGE));

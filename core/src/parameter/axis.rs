@@ -4,7 +4,7 @@ use super::rows::ROWS;
 use super::vocabularies::{self, Vocabularies};
 use super::{
     Amplifier, Assigned, AssignedOutputs, Compensation, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop,
-    Row, Supervision, Synchronization, Value,
+    PowerStage, Row, Supervision, Synchronization, Value,
 };
 use crate::code::Code;
 use crate::position::Position;
@@ -84,6 +84,8 @@ pub struct AxisParameters {
     pub pid: PidGains,
     /// The loops below it, where the drive takes efforts.
     pub amplifier: Amplifier,
+    /// The current loop below those, where the drive takes voltages.
+    pub power_stage: PowerStage,
     /// Of the vocabularies.
     pub vocabularies: Vocabularies,
 }
@@ -125,6 +127,7 @@ impl AxisParameters {
             position_loop: PositionLoop::default(),
             pid: PidGains::default(),
             amplifier: Amplifier::default(),
+            power_stage: PowerStage::default(),
             vocabularies: Vocabularies::default(),
         };
         for row in ROWS.iter().filter(|row| row.is_stored() && !row.required) {

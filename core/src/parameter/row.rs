@@ -204,8 +204,10 @@ pub enum Applies {
     Proportional,
     /// Axes whose position loop is here and a PID.
     Pid,
-    /// Axes with interface torque.
+    /// Axes that are given efforts: with interface torque or voltage.
     Torque,
+    /// Axes with interface voltage.
+    Voltage,
     /// Axes with interface open_loop.
     OpenLoop,
     /// Axes with two drives.
@@ -217,7 +219,7 @@ pub enum Applies {
 impl Applies {
     /// Has an axis it whose drive, or both of whose drives, are commanded so, by that law where the loop is here; none for a virtual one?
     pub fn to_interface(self, interface: Option<Interface>, law: Law, has_two: bool) -> bool {
-        let is_here = matches!(interface, Some(Interface::Velocity | Interface::Torque));
+        let is_here = interface.is_some_and(Interface::closes_loop_here);
         match self {
             Self::Any => true,
             Self::Gantry => has_two,
@@ -225,7 +227,8 @@ impl Applies {
             Self::Positioned => interface.is_some_and(|interface| interface != Interface::OpenLoop),
             Self::Proportional => is_here && law == Law::Proportional,
             Self::Pid => is_here && law == Law::Pid,
-            Self::Torque => interface == Some(Interface::Torque),
+            Self::Torque => interface.is_some_and(Interface::takes_effort),
+            Self::Voltage => interface == Some(Interface::Voltage),
             Self::OpenLoop => interface == Some(Interface::OpenLoop),
             Self::Machine => false,
         }
@@ -236,10 +239,11 @@ impl Applies {
         match self {
             Self::Any => "every axis",
             Self::Drive => "axes with a drive",
-            Self::Positioned => "axes with interface position, velocity or torque",
-            Self::Proportional => "axes with interface velocity or torque and regulator proportional",
-            Self::Pid => "axes with interface velocity or torque and regulator pid",
-            Self::Torque => "axes with interface torque",
+            Self::Positioned => "axes with interface position, velocity, torque or voltage",
+            Self::Proportional => "axes with interface velocity, torque or voltage and regulator proportional",
+            Self::Pid => "axes with interface velocity, torque or voltage and regulator pid",
+            Self::Torque => "axes with interface torque or voltage",
+            Self::Voltage => "axes with interface voltage",
             Self::OpenLoop => "axes with interface open_loop",
             Self::Gantry => "axes with two drives",
             Self::Machine => "the machine",

@@ -10,8 +10,12 @@
 //! Source   MACS-AMP-05, MACS-AMP-07, MACS-AMP-08, A-27, A-28
 //!
 //! The design is the double pole at -w of a loop in continuous time, where the voltage answers the error at once. A sample
-//! is Ts, 125 us in the source: the loop is to be called at that rate, whatever the cycle is.
+//! is Ts, 125 us in the source; an axis calls the loop once a cycle, which is its Ts then.
+//!
+//! A change of gains moves nothing in its sample: the integral part is carried over by a new sum, as far as CURKILIM allows; what is
+//! left fades within 64 samples.
 
+use super::fade::Fade;
 use super::sum::{Room, grown, measured, within};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -60,6 +64,16 @@ impl CurrentGains {
     fn unit(&self) -> f64 {
         self.voltage * self.scale * KU
     }
+
+    /// V per A.
+    fn factor(&self) -> f64 {
+        self.unit() * self.proportional
+    }
+
+    /// V per A and sample.
+    fn worth(&self) -> f64 {
+        self.unit() * INTEGRAL * self.integral
+    }
 }
 
 /// The loop between two samples.
@@ -67,17 +81,45 @@ impl CurrentGains {
 pub struct CurrentLoop {
     /// Of the errors (A samples).
     sum: f64,
+    /// Of the last sample; none before the first.
+    gains: Option<CurrentGains>,
+    /// What a change of gains has left, in parts of U.
+    fade: Fade,
 }
 
 impl CurrentLoop {
     /// One sample: the voltage (V) within +-U. `error` is in A; no number is 0.
     pub fn step(&mut self, gains: &CurrentGains, error: f64) -> f64 {
         let error = measured(error, MOST_ERROR);
-        let factor = gains.unit() * gains.proportional;
-        let worth = gains.unit() * INTEGRAL * gains.integral;
-        let law = factor * error + worth * within(self.sum, gains.limit);
-        self.sum = grown(self.sum, error, gains.limit, worth, Room::around(law, law, gains.voltage));
-        within(factor * error + worth * self.sum, gains.voltage)
+        match self.gains.replace(*gains) {
+            Some(before) if before != *gains => self.exchange(&before, gains, error),
+            _ => self.advance(gains, error),
+        }
+    }
+
+    fn advance(&mut self, gains: &CurrentGains, error: f64) -> f64 {
+        let rest = self.fade.step() * gains.voltage;
+        self.sum = within(self.sum, gains.limit);
+        let law = self.law(gains, error);
+        // What fades must not hide from the sum that its own part is too large already.
+        let room = Room::around(law.min(law + rest), law.max(law + rest), gains.voltage);
+        self.sum = grown(self.sum, error, gains.limit, gains.worth(), room);
+        within(within(self.law(gains, error), gains.voltage) + rest, gains.voltage)
+    }
+
+    /// A sample with other gains than the last one.
+    fn exchange(&mut self, before: &CurrentGains, gains: &CurrentGains, error: f64) -> f64 {
+        let voltage = self.advance(before, error);
+        let part = |loops: &Self, gains: &CurrentGains| within(loops.law(gains, error), gains.voltage) / gains.voltage;
+        let old = part(self, before);
+        let carried = if gains.worth() == 0.0 { 0.0 } else { before.worth() * self.sum / gains.worth() };
+        self.sum = within(carried, gains.limit);
+        self.fade.make_up_for(part(self, gains) - old);
+        within(voltage, gains.voltage)
+    }
+
+    fn law(&self, gains: &CurrentGains, error: f64) -> f64 {
+        gains.factor() * error + gains.worth() * self.sum
     }
 
     /// The loop goes off: no sum.
@@ -87,7 +129,7 @@ impl CurrentLoop {
 
     /// Is it a state that the loop can be in?
     pub fn is_sound(&self) -> bool {
-        self.sum.abs() <= MOST
+        self.sum.abs() <= MOST && self.fade.is_sound() && self.gains.is_none_or(|gains| gains.is_sound())
     }
 }
 

@@ -82,4 +82,5 @@ signal_block! {
     RegulatorHeat "regulator.i2t" Real, None; "filtered squared current (A^2/1000, AMP_I2TVALUE)"
     Compensation "compensation" Int, Position; "what the drive is asked for beside the command: pitch error and backlash"
     SyncLeaving "sync.leaving" Int, None; "number of the gear_out that waits for its place, 0 for none"
+    RegulatorSetpoint "regulator.current_setpoint" Real, None; "current that the current loop is asked for, within ampmaxcur (mA)"
 }

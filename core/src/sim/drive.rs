@@ -460,7 +460,7 @@ impl SimDrive {
         };
         let setpoint = match (velocity, self.state, output.mode) {
             (Some(velocity), ..) => servo.close(velocity),
-            (None, DriveState::Enabled, Mode::Torque) => sense * output.effort / 1000.0,
+            (None, DriveState::Enabled, Mode::Torque | Mode::Voltage) => sense * output.effort / 1000.0,
             _ => 0.0,
         };
         if velocity.is_none() || is_held {

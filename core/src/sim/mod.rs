@@ -79,17 +79,23 @@ impl Model {
             open_loop: self.fits(Interface::OpenLoop),
             latches: true,
             homes: true,
+            voltage: self.fits(Interface::Voltage),
         }
     }
 
     /// Does a drive of this kind take what `interface` gives it?
     pub fn fits(&self, interface: Interface) -> bool {
         match self {
-            Model::Ideal => interface != Interface::Torque,
+            Model::Ideal => !interface.takes_effort(),
             Model::SecondOrder(_) => matches!(interface, Interface::Position | Interface::Velocity),
             Model::Velocity(_) => matches!(interface, Interface::Velocity | Interface::OpenLoop),
             Model::TwoSpeed(_) | Model::Valve(_) => interface == Interface::OpenLoop,
-            Model::Motor(_) => matches!(interface, Interface::Velocity | Interface::Torque),
+            // A voltage is for a winding.
+            Model::Motor(law) => match interface {
+                Interface::Velocity | Interface::Torque => true,
+                Interface::Voltage => law.has_winding(),
+                Interface::Position | Interface::OpenLoop => false,
+            },
         }
     }
 }

@@ -114,19 +114,21 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::VELOCITY_ENCODER_TURN
         | Code::VELOCITY_ENCODER_TWO_DRIVES
         | Code::LOOP_PERIOD
-        | Code::EFFORT_MISSING
         | Code::ESTIMATOR_RANGE
         | Code::GAIN_RANGE
         | Code::SIMULATED_EFFORT
         | Code::NO_POWER_STAGE
         | Code::NO_DAMPING
         | Code::CURRENT_UNKNOWN
+        | Code::COMMUTATION
         | Code::NO_REVERSING_OUTPUTS
         | Code::SYNC_OFFSET_RANGE
         | Code::MARK_WINDOW
         | Code::MARKS_INACTIVE => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
+        // What is missing has no value.
+        Code::EFFORT_MISSING | Code::CURRENT_LOOP => format!("{} {}", key(event), not_built_here(event.code)),
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
             names_no_io(key(event), &plain(event.asked), event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit))
         }

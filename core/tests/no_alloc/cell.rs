@@ -33,6 +33,7 @@ pub(super) fn interface(index: u16) -> Interface {
     match index % 4 {
         1 if index > 4 => Interface::Torque,
         1 => Interface::Velocity,
+        2 if index == 2 => Interface::Voltage,
         2 if index > 4 => Interface::OpenLoop,
         3 if index > 4 => Interface::OpenLoop,
         _ => Interface::Position,
@@ -45,6 +46,17 @@ pub(super) fn model(index: u16) -> Model {
     match index {
         1 => Model::Velocity(VelocityLag::new(5 * ms, 1_000_000).expect("a legal lag")),
         4 => Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).expect("a legal model")),
+        2 => {
+            let winding = Stage::Winding {
+                voltage: 48.0,
+                resistance: 1.2,
+                inductance: 3e-3,
+                torque_constant: 0.4,
+                back_emf: 0.4,
+            };
+            let amplifier = Amplifier { stage: winding, limit: 1.0, dead_time_ns: 0 };
+            Model::Motor(Motor::new(MotorData { amplifier, ..motor() }).expect("a legal motor"))
+        }
         5 => Model::Motor(Motor::new(motor()).expect("a legal motor")),
         6 => Model::TwoSpeed(TwoSpeed::new(50 * ms, 100 * ms, 1_000_000).expect("a legal motor")),
         7 => Model::Valve(Valve::new(50 * ms, 20 * ms + 1, 1_000_000).expect("a legal valve")),
@@ -109,6 +121,12 @@ pub(super) fn config() -> MachineConfig {
         };
         let interface = interface(index);
         let mut parameters = parameters;
+        if interface == Interface::Voltage {
+            parameters.in_position_window = 5_000;
+            let p = &mut parameters.amplifier;
+            (p.max_effort, p.torque_constant) = (Some(1000.0), 25.0);
+            parameters.power_stage.full_current = Some(10.0);
+        }
         if interface == Interface::Torque {
             // A coarse encoder behind backlash: the axis trembles around its target.
             parameters.in_position_window = 5_000;

@@ -153,9 +153,13 @@ fn axis<'d>(
             };
             let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, [0; 2]);
             let bare = Mechanics { brake, ..Mechanics::default() };
-            if let (None, Some(Interface::Torque)) = (&sim, interface_of(drive)) {
-                let sentence =
-                    format!("axis {} has interface torque and no simulated motor; sim is expected", quote(name));
+            let effort = interface_of(drive).filter(|interface| interface.takes_effort());
+            if let (None, Some(interface)) = (&sim, effort) {
+                let sentence = format!(
+                    "axis {} has interface {} and no simulated motor; sim is expected",
+                    quote(name),
+                    interface.name()
+                );
                 entry.key.refuse(sentence, Some("sim: {model: motor, ..}".to_owned()));
                 return None;
             }

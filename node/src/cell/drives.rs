@@ -166,7 +166,7 @@ pub(super) fn drive<'d>(
     let mut map = value.map(format!("drive of axis `{axis}`"))?;
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
-    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value));
+    let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value, backend));
     let law = map.optional("regulator").map_or(Some(Law::default()), |value| law(&value, interface));
     let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
     let (number, on_can) = match (place, backend) {
@@ -209,9 +209,9 @@ fn take(
 fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
     let law = value.choice(&Law::ALL.map(|law| (law.name(), law)))?;
     match interface {
-        Some(interface) if !matches!(interface, Interface::Velocity | Interface::Torque) => {
+        Some(interface) if !interface.closes_loop_here() => {
             let sentence = format!(
-                "regulator is for a drive whose position loop is closed here, with interface velocity or torque; this one has {}",
+                "regulator is for a drive whose position loop is closed here, with interface velocity, torque or voltage; this one has {}",
                 interface.name()
             );
             value.refuse(sentence, Some("leave it out".to_owned()));
@@ -221,7 +221,13 @@ fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
     }
 }
 
-fn interface(value: &Value<'_>) -> Option<Interface> {
-    let all = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
-    value.choice(&all.map(|interface| (interface.name(), interface)))
+/// Key `interface`; `backend` is what the drive hangs on, if it is known.
+fn interface(value: &Value<'_>, backend: Option<Backend>) -> Option<Interface> {
+    let interface = value.choice(&Interface::ALL.map(|interface| (interface.name(), interface)))?;
+    if interface == Interface::Voltage && matches!(backend, Some(Backend::Can)) {
+        let sentence = "interface is voltage, for which CiA 402 has no mode; a drive on CAN has position, velocity, torque or open_loop";
+        value.refuse(sentence, None);
+        return None;
+    }
+    Some(interface)
 }

@@ -94,11 +94,14 @@ pub(super) fn model(
     let model = model.filter(|_| good)?;
     match (named, interface) {
         (Some(named), Some(interface)) if !model.fits(interface) => {
-            let fitting = [Interface::Position, Interface::Velocity, Interface::Torque, Interface::OpenLoop];
-            let fitting: Vec<_> = fitting.into_iter().filter(|one| model.fits(*one)).map(Interface::name).collect();
+            let fitting: Vec<_> =
+                Interface::ALL.into_iter().filter(|one| model.fits(*one)).map(Interface::name).collect();
             let (kind, allowed) = (kind.name(), fitting.join(", "));
             let sentence = format!("model {kind} is for interface {allowed}; this drive has {}", interface.name());
-            named.refuse(sentence, None);
+            let needs_winding = kind == "motor" && interface == Interface::Voltage;
+            let winding =
+                "a voltage needs a winding: voltage, resistance and torque_constant in the place of rated_torque";
+            named.refuse(sentence, needs_winding.then(|| winding.to_owned()));
             None
         }
         _ => Some(model),

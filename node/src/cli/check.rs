@@ -10,6 +10,7 @@ use lineshaft_core::drive::Interface;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
+use lineshaft_core::unit::number_to_text;
 use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
@@ -103,9 +104,7 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
     let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
     let given: Vec<String> =
         gains.iter().filter(|(_, gain)| *gain != 0).map(|(key, gain)| format!("{key} {gain}")).collect();
-    let closes_here = axis.drive.is_some()
-        && matches!(axis.interface, Interface::Velocity | Interface::Torque)
-        && axis.law != Law::Integer;
+    let closes_here = axis.drive.is_some() && axis.interface.closes_loop_here() && axis.law != Law::Integer;
     (closes_here && !given.is_empty()).then(|| {
         format!(
             "{}: no drive hears {}: with regulator {} the axis closes its loop with a gain of its own, and the \
@@ -117,12 +116,17 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
     })
 }
 
-/// Gains of a velocity loop that there is not (MACS-AMP-01), and a limit that any current is beyond (A-29).
+/// Gains of loops that there are not (MACS-AMP-01), a cap of currents that nothing limits (MACS-AMP-08), and a limit that any current is
+/// beyond (A-29).
 fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
     let name = &axis.name;
-    let is_torque = axis.drive.is_some() && axis.interface == Interface::Torque;
-    let p = &axis.parameters.amplifier;
-    let usual = AxisParameters::new(1.0, 1.0).amplifier;
+    let is_torque = axis.drive.is_some() && axis.interface.takes_effort();
+    let is_voltage = axis.drive.is_some() && axis.interface == Interface::Voltage;
+    let (p, stage) = (&axis.parameters.amplifier, &axis.parameters.power_stage);
+    let (usual, usual_stage) = {
+        let parameters = AxisParameters::new(1.0, 1.0);
+        (parameters.amplifier, parameters.power_stage)
+    };
     let gains = [
         ("velkprop", p.proportional, usual.proportional),
         ("velkint", p.integral, usual.integral),
@@ -130,13 +134,28 @@ fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
     ];
     let idle = gains.into_iter().filter(move |(_, value, usual)| is_torque && !p.has_velocity_loop() && value != usual);
     let idle = idle.map(move |(key, value, _)| {
-        format!("{name}: {key} is {value} and does nothing: with ampmode 2 the axis has no velocity loop")
+        let mode = p.mode;
+        format!("{name}: {key} is {value} and does nothing: with ampmode {mode} the axis has no velocity loop")
     });
-    let encoder = idle_encoder(axis).filter(|_| is_torque);
+    let of_currents = [
+        ("curkprop", stage.proportional, usual_stage.proportional),
+        ("curkint", stage.integral, usual_stage.integral),
+        ("curkilim", stage.limit, usual_stage.limit),
+        ("ampmaxcur", p.max_current, usual.max_current),
+    ];
+    let is_without = is_voltage && !p.has_current_loop();
+    let of_currents = of_currents.into_iter().filter(move |(_, value, usual)| is_without && value != usual);
+    let full = stage.full_current.filter(|_| is_without).map(|full| ("full_current", number_to_text(full)));
+    let of_currents =
+        of_currents.map(|(key, value, _)| (key, value.to_string())).chain(full).map(move |(key, value)| {
+            let mode = p.mode;
+            format!("{name}: {key} is {value} and does nothing: with ampmode {mode} nothing limits the current")
+        });
     let is_tight = is_torque && p.heat_time > 0 && p.heat_limit == 0;
     let tight =
         is_tight.then(|| format!("{name}: i2tlimit is 0: with i2tftime {} any current is error 99", p.heat_time));
-    idle.chain(encoder).chain(tight)
+    let encoder = idle_encoder(axis).filter(|_| is_torque);
+    idle.chain(encoder).chain(of_currents).chain(tight)
 }
 
 /// An encoder of a velocity loop that there is not, or one that is described and not chosen (MACS-AMP-06).
@@ -282,6 +301,35 @@ mod tests {
         }
         assert_eq!(warned("i2tftime: 500"), ["x: i2tlimit is 0: with i2tftime 500 any current is error 99"]);
         assert_eq!(warned("i2tftime: 500, i2tlimit: 4000"), [""; 0]);
+    }
+
+    /// Proves: MACS-AMP-08
+    #[test]
+    fn a_cap_of_currents_that_nothing_limits_is_warned_of() {
+        let warned = |keys: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\n\
+                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: voltage, regulator: pid}}, max_velocity: 1 m/s, {MM}, \
+                 max_acceleration: 1 m/s^2, max_effort: 1000, torque_constant: 25, {keys}, \
+                 sim: {{model: motor, inertia: 1e-4, voltage: 48 V, resistance: 1.2 Ohm, torque_constant: 0.4 Nm/A, \
+                 counts_per_turn: 4000}}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        assert_eq!(warned("full_current: 10, ampmaxcur: 4000, curkprop: 900"), [""; 0]);
+        assert_eq!(warned("ampmode: 1"), [""; 0]);
+        assert_eq!(
+            warned("ampmode: 1, ampmaxcur: 4000"),
+            ["x: ampmaxcur is 4000 and does nothing: with ampmode 1 nothing limits the current"]
+        );
+        assert_eq!(
+            warned("ampmode: 3, velkint: 7, curkint: 3, full_current: 2.5"),
+            [
+                "x: velkint is 7 and does nothing: with ampmode 3 the axis has no velocity loop",
+                "x: curkint is 3 and does nothing: with ampmode 3 nothing limits the current",
+                "x: full_current is 2.5 and does nothing: with ampmode 3 nothing limits the current",
+            ]
+        );
     }
 
     #[test]

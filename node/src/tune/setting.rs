@@ -51,6 +51,14 @@ pub enum Unfit {
         /// The axis.
         axis: String,
     },
+    /// Its model would be one of a voltage.
+    #[error(
+        "{axis}: interface is voltage, and no model here is one of a winding; interface velocity or torque can be tuned"
+    )]
+    Voltage {
+        /// The axis.
+        axis: String,
+    },
     /// Nothing would keep it square.
     #[error("{axis}: it has two drives, which nothing keeps square while its position loop is open")]
     TwoDrives {
@@ -224,6 +232,7 @@ fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
         _ if axis.law == Law::Integer => Err(Unfit::Integer { axis: name }),
         Interface::Velocity => Ok(Takes::Velocity),
         Interface::Torque => Ok(Takes::Effort),
+        Interface::Voltage => Err(Unfit::Voltage { axis: name }),
     }
 }
 

@@ -368,7 +368,7 @@ fn what_cannot_have_a_pitch_error_is_refused() {
     assert_eq!(refused(|config| config.axes[0].pitch_error = Some(0)), of("line", PitchProblem::Interface));
     assert_eq!(
         refused(|config| config.axes[1].interface = Interface::OpenLoop).to_string(),
-        "pitch_error of x: it is for axes with interface position, velocity or torque"
+        "pitch_error of x: it is for axes with interface position, velocity, torque or voltage"
     );
     assert_eq!(refused(|config| config.axes[1].pitch_error = Some(1)), of("x", PitchProblem::Table(1)));
     let steep = refused(|config| config.tables[0].table = Arc::new(xy(&[(0, 0), (9, 1)])));

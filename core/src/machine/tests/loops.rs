@@ -7,6 +7,7 @@ mod out_an;
 mod pid;
 mod runaway;
 mod torque;
+mod voltage;
 
 use super::rig::{Rig, X, Y, at, config, to};
 use crate::code::Code;

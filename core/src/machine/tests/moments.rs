@@ -402,6 +402,10 @@ const AT_ONCE: &[&str] = &[
     "i2tftime",
     "i2tlimit",
     "curftime",
+    // tests/loops/voltage.rs
+    "curkprop",
+    "curkint",
+    "curkilim",
     // tests/panel.rs
     "i_break",
     "i_continue",

@@ -270,6 +270,21 @@ pub(super) const ROWS: &[Row] = &[
         ..EFFORT
     },
     Row {
+        key: "full_current",
+        measure: Measure::Number,
+        unit: "A",
+        range: Range::Real(0.05, 100_000.0),
+        default: Value::Unset,
+        default_text: "must be given with ampmode 0 and 2",
+        applies: Applies::Voltage,
+        description: "Current that the output 1 of the loop above the current loop asks for; 32768 / full_current are the counts for one A (kc) of its gains.",
+        source: "MACS-AMP-07",
+        effect: Effect::Disabled,
+        get: |p| option(p.power_stage.full_current),
+        set: |p, v| p.power_stage.full_current = real(v),
+        ..EFFORT
+    },
+    Row {
         key: "velocity_loop.estimator",
         measure: Measure::Choice(ESTIMATORS),
         range: Range::Int(0, ESTIMATORS.len() as i64 - 1),

@@ -170,9 +170,8 @@ fn the_sum_does_not_grow_at_the_limit_of_the_voltage() {
 /// 10 of the sum become 5 with the bound; -20 of the error with them leave 1 of the voltage to the sum.
 #[test]
 fn a_bound_that_falls_counts_before_the_room_is_measured() {
-    let mut regulator = CurrentLoop::default();
-    last(&mut regulator, &CurrentGains { proportional: 0.0, ..UNIT }, 2.0, 5);
     let bounded = CurrentGains { limit: 5.0, ..UNIT };
+    let mut regulator = CurrentLoop { sum: 10.0, gains: Some(bounded), ..CurrentLoop::default() };
     near(regulator.step(&bounded, -10.0), -16.0, 1e-12);
     near(regulator.step(&bounded, 0.0), 4.0, 1e-12);
 }
@@ -225,9 +224,9 @@ fn a_winding_that_is_faster_by_itself_gets_a_negative_gain() {
 
 #[test]
 fn a_state_beyond_what_the_loop_reaches_is_not_sound() {
-    assert!(CurrentLoop { sum: -32_767.0 }.is_sound());
+    assert!(CurrentLoop { sum: -32_767.0, ..CurrentLoop::default() }.is_sound());
     for sum in [f64::NAN, f64::INFINITY, 32_768.0] {
-        assert!(!CurrentLoop { sum }.is_sound(), "{sum}");
+        assert!(!CurrentLoop { sum, ..CurrentLoop::default() }.is_sound(), "{sum}");
     }
     let (_, sound) = designed(DC6_24, 1.0);
     assert!(sound.is_sound());
@@ -240,10 +239,58 @@ fn a_state_beyond_what_the_loop_reaches_is_not_sound() {
     ];
     for gains in bad {
         assert!(!gains.is_sound(), "{gains:?}");
+        assert!(!CurrentLoop { gains: Some(gains), ..CurrentLoop::default() }.is_sound(), "{gains:?}");
     }
 }
 
+/// With 2 V/A and 1 V for each of the sum: an error of 1 A, and a sum of 4 of it, is 6 V. CURKINT twice as large keeps the integral part
+/// with half the sum, CURKPROP twice as large would add 2 V, which are made up for and fade within 64 samples. The error stands against
+/// an equal one of the other sense, so that the sum does not move.
+#[test]
+fn other_gains_do_not_step_the_voltage() {
+    let mut regulator = CurrentLoop::default();
+    near(last(&mut regulator, &UNIT, 1.0, 4), 6.0, 1e-12);
+    // In its sample the gains before make the voltage: 2 + 5.
+    let twice = CurrentGains { integral: 8.0, ..UNIT };
+    near(regulator.step(&twice, 1.0), 7.0, 1e-12);
+    near(regulator.sum, 2.5, 1e-12);
+    near(regulator.step(&twice, 0.0), 5.0, 1e-12);
+    let stiff = CurrentGains { proportional: 64.0, ..twice };
+    // 2 + 5 + 2 by the gains before; 4 + 7 by the new ones.
+    near(regulator.step(&stiff, 1.0), 9.0, 1e-12);
+    for sample in 0..64 {
+        let rest = -2.0 * (1.0 - f64::from(sample) / 64.0);
+        near(regulator.step(&stiff, 0.0), 7.0 + rest, 1e-9);
+        assert!(regulator.is_sound());
+    }
+    near(regulator.step(&stiff, 0.0), 7.0, 1e-12);
+    // Without an integral part all of it fades.
+    near(regulator.step(&CurrentGains { integral: 0.0, ..stiff }, 0.0), 7.0, 1e-12);
+    near(last(&mut regulator, &CurrentGains { integral: 0.0, ..stiff }, 0.0, 65), 0.0, 1e-12);
+}
+
 proptest! {
+    /// Whatever was in force before: the voltage of the sample in which gains change is that of the gains before.
+    #[test]
+    fn a_change_of_gains_makes_no_bump(
+        before in prop::array::uniform3(-32_767.0..32_767.0_f64), behind in prop::array::uniform3(-32_767.0..32_767.0_f64),
+        errors in prop::collection::vec(-20.0..20.0_f64, 1..60), error in -20.0..20.0_f64,
+    ) {
+        let gains = |[proportional, integral, limit]: [f64; 3]| {
+            CurrentGains { proportional, integral, limit: limit.abs(), voltage: 24.0, scale: DC6 }
+        };
+        let (before, behind) = (gains(before), gains(behind));
+        let mut regulator = CurrentLoop::default();
+        for error in errors {
+            regulator.step(&before, error);
+        }
+        let mut other = regulator;
+        let (kept, changed) = (regulator.step(&before, error), other.step(&behind, error));
+        prop_assert!((kept - changed).abs() <= 1e-9, "{kept} V becomes {changed} V");
+        prop_assert!(other.is_sound());
+    }
+
+
     #[test]
     fn the_voltage_and_the_sum_stay_in_their_bounds(
         proportional in -32_767.0..32_767.0_f64, integral in -32_767.0..32_767.0_f64, limit in 0.0..32_767.0_f64,

@@ -149,6 +149,11 @@ impl Motor {
     pub fn new(data: MotorData) -> Result<Self, ModelError> {
         data.problems().into_iter().next().map_or(Ok(Self { data, inverted: false }), Err)
     }
+
+    /// Is its setpoint the voltage of a winding?
+    pub(in crate::sim) fn has_winding(&self) -> bool {
+        matches!(self.data.amplifier.stage, Stage::Winding { .. })
+    }
 }
 
 /// Longest lag and dead time (ns).

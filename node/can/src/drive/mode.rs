@@ -60,6 +60,7 @@ impl DriveMode {
             Interface::Velocity => Some(Self::Csv),
             Interface::OpenLoop => Some(Self::Vl),
             Interface::Torque => Some(Self::Cst),
+            Interface::Voltage => None,
         }
     }
 

@@ -194,8 +194,8 @@ fn a_plain_number_takes_the_unit_of_its_row() {
 
 #[test]
 fn what_does_not_exist_yet_is_refused_by_name() {
-    let expected = "8:15: curkprop is 31: a power stage whose voltage is given here does not exist yet; only 200 is allowed, leave it out";
-    assert_eq!(said(&axis(&[("curkprop", "31")])), expected);
+    let expected = "8:19: encoderclock is 0: a serial interface whose clock could be left to another one does not exist yet; only 1 is allowed, leave it out";
+    assert_eq!(said(&axis(&[("encoderclock", "0")])), expected);
 }
 
 #[test]
@@ -305,12 +305,12 @@ fn drives() {
         ("{backend: plants, address: 0}", "8:22: backend is `plants`; no backend has that name, did you mean `plant`?"),
         (
             "{backend: plant, address: 0, regulator: pid}",
-            "8:52: regulator is for a drive whose position loop is closed here, with interface velocity or torque; this one has \
+            "8:52: regulator is for a drive whose position loop is closed here, with interface velocity, torque or voltage; this one has \
              position, leave it out",
         ),
         (
             "{backend: plant, address: 0, interface: openloop}",
-            "8:52: interface is `openloop`; one of position, velocity, torque, open_loop is allowed, did you mean `open_loop`?",
+            "8:52: interface is `openloop`; one of position, velocity, torque, voltage, open_loop is allowed, did you mean `open_loop`?",
         ),
         (
             "{backend: plant, address: 0, node: 3}",

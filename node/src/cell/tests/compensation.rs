@@ -41,7 +41,7 @@ fn a_screw_is_read_with_its_units_and_its_table() {
 
 #[test]
 fn what_is_no_compensation_says_why() {
-    const ALL: &str = "is for axes with interface position, velocity or torque, leave it out";
+    const ALL: &str = "is for axes with interface position, velocity, torque or voltage, leave it out";
     for (kind, interface, keys, sentence) in [
         (
             LINEAR,

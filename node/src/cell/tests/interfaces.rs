@@ -153,7 +153,7 @@ fn kv_lies_within_its_range() {
     assert_eq!(said(&kv("{md22: 100.1}")), "9:16: wf.md22 is `100.1`; 0.01 to 100 is allowed");
     assert_eq!(
         said(&axis(&[("wf.md22", "2")])),
-        "8:14: wf.md22 is for axes with interface velocity or torque and regulator proportional, leave it out"
+        "8:14: wf.md22 is for axes with interface velocity, torque or voltage and regulator proportional, leave it out"
     );
 }
 

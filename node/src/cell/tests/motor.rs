@@ -163,3 +163,60 @@ fn what_must_stand_is_asked_for() {
     let position = axis(&[("sim", "{model: motor, inertia: 1, rated_torque: 1, counts_per_turn: 1}")]);
     assert!(said(&position).ends_with("model motor is for interface velocity, torque; this drive has position"));
 }
+
+/// A power stage needs a winding behind it, a simulated motor, and a bus that has voltages. What its current loop needs is told by the key.
+///
+/// Proves: MACS-AMP-09, MACS-AMP-10
+#[test]
+fn a_voltage_is_for_a_motor_with_a_winding() {
+    const STAGE: (&str, &str) = ("drive", "{backend: plant, address: 0, interface: voltage, regulator: pid}");
+    let winding = "{model: motor, inertia: 1e-4, counts_per_turn: 4000, voltage: 48 V, resistance: 1.2 Ohm, torque_constant: 0.4 Nm/A}";
+    let of = |keys: &[(&str, &str)]| axis(&[&[STAGE, ("sim", winding), ("max_effort", "1000")], keys].concat());
+    let currents = [("torque_constant", "25"), ("full_current", "10")];
+    let cell = good(&of(&currents));
+    assert_eq!(cell.machine.axes[0].interface, Interface::Voltage);
+    assert_eq!(cell.machine.axes[0].parameters.power_stage.full_current, Some(10.0));
+    for kind in ["0", "1"] {
+        good(&of(&[&currents[..], &[("ampcommtype", kind), ("amppwmfreq", "24000")]].concat()));
+    }
+    let refused = [
+        (
+            of(&currents[..1]),
+            "full_current of axis `x` is missing for the current loop of an axis with interface voltage",
+        ),
+        (
+            of(&currents[1..]),
+            "torque_constant of axis `x` is missing for the current loop of an axis with interface voltage",
+        ),
+        (
+            of(&[&currents[..], &[("ampcommtype", "2")]].concat()),
+            "ampcommtype 2 asks for a motor that is commutated here",
+        ),
+        (of(&[&currents[..], &[("ampcommtype", "7")]].concat()), "ampcommtype is `7`; 0 to 6 is allowed"),
+        (
+            of(&[&currents[..], &[("amppwmfreq", "32000")]].concat()),
+            "amppwmfreq is 32000: a power stage whose frequency is set here",
+        ),
+        (
+            axis(&[STAGE, ("max_effort", "1000"), ("ampmode", "3")]),
+            "axis `x` has interface voltage and no simulated motor; sim is expected",
+        ),
+        (
+            axis(&[
+                STAGE,
+                ("sim", "{model: motor, inertia: 1, rated_torque: 1, counts_per_turn: 1}"),
+                ("ampmode", "1"),
+            ]),
+            "model motor is for interface velocity, torque; this drive has voltage, a voltage needs a winding",
+        ),
+    ];
+    for (text, sentence) in refused {
+        let told = said(&text);
+        assert!(told.contains(sentence) && told.lines().count() == 1, "{told}");
+    }
+    let on_bus =
+        |interface: &str| said(&axis(&[("drive", &format!("{{backend: bus0, node: 1, interface: {interface}}}"))]));
+    assert!(on_bus("voltage").contains(
+        "interface is voltage, for which CiA 402 has no mode; a drive on CAN has position, velocity, torque or open_loop"
+    ));
+}

@@ -121,8 +121,11 @@ fn every_row_takes_the_same_values_at_every_door() {
             let names_io = row.key.starts_with("i_") || row.key.starts_with("o_") || row.key == "revers";
             // The source of the virtual master and its start are judged by its axes and its ramp.
             let is_virtual = matches!(row.key, "vmenctyp" | "vmencmtyp" | "pulsvel");
-            // Two of its four modes need a power stage; its velocity loop reads the encoder of its own drive alone.
-            let is_mode = matches!(row.key, "ampmode" | "ampencno");
+            // Two of its four modes need a power stage, five of seven motors one that commutates; its velocity loop reads the encoder of its own
+            // drive alone.
+            let is_mode = matches!(row.key, "ampmode" | "ampcommtype" | "ampencno");
+            // A current loop needs to know its current.
+            let is_mode = is_mode || row.key == "torque_constant";
             let expected = if is_selector || names_io || is_virtual || is_mode {
                 machine.is_ok()
             } else {

@@ -75,14 +75,14 @@ fn names_may_be_written_as_macs_writes_and_misprints_them() {
 
 #[test]
 fn all_that_is_wrong_is_told_at_once_with_its_place() {
-    let text = "x.max_velocty: 1 m/s\nq.kprop: 30\nx.curkprop: 31\nline.curkprop: 200\n\nx.error_reaction: 6\nx.profile: round\n\
+    let text = "x.max_velocty: 1 m/s\nq.kprop: 30\nx.encoderclock: 0\nline.encoderclock: 1\n\nx.error_reaction: 6\nx.profile: round\n\
                 x.in_position_window: 5 s\nx.velmaxqc: 5\nx.posfact_z: 5\nkprop: 30\nx.max_jerk: -1\nmachine.cannr: 128\n";
     assert_eq!(
         refused(text),
         "p:1:1: no parameter is called `x.max_velocty`, did you mean `x.max_velocity`?\n\
-         p:2:1: no axis is called `q`; there are line, x, v, o, p, t, g\n\
-         p:3:13: curkprop is 31: a power stage whose voltage is given here does not exist yet; only 200 is allowed\n\
-         p:4:1: line.curkprop is not there; it is for axes with a drive\n\
+         p:2:1: no axis is called `q`; there are line, x, v, o, p, t, u, g\n\
+         p:3:17: encoderclock is 0: a serial interface whose clock could be left to another one does not exist yet; only 1 is allowed\n\
+         p:4:1: line.encoderclock is not there; it is for axes with a drive\n\
          p:6:19: error_reaction is 6; 0 to 5 is allowed\n\
          p:7:12: x.profile is `round`; one of trapezoid, s_ramp, jerk is expected\n\
          p:8:23: x.in_position_window: `5 s` is a time; a length such as `5 m` is expected\n\

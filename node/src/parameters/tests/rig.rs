@@ -51,6 +51,13 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
                 text += if is_here && key == usual { "" } else { &line };
             }
         }
+        if *drive_kind == VOLTAGE {
+            text += "    sim: {model: motor, inertia: 1e-4, voltage: 48 V, resistance: 1 Ohm, torque_constant: 0.4 Nm/A, counts_per_turn: 4000}\n";
+            for (usual, value) in [("max_effort", "1000"), ("torque_constant", "20"), ("full_current", "10")] {
+                let line = format!("    {usual}: {value}\n");
+                text += if is_here && key == usual { "" } else { &line };
+            }
+        }
         let root = Row::find(key).map_or(key, |(_, row)| row.root());
         let root = if root.starts_with("pos") && root.contains("fact") { "scale" } else { root };
         let is_factor = matches!(key, "posfact_z" | "posfact_n" | "feedrev" | "feeddist" | "posencqc" | "posencrev");
@@ -68,17 +75,20 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
 }
 
 /// The axes of the rig, and how their drives are commanded.
-pub(super) const DRIVES: [(&str, &str); 7] = [
+pub(super) const DRIVES: [(&str, &str); 8] = [
     ("line", "virtual"),
     ("x", "position"),
     ("v", "velocity"),
     ("o", "open_loop"),
     ("p", "velocity, regulator: pid"),
     ("t", TORQUE),
+    ("u", VOLTAGE),
     ("g", GANTRY),
 ];
 /// Its loops are closed here down to the effort.
 const TORQUE: &str = "torque, regulator: pid";
+/// The same down to the voltage.
+const VOLTAGE: &str = "voltage, regulator: pid";
 /// It has two drives, which the others have not.
 const GANTRY: &str = "gantry";
 

@@ -77,6 +77,12 @@ fn an_axis_with_two_encoders_passes() {
     passes_on("dual.yaml", "loops/dual.yaml");
 }
 
+/// Proves: MACS-AMP-01, MACS-AMP-02, MACS-AMP-07, MACS-AMP-08, MACS-AMP-09, MACS-AMP-10
+#[test]
+fn the_structures_of_an_axis_with_interface_voltage_pass() {
+    passes_on("voltage.yaml", "loops/voltage.yaml");
+}
+
 /// Proves: MACS-REG-09, MACS-REG-10
 #[test]
 fn feed_forward_passes() {

@@ -364,7 +364,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
     let report = run("scenario: s\ncycles: 20\nsteps:\n\
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
          - {at: 2, do: {synchronize: {axis: x, master: line, mode: marker, offset: 1 mm}}, refused: mode MARKER}\n\
-         - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.curkprop: 3}}, refused: curkprop}\n\
+         - {at: 3, do: {set_parameters: {x.max_velocity: 1 m/s, x.encoderclock: 0}}, refused: encoderclock}\n\
          expect: [{event: {kind: refused, code: BAD_REQUEST, source: machine}, count: 2},\n\
          {event: {kind: refused, code: NOT_BUILT, source: x}, count: 1}]");
     assert_eq!(
@@ -372,7 +372,7 @@ fn what_is_no_request_counts_as_refused_where_that_is_expected() {
         "scenario `s`: PASSED\n  20 cycles, 0.02 s\n  2 expectations, 3 of 3 steps fired\n  refused as expected:\n    \
          s.yaml:4:16: move_axis: no axis is called `z`; there are line, x, turret; in cycle 1 (0.001 s)\n    \
          s.yaml:5:16: synchronize: offset is `1 mm`; 0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks; in cycle 2 (0.002 s)\n    \
-         s.yaml:6:16: set_parameters: x: curkprop is 3: a power stage whose voltage is given here does not exist yet; only 200 is allowed; in cycle 3 (0.003 s)\n"
+         s.yaml:6:16: set_parameters: x: encoderclock is 0: a serial interface whose clock could be left to another one does not exist yet; only 1 is allowed; in cycle 3 (0.003 s)\n"
     );
 }
 

@@ -184,6 +184,13 @@ fn axes_that_cannot_be_tuned_are_refused_by_name() {
         "x: ampencno 1 gives its velocity loop another encoder than its position loop has, and a model knows one; an axis with \
          ampencno -1 can be tuned"
     );
+    let text = include_str!("../../../../launch-configs/voltage.yaml").to_owned();
+    assert_eq!(
+        setting(&Cell::parse("voltage.yaml", text).expect("a cell"), Bounds::default())
+            .expect_err("a refusal")
+            .to_string(),
+        "x: interface is voltage, and no model here is one of a winding; interface velocity or torque can be tuned"
+    );
     let demo = Cell::demo();
     let config = &demo.machine;
     let of = |name: &str| Setting::of(config, name, |place| config.axes[place].power_on(), &Bounds::default());

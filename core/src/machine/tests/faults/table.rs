@@ -87,7 +87,7 @@ impl Case {
     /// Where the page tells cases apart.
     fn place(&self) -> &'static str {
         match self.interface {
-            Some(Interface::Velocity | Interface::Torque) => "loop closed here",
+            Some(interface) if interface.closes_loop_here() => "loop closed here",
             _ => "loop in the drive",
         }
     }

@@ -4,7 +4,7 @@ use super::super::rig::{Rig, X, at, cases, config, to};
 use crate::code::Code;
 use crate::command::Action;
 use crate::config::MachineConfig;
-use crate::drive::Interface;
+use crate::drive::{Inputs, Interface};
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage, VelocityLag};
 use proptest::prelude::*;
@@ -19,6 +19,11 @@ fn looped(interface: Interface, law: Law, reaction: i64) -> MachineConfig {
     (p.max_following_error, p.error_reaction) = (ALLOWED, reaction);
     p.amplifier.max_effort = Some(1000.0);
     p.pid.velocity = 1000;
+    if interface == Interface::Voltage {
+        let damping = p.pid;
+        super::voltage::loops(p, 0);
+        p.pid = damping;
+    }
     config
 }
 
@@ -36,6 +41,12 @@ fn motor(inertia: f64, friction: f64) -> MotorData {
 fn model(interface: Interface, data: MotorData) -> Model {
     match interface {
         Interface::Torque => Model::Motor(Motor::new(data).unwrap()),
+        Interface::Voltage => {
+            let of_winding = super::voltage::motor();
+            let friction = Friction { viscous: 1e-3, ..data.friction };
+            let data = MotorData { inertia: data.inertia, friction, ..of_winding };
+            Model::Motor(Motor::new(data).unwrap())
+        }
         _ => Model::Velocity(VelocityLag::new(5_000_000, 1_000_000).unwrap()),
     }
 }
@@ -44,7 +55,7 @@ fn model(interface: Interface, data: MotorData) -> Model {
 /// twice what is allowed, and what it does from there on is coast.
 #[test]
 fn a_sense_wired_the_wrong_way_ends_without_power() {
-    for interface in [Interface::Velocity, Interface::Torque] {
+    for interface in [Interface::Velocity, Interface::Torque, Interface::Voltage] {
         for law in Law::ALL {
             let config = looped(interface, law, 2);
             let mut rig = Rig::with(config, [model(interface, motor(2.5e-4, 0.0)).wired(true), Model::Ideal]);
@@ -85,6 +96,66 @@ fn an_amplifier_that_saturates_stops_on_its_loop() {
     assert!(!rig.events.iter().any(|event| event.code == Code::RUNAWAY));
 }
 
+/// The current that the drive tells is dead, wired the other way, or stands at the full one: the loop pushes the voltage to a limit, and
+/// nothing of it shows in a current. The position loop meets it: the axis stops or loses its power before it is twice of what is allowed behind, and
+/// some for what it coasts.
+#[test]
+fn a_current_that_is_told_wrongly_is_no_runaway() {
+    let tampers: [(&str, fn(&mut Inputs)); 3] = [
+        ("dead", |inputs| inputs.drive[0].effort = 0.0),
+        ("reversed", |inputs| inputs.drive[0].effort = -inputs.drive[0].effort),
+        ("full", |inputs| inputs.drive[0].effort = 250.0),
+    ];
+    for (what, tamper) in tampers {
+        for mode in 0..4 {
+            for when in [0, 300] {
+                let mut config = looped(Interface::Voltage, Law::Pid, 2);
+                super::voltage::loops(&mut config.axes[1].parameters, mode);
+                let mut rig = Rig::with(config, [model(Interface::Voltage, motor(2.5e-4, 0.0)), Model::Ideal]);
+                rig.enable();
+                rig.give(Action::Move(at(X, 30_000.0)));
+                rig.run(when);
+                rig.tamper = tamper;
+                let case = format!("{what}, mode {mode}, after {when}");
+                for _ in 0..3_000 {
+                    rig.run(1);
+                    let is_on = rig.int("x.enabled") == 1;
+                    let error = rig.int("x.following_error").abs();
+                    assert!(!is_on || error <= 2 * ALLOWED + 1_000, "{case}: {error} behind");
+                    assert!(rig.real("x.output.effort").abs() <= 1000.0, "{case}");
+                }
+                if matches!(mode, 1 | 3) {
+                    assert_eq!((rig.int("x.error"), rig.int("x.enabled")), (0, 1), "{case}: it needs no current");
+                }
+            }
+        }
+    }
+}
+
+/// A shaft that is held draws what ampmaxcur allows, and not for longer than 100 ms: its voltage is far from its limit then.
+#[test]
+fn a_blocked_axis_draws_its_largest_current_for_a_tenth_of_a_second() {
+    for mode in [0, 2] {
+        let mut config = looped(Interface::Voltage, Law::Pid, 0);
+        let p = &mut config.axes[1].parameters;
+        super::voltage::loops(p, mode);
+        (p.amplifier.max_current, p.error_reaction, p.following_error_time) = (2_000, 0, 10_000_000_000);
+        let mut rig = Rig::with(config, [model(Interface::Voltage, motor(2.5e-4, 0.0)), Model::Ideal]);
+        rig.enable();
+        rig.plant.drive(0).unwrap().jam(true);
+        rig.give(Action::Move(at(X, 50_000.0)));
+        let mut at_cap = 0;
+        for _ in 0..2_000 {
+            rig.run(1);
+            at_cap += i32::from(rig.real("x.regulator.current_setpoint").abs() >= 1_900.0);
+        }
+        // 1.2 Ohm at 2 A are 2.4 of 48 V.
+        assert!(rig.events.iter().any(|event| event.code == Code::ENCODER_STANDS), "mode {mode}");
+        assert_eq!((rig.int("x.enabled"), rig.real("x.output.effort")), (0, 0.0), "mode {mode}");
+        assert!((95..=110).contains(&at_cap), "mode {mode}: {at_cap} ms");
+    }
+}
+
 proptest! {
     #![proptest_config(cases(40))]
 
@@ -92,16 +163,15 @@ proptest! {
     /// off, or on its way to where it was to stop.
     #[test]
     fn no_axis_runs_away(
-        is_torque in any::<bool>(),
+        interface in prop::sample::select(&[Interface::Velocity, Interface::Torque, Interface::Voltage][..]),
         law in prop::sample::select(&Law::ALL[..]),
         reaction in 0_i64..5,
         inertia in 1e-5..5e-3_f64,
         friction in 0.0..0.1_f64,
         velocity in -90_000.0..90_000.0_f64,
-        fault in 0..3_u8,
+        fault in 0..4_u8,
         when in 100_u64..1_500,
     ) {
-        let interface = if is_torque { Interface::Torque } else { Interface::Velocity };
         let inverted = fault == 0;
         let config = looped(interface, law, reaction);
         let mut rig = Rig::with(config, [model(interface, motor(inertia, friction)).wired(inverted), Model::Ideal]);
@@ -110,6 +180,8 @@ proptest! {
         rig.run(when);
         match fault {
             1 => rig.plant.drive(0).unwrap().jam(true),
+            // The current that is told is dead.
+            3 => rig.tamper = |inputs| inputs.drive[0].effort = 0.0,
             2 => rig.plant.drive(0).unwrap().jump(if velocity > 0.0 { -9_000 } else { 9_000 }),
             _ => {}
         }

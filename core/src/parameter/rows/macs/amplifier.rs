@@ -4,6 +4,8 @@ use super::super::{Applies, BASE, Effect, Group, MLONG, Range, Row, System, Valu
 use crate::parameter::amplifier::MAX_CURRENT;
 
 const AMPLIFIER_ROW: Row = Row { system: System::Macs, group: Group::Amplifier, applies: Applies::Drive, ..BASE };
+/// Of the current loop that is closed here.
+const VOLTAGE_ROW: Row = Row { applies: Applies::Voltage, ..AMPLIFIER_ROW };
 /// Of the loops that are closed here.
 const TORQUE_ROW: Row = Row { applies: Applies::Torque, ..AMPLIFIER_ROW };
 
@@ -39,10 +41,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "92",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(200),
-        missing: "a power stage whose voltage is given here",
-        description: "Proportional gain of the current loop.",
+        description: "Proportional gain of the current loop: parts of max_effort for each full_current of error, times 4096.",
         source: "MACS-AMP-07",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.power_stage.proportional),
+        set: |p, v| p.power_stage.proportional = int(v).unwrap_or(p.power_stage.proportional),
+        ..VOLTAGE_ROW
     },
     Row {
         key: "curkint",
@@ -50,11 +53,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "93",
         range: Range::Int(-32_767, 32_767),
         default: Value::Int(100),
-        missing: "a power stage whose voltage is given here",
-        description: "Integral gain of the current loop.",
+        description: "Integral gain of the current loop: parts of max_effort for each full_current and cycle of error, times 1024.",
         source: "MACS-AMP-07",
         note: "D08: the detail calls it AXR; AXA is taken.",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.power_stage.integral),
+        set: |p, v| p.power_stage.integral = int(v).unwrap_or(p.power_stage.integral),
+        ..VOLTAGE_ROW
     },
     Row {
         key: "ampmaxcur",
@@ -75,10 +79,12 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "95",
         range: Range::Int(0, 6),
         default: Value::Int(0),
-        missing: "a power stage whose voltage is given here",
-        description: "Motor: 0 none, 1 with brushes, 2, 3 brushless with hall sensors at 120 or 60 deg, 4, 5 stepper, 6 coupled amplifiers.",
+        description: "Motor: 0 nothing is commutated, 1 with brushes, which commutate by themselves. 2, 3 brushless with hall sensors at 120 or 60 deg, 4, 5 stepper and 6 coupled amplifiers are refused.",
         source: "MACS-AMP-09",
-        ..AMPLIFIER_ROW
+        effect: Effect::Disabled,
+        get: |p| Value::Int(p.power_stage.commutation),
+        set: |p, v| p.power_stage.commutation = int(v).unwrap_or(p.power_stage.commutation),
+        ..VOLTAGE_ROW
     },
     Row {
         key: "amppwmfreq",
@@ -87,11 +93,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "Hz",
         range: Range::Int(10_000, 50_000),
         default: Value::Int(24_000),
-        missing: "a power stage whose voltage is given here",
-        description: "Frequency of the power stage; multiples of 8000 Hz are best.",
+        missing: "a power stage whose frequency is set here",
+        description: "Frequency of the power stage: higher is quieter and loses more in switching; of a DC3 or DC6 multiples of 8000 Hz, 16000 to 48000.",
         source: "MACS-AMP-10",
         note: "D03: the name is AMPWMFREQ in the overview and one step is given in kHz; AMPPWMFREQ in Hz is taken.",
-        ..AMPLIFIER_ROW
+        ..VOLTAGE_ROW
     },
     Row {
         key: "ampmode",
@@ -124,10 +130,11 @@ pub(in super::super) const ROWS: &[Row] = &[
         number: "104",
         range: Range::Int(0, 32_767),
         default: Value::Int(1000),
-        missing: "a power stage whose voltage is given here",
-        description: "Bound of the sum of errors of the current loop, either way.",
+        description: "Bound of the sum of errors of the current loop, either way, in A and cycles; 0: no integral part.",
         source: "MACS-AMP-05",
-        ..AMPLIFIER_ROW
+        get: |p| Value::Int(p.power_stage.limit),
+        set: |p, v| p.power_stage.limit = int(v).unwrap_or(p.power_stage.limit),
+        ..VOLTAGE_ROW
     },
     Row {
         key: "i2tftime",

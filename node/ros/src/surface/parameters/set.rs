@@ -336,9 +336,9 @@ mod tests {
             ("x.max_speed", double(1.0), "parameter `x.max_speed` has not been declared"),
             ("", double(1.0), "parameter `` has not been declared"),
             (
-                "line.curkprop",
+                "line.encoderclock",
                 integer(1),
-                "parameter `line.curkprop` has not been declared: line.curkprop is not there; it is for axes with a drive",
+                "parameter `line.encoderclock` has not been declared: line.encoderclock is not there; it is for axes with a drive",
             ),
             ("x.max_velocity", string("fast"), "x.max_velocity cannot be a string; a number is needed"),
             (
