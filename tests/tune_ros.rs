@@ -151,9 +151,14 @@ fn a_real_drive_is_tuned_with_leave_alone() {
     let before = drives.shown(1).position;
     let mut refused = tune(&[]);
     assert_eq!(refused.wait_exit(Duration::from_secs(30)).code(), Some(2), "{}", refused.log());
-    let sentence = "v hangs on a real drive, or runs beside one: tuning shakes it by up to 0.075 m either side of where it stands, with up to 0.05 m/s; --real permits that";
+    let sentence = "v hangs on a real drive, or runs beside one: tuning shakes it with about 0.05 m/s, and stops it 0.075 m either side of where it stands, by its \
+                    drive; no loop holds it meanwhile, and a load that hangs falls; --real permits that";
     assert!(refused.log().contains(sentence), "{}", refused.log());
     assert_eq!(drives.shown(1).position, before);
+
+    let mut effort = tune(&["--real", "--effort", "0.1"]);
+    assert_eq!(effort.wait_exit(Duration::from_secs(30)).code(), Some(2), "{}", effort.log());
+    assert!(effort.log().contains("v: effort bounds a drive that takes efforts"), "{}", effort.log());
 
     let mut found = tune(&["--real"]);
     assert_eq!(found.wait_exit(Duration::from_secs(120)).code(), Some(0), "{}", found.log());

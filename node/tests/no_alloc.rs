@@ -88,7 +88,7 @@ fn a_trial_takes_no_memory_in_the_cycle_thread() {
         inputs.begin(cycle, 0);
         plant.read(&mut inputs);
         assert_no_alloc(|| {
-            let command = slot.before(&machine, true, &numbers);
+            let command = slot.before(&machine, &[], true, &numbers);
             lanes.add(Commands::queue(command.as_slice()));
             machine.cycle(&inputs, lanes.commands(), &mut outputs);
             lanes.drain().1.for_each(drop);

@@ -40,6 +40,11 @@ impl MovedBy {
 }
 
 impl Axis {
+    /// Does the sink of a function command it?
+    pub fn is_led_by_function(&self) -> bool {
+        self.reference == Reference::Function
+    }
+
     /// May a function whose sink it is start? One that is off follows once it is on.
     ///
     /// # Errors

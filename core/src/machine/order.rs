@@ -81,6 +81,20 @@ impl Machine {
         reached
     }
 
+    /// The axes that follow `axis` at present, or wait to: its command or its actual position, in a sum of masters, through a function.
+    pub fn followers(&self, axis: u16) -> AxisSet {
+        let of_virtual = self.state.virtual_master.axis();
+        let reads = |leader: Leader| {
+            leader == Leader::AxisActual(axis) || self.ways.commanded(leader, of_virtual).contains(axis)
+        };
+        let follows = |(index, other): (u16, &Axis)| {
+            let function = self.config.writer(Object::Axis(index)).filter(|_| other.is_led_by_function());
+            let leaders = [other.leader(), other.engaging_leader(), function.map(Leader::Sink)];
+            (index != axis && leaders.into_iter().flatten().any(reads)).then_some(index)
+        };
+        (0..).zip(&self.state.axes).filter_map(follows).collect()
+    }
+
     /// Sorts the axes by those that they follow, which have no loop.
     pub(super) fn sort_axes(&mut self) {
         let of_virtual = self.state.virtual_master.axis();

@@ -17,7 +17,7 @@ use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
-use lineshaft_core::drive::Capabilities;
+use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -120,6 +120,16 @@ impl Maker<'_> {
     ) -> Option<DeviceConfig> {
         let CellDrive { mode, drive_type, probes, .. } = *drive;
         let node = drive.device.node;
+        let effort = axis.parameters.amplifier.max_effort.unwrap_or_default();
+        if mode.interface() == Interface::Torque && effort > f64::from(i16::MAX) {
+            let name = quote(&axis.name);
+            let sentence = format!(
+                "max_effort of axis {name} is {effort}; a drive on CAN takes up to {} per mille of its rated torque (6071h)",
+                i16::MAX
+            );
+            self.problems.push(drive.device.place, sentence, None);
+            return None;
+        }
         let extras = Extras { probes, torque: drive.rated_effort.is_some() };
         let is_bare =
             extras == Extras::default() && terminals.digital_inputs.is_empty() && terminals.digital_outputs.is_empty();

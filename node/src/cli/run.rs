@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
 
 /// Within this time another signal is the first one, passed on twice.
-const SAME_SIGNAL: Duration = Duration::from_millis(500);
+pub(super) const SAME_SIGNAL: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit {
     let (cell, title) = match &args.cell {

@@ -2,7 +2,7 @@
 
 mod real;
 
-use self::real::try_real;
+use self::real::{RealError, try_real};
 use super::{Exit, TuneArgs, complain, say, store};
 use crate::cell::{Cell, CellBackend};
 use crate::document::Problems;
@@ -12,6 +12,7 @@ use crate::tune::{
 };
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::unit::{Quantity, Scale};
+use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
 
 /// Why nothing was tuned.
@@ -21,8 +22,10 @@ enum TuneError {
     Cell(Problems),
     #[error("{0}; --real permits that, with --sim a simulation takes the place of all drives")]
     Leave(String),
+    #[error(transparent)]
+    Real(#[from] RealError),
     #[error("{0}")]
-    Real(String),
+    Name(String),
     #[error(transparent)]
     Unfit(#[from] Unfit),
     #[error("--{name}: {sentence}")]
@@ -42,9 +45,10 @@ enum TuneError {
 impl TuneError {
     fn exit(&self) -> Exit {
         match self {
-            Self::Trial { .. } | Self::Refused { .. } | Self::Real(_) | Self::Run(TrialError::Record(_)) => {
-                Exit::Failed
-            }
+            Self::Trial { .. }
+            | Self::Refused { .. }
+            | Self::Real(RealError::Run(_))
+            | Self::Run(TrialError::Record(_)) => Exit::Failed,
             _ => Exit::Usage,
         }
     }
@@ -68,15 +72,24 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
     // What is wrong with the names is said before anything moves.
     args.output.as_deref().map(Target::of).transpose()?;
     let mut cell = Cell::load(&args.cell).map_err(TuneError::Cell)?;
-    let Ok(_store) = store::open(&args.store, &mut cell) else { return Ok(Exit::Usage) };
+    let is_simulated = args.sim || cell.backends.iter().all(CellBackend::is_simulated);
+    // A real axis has the limits that its node has saved.
+    let opened = if is_simulated {
+        store::open(&args.store, &mut cell)
+    } else {
+        let name =
+            NodeName::new(&cell.ros.namespace, &cell.ros.name).map_err(|error| TuneError::Name(error.to_string()))?;
+        store::open_for_node(&args.store, &mut cell, &name, Some(&args.cell))
+    };
+    let Ok(_store) = opened else { return Ok(Exit::Usage) };
     let config = &cell.machine;
     let setting = Setting::of(config, &args.axis, |place| config.axes[place].power_on(), &bounds(args, config)?)?;
-    let is_simulated = args.sim || cell.backends.iter().all(CellBackend::is_simulated);
     if !is_simulated && !args.real {
         return Err(TuneError::Leave(setting.asks_for_leave(&config.axes[usize::from(setting.axis)])));
     }
     let record = run(args, &cell, setting, is_simulated)?;
-    let subject = Subject::of(&config.axes[usize::from(setting.axis)]);
+    let axis = &config.axes[usize::from(setting.axis)];
+    let subject = Subject::of(axis, &axis.power_on());
     let refused = |refusal| TuneError::Refused { axis: args.axis.clone(), refusal };
     let findings = Findings::find(subject, &record, &setting.wish, &setting.before).map_err(refused)?;
     say(&findings.text().trim_end());
@@ -93,7 +106,7 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
             error,
             lines: by_hand(&findings.gains).trim_end().to_owned(),
         };
-        let written = apply(&args.cell, &args.axis, &findings.gains).map_err(by_hand)?;
+        let written = apply(&args.cell, &cell.text, &args.axis, &findings.gains).map_err(by_hand)?;
         let keys = written.iter().map(|gain| gain.key).collect::<Vec<_>>().join(", ");
         let keys = if keys.is_empty() { "nothing new".to_owned() } else { keys };
         say(&format_args!("{}: {} written for {}", args.cell.display(), keys, args.axis));
@@ -128,7 +141,7 @@ fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Re
     let (ended, record) = if is_simulated {
         try_simulated(cell, setting, args.record.options().as_ref(), |_| {})?
     } else {
-        try_real(args, cell, setting).map_err(TuneError::Real)?
+        try_real(args, cell, setting)?
     };
     match ended.sentence(&cell.machine, &setting) {
         None => Ok(record),

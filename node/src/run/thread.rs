@@ -186,7 +186,7 @@ impl CycleThread {
             self.lanes.take_others(usize::from(is_tried));
         }
         if is_tried {
-            let command = trials.before(&self.machine, room > 0, numbers);
+            let command = trials.before(&self.machine, self.lanes.commands().stop, room > 0, numbers);
             self.lanes.add(Commands::queue(command.as_slice()));
         }
         self.backends.read(inputs);

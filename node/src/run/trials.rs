@@ -7,8 +7,8 @@
 //! Refuses  a second trial beside the first
 
 use super::lanes::Numbers;
-use crate::tune::{Doing, Trial};
-use lineshaft_core::command::Command;
+use crate::tune::{Doing, Stop, Trial};
+use lineshaft_core::command::{Action, Command};
 use lineshaft_core::machine::Machine;
 use lineshaft_ros::surface::host::{TuningPhase, TuningWatch};
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -94,6 +94,11 @@ impl TrialDesk {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Place of the axis that is tried, if one is.
+    pub fn busy(&self) -> Option<u16> {
+        self.desk().waiting.as_ref().map(|(axis, _)| *axis)
+    }
+
     /// Hands a trial over; it comes back when it is over.
     ///
     /// # Errors
@@ -130,15 +135,29 @@ impl TrialSlot {
         self.tried.is_some() || !self.coming.is_empty()
     }
 
-    /// The command of the trial for this cycle; `has_room` for one.
-    pub fn before(&mut self, machine: &Machine, has_room: bool, numbers: &Numbers) -> Option<Command> {
+    /// The command of the trial for this cycle, beside these stops; `has_room` for one.
+    pub fn before(
+        &mut self,
+        machine: &Machine,
+        stops: &[Command],
+        has_room: bool,
+        numbers: &Numbers,
+    ) -> Option<Command> {
         if self.tried.is_none() {
             self.tried = self.coming.pop().ok();
         }
         let Tried { trial, watch } = &mut **self.tried.as_mut()?;
+        let axis = trial.setting().axis;
+        // An axis that stands, or is being switched on, shows nothing of a halt.
+        if stops.iter().any(|command| stops_axis(&command.action, axis)) {
+            trial.stop(Stop::Halt);
+        }
+        if watch.is_cancelled.load(Ordering::Relaxed) {
+            trial.stop(Stop::Cancel);
+        }
         // A cycle that is left out would be missing in the record.
-        if !has_room || watch.is_cancelled.load(Ordering::Relaxed) {
-            trial.stop();
+        if !has_room {
+            trial.stop(Stop::NoRoom);
         }
         let command = if has_room { trial.before(machine, || numbers.reserve(1) + 1) } else { None };
         watch.show(trial.progress());
@@ -169,6 +188,13 @@ impl TrialSlot {
     }
 }
 
+fn stops_axis(action: &Action, axis: u16) -> bool {
+    match action {
+        Action::Halt(axes) | Action::QuickStop(axes) | Action::Disable(axes) => axes.contains(axis),
+        other => other.stops(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,8 +202,9 @@ mod tests {
     use crate::run::lanes::lanes;
     use crate::tune::{Bounds, Ended, Setting};
     use lineshaft_core::command::{Action, Commands, Source};
-    use lineshaft_core::drive::Backend;
+    use lineshaft_core::drive::{Backend, DriveState};
     use lineshaft_core::object::AxisSet;
+    use lineshaft_core::request::SynchronizeRequest;
     use lineshaft_core::sim::Plant;
 
     const CELL: &str = include_str!("../../../launch-configs/torque.yaml");
@@ -194,7 +221,11 @@ mod tests {
 
     impl Rig {
         fn new() -> Self {
-            let cell = Cell::parse("torque.yaml", CELL).expect("a cell");
+            Self::of(CELL)
+        }
+
+        fn of(cell: &str) -> Self {
+            let cell = Cell::parse("torque.yaml", cell).unwrap_or_else(|problems| panic!("{problems}"));
             let plant = cell.plant();
             let machine = Machine::new(cell.machine).expect("a machine");
             let (desk, slot) = trials();
@@ -208,20 +239,46 @@ mod tests {
         }
 
         fn run(&mut self, cycles: usize, has_room: bool) {
+            self.run_with(cycles, has_room, &[]);
+        }
+
+        /// Stops are there in each of the cycles.
+        fn run_with(&mut self, cycles: usize, has_room: bool, stops: &[Command]) {
             let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
             for _ in 0..cycles {
                 inputs.begin(self.machine.next_cycle(), 0);
-                let command = self.slot.before(&self.machine, has_room, &self.numbers);
+                let command = self.slot.before(&self.machine, stops, has_room, &self.numbers);
                 self.actions.extend(command.iter().map(|command| command.action.clone()));
                 self.plant.read(&mut inputs);
-                self.machine.cycle(&inputs, Commands::queue(command.as_slice()), &mut outputs);
+                let commands = Commands { stop: stops, ..Commands::queue(command.as_slice()) };
+                self.machine.cycle(&inputs, commands, &mut outputs);
                 self.plant.write(&outputs);
                 self.desk.collect();
             }
         }
 
-        fn is_on(&self) -> bool {
-            self.machine.board().bit(self.machine.directory().find("x.enabled").expect("a signal"))
+        /// What the axis is commanded by itself.
+        fn command(&mut self, actions: &[Action]) {
+            let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
+            inputs.begin(self.machine.next_cycle(), 0);
+            self.plant.read(&mut inputs);
+            let commands: Vec<_> = actions.iter().map(|action| self.numbered(action.clone())).collect();
+            self.machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
+            self.plant.write(&outputs);
+        }
+
+        fn numbered(&self, action: Action) -> Command {
+            Command { sequence: self.numbers.reserve(1) + 1, source: Source::Ros, action }
+        }
+
+        fn bit(&self, name: &str) -> bool {
+            self.machine.board().bit(self.machine.directory().find(name).expect("a signal"))
+        }
+
+        /// Nothing powers the drive.
+        fn is_off(&self) -> bool {
+            let state = self.machine.directory().find("x.drive_state").expect("a signal");
+            !self.bit("x.enabled") && self.machine.board().int(state) == DriveState::SwitchOnDisabled as i64
         }
     }
 
@@ -241,7 +298,7 @@ mod tests {
         let trial = back.try_recv().expect("it is over");
         assert_eq!((trial.ended(), watch.progress()), (Some(Ended::Done), (TuningPhase::Designing, 1.0)));
         assert!(trial.record().commands.len() > 6000, "{}", trial.record().commands.len());
-        assert!(!rig.is_on() && !rig.slot.is_busy());
+        assert!(rig.is_off() && !rig.slot.is_busy());
         assert!(rig.desk.begin(rig.trial()).is_ok(), "the next one");
     }
 
@@ -251,17 +308,93 @@ mod tests {
         rig.run(10, true);
         let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
         rig.run(3000, true);
-        assert!(rig.is_on());
+        assert!(rig.bit("x.enabled"));
         watch.cancel();
         rig.run(3000, true);
-        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
-        assert!(!rig.is_on());
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Cancel)));
+        assert!(rig.is_off());
         assert_eq!(rig.actions.last(), Some(&Action::Disable(AxisSet::one(0))));
         // Before it has begun nothing moves.
         let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the next one");
         (watch.cancel(), rig.actions.clear());
         rig.run(10, true);
-        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Cancel)));
+        assert_eq!(rig.actions, []);
+    }
+
+    /// With a brake that takes its time the axis comes on over many cycles, in which its state is that of one that is off.
+    #[test]
+    fn whoever_stops_it_while_it_comes_on_finds_it_off() {
+        let cell =
+            CELL.replace("    sim:\n", "    brake: {output: b, release_delay: 20 ms, engage_delay: 20 ms}\n    sim:\n");
+        let cell = cell.replace("axes:\n", "io: {b: {type: do, backend: plant, address: 0}}\naxes:\n");
+        for cycle in 0..80 {
+            let mut rig = Rig::of(&cell);
+            rig.run(10, true);
+            let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+            rig.run(cycle, true);
+            watch.cancel();
+            rig.run(400, true);
+            assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Cancel)), "{cycle}");
+            assert!(rig.is_off(), "{cycle}");
+
+            for stop in [Action::Halt, Action::QuickStop, Action::Disable] {
+                let mut rig = Rig::of(&cell);
+                rig.run(10, true);
+                let (_, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+                rig.run(cycle, true);
+                let stops = [rig.numbered(stop(AxisSet::one(0)))];
+                rig.run_with(1, true, &stops);
+                rig.run(400, true);
+                assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Halt)), "{cycle}");
+                assert!(rig.is_off(), "{cycle}");
+            }
+        }
+    }
+
+    /// Of another axis' stops it takes no notice; one that is on already is stopped in the cycle in which its loop would open, too.
+    #[test]
+    fn a_stop_of_its_own_axis_alone_ends_it() {
+        let mut rig = Rig::new();
+        rig.run(10, true);
+        let (_, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+        let other = [rig.numbered(Action::Halt(AxisSet::one(1)))];
+        rig.run_with(3000, true, &other);
+        assert!(back.try_recv().is_err() && rig.bit("x.enabled"));
+        for cycle in 0..4 {
+            let mut rig = Rig::new();
+            rig.run(10, true);
+            rig.command(&[Action::Enable(AxisSet::one(0))]);
+            rig.run(50, true);
+            assert!(rig.bit("x.enabled"));
+            let (_, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+            rig.run(cycle, true);
+            let stops = [rig.numbered(Action::Halt(AxisSet::one(0)))];
+            rig.run_with(1, true, &stops);
+            rig.run(400, true);
+            assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Halt)), "{cycle}");
+        }
+    }
+
+    #[test]
+    fn an_axis_that_leads_others_is_not_shaken() {
+        let follower = "  y: {type: rotary, drive: virtual, scale: {increments: 65536, per: 1 rev}, max_velocity: 50 rev/s, max_acceleration: 400 rev/s^2}\n";
+        let mut rig = Rig::of(&(CELL.to_owned() + follower));
+        rig.run(10, true);
+        let couple = rig.machine.config().resolve_synchronize(&SynchronizeRequest {
+            axis: "y".to_owned(),
+            master: "x.actual".to_owned(),
+            mode: 1,
+            numerator: 1,
+            denominator: 1,
+            ..SynchronizeRequest::default()
+        });
+        rig.command(&[Action::Synchronize(couple.expect("a coupling"))]);
+        rig.run(10, true);
+        let (_, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
+        rig.actions.clear();
+        rig.run(5, true);
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Leads(1)));
         assert_eq!(rig.actions, []);
     }
 
@@ -273,8 +406,8 @@ mod tests {
         rig.run(3000, true);
         rig.run(1, false);
         rig.run(3000, true);
-        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped));
-        assert!(!rig.is_on());
+        assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::NoRoom)));
+        assert!(rig.is_off());
     }
 
     #[test]
@@ -286,7 +419,7 @@ mod tests {
             rig.run(cycles, true);
             rig.slot.give_up();
             rig.desk.collect();
-            assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped), "{cycles}");
+            assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::NoCycles)), "{cycles}");
             assert!(!rig.slot.is_busy());
         }
     }

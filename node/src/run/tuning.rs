@@ -7,11 +7,11 @@
 
 use super::bridge::Handle;
 use super::trials::Watch;
-use crate::tune::{Bounds, Ended, Findings, Setting, Subject, Trial};
+use crate::tune::{Bounds, Ended, Findings, Setting, Stop, Subject, Trial};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Source;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_ros::surface::host::{Host, TuneOrder, Tuned, Tuning, Untuned};
+use lineshaft_ros::surface::host::{Busy, GateState, Host, TuneOrder, Tuned, Tuning, Untuned};
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
@@ -26,17 +26,25 @@ impl Handle {
         source: Source,
     ) -> Result<(Arc<Watch>, oneshot::Receiver<Trial>), String> {
         let (config, trials) = (self.config(), &self.trials);
-        let trial = Trial::new(setting, source, config, self.directory()).map_err(|unfit| unfit.to_string())?;
-        // Behind a closed door no cycle would take it.
-        let begun = self.commander.while_open(|| trials.begin(trial)).map_err(|busy| busy.to_string())?;
-        begun.map_err(|other| {
+        let busy = |other: u16| {
             let name = config.axes.get(usize::from(other)).map_or("another axis", |axis| axis.name.as_str());
             format!("{name} is being tuned; one axis at a time")
-        })
+        };
+        if let Some(other) = trials.busy() {
+            return Err(busy(other));
+        }
+        let trial = Trial::new(setting, source, config, self.directory()).map_err(|unfit| unfit.to_string())?;
+        let begin = || match self.gate() {
+            GateState::Open => trials.begin(trial).map_err(busy),
+            GateState::Closed => Err("the backends have not started yet; try again".to_owned()),
+            GateState::Failed(why) => Err(why),
+        };
+        // Behind a closed door no cycle would take it.
+        self.commander.while_open(begin).map_err(|busy| busy.to_string())?
     }
 }
 
-/// Begins it; the axes at places of `real` have a real drive.
+/// Begins it; the axes at places of `real` have a real drive. Who permits one axis of a cell with real drives to move, permits it by name: others may follow it.
 ///
 /// # Errors
 /// Why not, in one sentence.
@@ -47,16 +55,19 @@ pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result
     let &TuneOrder { travel, velocity, effort, duration, .. } = order;
     let bounds = Bounds { travel, velocity, effort, duration };
     let in_force = |place: usize| parameters.effective.get(place).unwrap_or(&axis.parameters).clone();
+    let subject = Subject::of(axis, &in_force(place));
     let setting = Setting::of(config, &axis.name, in_force, &bounds).map_err(|unfit| unfit.to_string())?;
-    if real.get(place) != Some(&false) && !order.real {
+    if (real.len() != config.axes.len() || real.contains(&true)) && !order.real {
         return Err(format!("{}; `real` permits that", setting.asks_for_leave(axis)));
     }
     let (watch, back) = handle.begin_trial(setting, Source::Ros)?;
-    let (subject, config) = (Subject::of(axis), config.clone());
+    let config = config.clone();
     let found = async move {
         let gone = || Untuned { code: Code::DISABLED, message: "the machine has stopped".to_owned() };
         let trial = back.await.map_err(|_| gone())?;
-        tokio::task::spawn_blocking(move || find(&trial, subject, &config)).await.unwrap_or_else(|_| Err(gone()))
+        let failed =
+            |_| Err(Untuned { code: Code::NOT_TUNED, message: "the computation has failed; this is a bug".to_owned() });
+        tokio::task::spawn_blocking(move || find(&trial, subject, &config)).await.unwrap_or_else(failed)
     };
     Ok(Tuning { watch, found: Box::pin(found) })
 }
@@ -68,7 +79,11 @@ fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<Tuned
     if let Some(message) = ended.sentence(config, setting) {
         let code = match ended {
             Ended::Failed(event) => event.code,
-            Ended::Stopped => Code::CANCELLED,
+            Ended::NotHomed => Code::HOMING_REQUIRED,
+            Ended::Stopped(Stop::Cancel) => Code::CANCELLED,
+            Ended::Stopped(Stop::Halt) => Code::HALTED,
+            Ended::Stopped(Stop::NoRoom) => Busy::Full.code(),
+            Ended::Stopped(Stop::NoCycles) => Code::NOT_ACTIVE,
             _ => Code::NOT_TUNED,
         };
         return Err(Untuned { code, message: format!("{}: {message}", subject.axis) });

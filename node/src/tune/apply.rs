@@ -91,14 +91,17 @@ pub fn by_hand(gains: &[Gain]) -> String {
     gains.iter().map(|gain| format!("    {}: {}\n", gain.key, gain.written())).collect()
 }
 
-/// Writes gains of an axis into the cell file, and tells which were others; where none is, the file is left alone.
+/// Writes gains of an axis into the cell file, which was `read` before the trial, and tells which were others; where none is, the file is left alone.
 ///
 /// # Errors
 /// [`ApplyError`]; the file is what it was.
-pub fn apply(path: &Path, axis: &str, gains: &[Gain]) -> Result<Vec<Gain>, ApplyError> {
+pub fn apply(path: &Path, read: &str, axis: &str, gains: &[Gain]) -> Result<Vec<Gain>, ApplyError> {
     let document = Document::read(path);
     if !document.problems().is_empty() {
         return Err(ApplyError::Cell { name: path.display().to_string() });
+    }
+    if document.text() != read {
+        return Err(ApplyError::Changed { name: path.display().to_string() });
     }
     let (text, written) = edited(path, document.text(), axis, gains)?;
     if !written.is_empty() {

@@ -9,7 +9,7 @@
 //! What a designed loop says nothing of (BANDWIDTH, KILIMTIME, REGWMIN, REGWMAX) stays as it is, and is part of what is shown.
 
 use lineshaft_core::config::AxisConfig;
-use lineshaft_core::parameter::{Range, Row};
+use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
     Bode, Design, DesignError, Identified, LoopError, Loops, Move, PositionLaw, Record, Refusal, Trace, Wish, bode,
@@ -39,8 +39,7 @@ const LEAST_WINDOW: f64 = 3.0;
 
 impl Subject {
     /// An axis of a cell, moved as a goal moves it that gives no rates; its window is `in_position_window`, 3 inc at least.
-    pub fn of(axis: &AxisConfig) -> Self {
-        let parameters = &axis.parameters;
+    pub fn of(axis: &AxisConfig, parameters: &AxisParameters) -> Self {
         Self {
             axis: axis.name.clone(),
             unit: axis.scale.unit().to_string(),

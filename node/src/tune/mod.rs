@@ -23,4 +23,4 @@ pub use findings::{Answer, Findings, Gain, Subject};
 pub use plot::{draw_plot, write_plot};
 pub use setting::{Bounds, Setting, Unfit};
 pub use simulated::{TrialError, try_simulated};
-pub use trial::{Doing, Ended, Trial};
+pub use trial::{Doing, Ended, Stop, Trial};

@@ -84,6 +84,12 @@ pub enum Unfit {
         /// Which.
         error: ModelError,
     },
+    /// A bound of an effort that nobody asks for.
+    #[error("{axis}: effort bounds a drive that takes efforts; this one takes velocities")]
+    NoEffort {
+        /// The axis.
+        axis: String,
+    },
     /// A bound beyond its range.
     #[error("{axis}: {name} is {value}; {allowed} is allowed")]
     Bound {
@@ -136,6 +142,8 @@ pub struct Setting {
     pub slew: f64,
     /// Is the travel the user's? Else it may be less where there is no room.
     pub is_given: bool,
+    /// It may not move without a reference.
+    pub needs_reference: bool,
     /// Software limits (inc).
     pub limits: (Option<i64>, Option<i64>),
     /// The loops as they are.
@@ -173,6 +181,7 @@ impl Setting {
                 Takes::Effort => f64::INFINITY,
             },
             is_given: bounds.travel.is_some(),
+            needs_reference: p.homing.required,
             limits: (p.min_position, p.max_position),
             before,
             wish,
@@ -189,8 +198,8 @@ impl Setting {
         };
         let name = &axis.name;
         format!(
-            "{name} hangs on a real drive, or runs beside one: tuning shakes it by up to {way} either side of where it stands, with up to \
-             {rate}{effort}"
+            "{name} hangs on a real drive, or runs beside one: tuning shakes it with about {rate}{effort}, and stops it {way} either side of \
+             where it stands, by its drive; no loop holds it meanwhile, and a load that hangs falls"
         )
     }
 
@@ -278,6 +287,9 @@ fn permitted(
     // What the velocity needs to stop is no choice.
     let least = LEAST_TRAVEL.max((braking / BRAKING).floor());
     let travel = judge("travel", bounds.travel.unwrap_or(usual.round()), (least, 1e12), "inc")?;
+    if bounds.effort.is_some() && takes == Takes::Velocity {
+        return Err(Unfit::NoEffort { axis: axis.name.clone() });
+    }
     let effort = judge("effort", bounds.effort.unwrap_or(USUAL), (0.01, 1.0), "of the largest effort")?;
     let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
     let command = match takes {

@@ -20,6 +20,19 @@ use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::state::{AXIS_STATES, AxisState};
 use lineshaft_tune::{Abort, Drive, Excitation, Record};
 
+/// What has ended a trial before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Who began it.
+    Cancel,
+    /// Somebody who stops the axis.
+    Halt,
+    /// A cycle that had no room for its command.
+    NoRoom,
+    /// No cycles run any more.
+    NoCycles,
+}
+
 /// How a trial ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ended {
@@ -35,8 +48,14 @@ pub enum Ended {
     NoRoom(f64),
     /// So many cycles were missed in a row.
     Missed(i64),
-    /// Who began it has stopped it.
-    Stopped,
+    /// It was not let on to its end.
+    Stopped(Stop),
+    /// Axes follow it, which would be shaken, too: the first of them.
+    Leads(u16),
+    /// It has no reference, and may not move without one.
+    NotHomed,
+    /// It is not off, so long after it was asked to be.
+    NotOff,
     /// Nothing came in time.
     Late,
 }
@@ -62,7 +81,18 @@ impl Ended {
                     "the machine has missed {cycles} cycles in a row; {MOST_MISSED} at most leave a record that tells something"
                 )
             }
-            Self::Stopped => "it was stopped before its end".to_owned(),
+            Self::Stopped(Stop::Cancel) => "it was stopped before its end".to_owned(),
+            Self::Stopped(Stop::Halt) => "somebody else has stopped it".to_owned(),
+            Self::Stopped(Stop::NoRoom) => {
+                "as many stops came in one cycle as it takes; there was no room for a command".to_owned()
+            }
+            Self::Stopped(Stop::NoCycles) => "the cycles have ended".to_owned(),
+            Self::Leads(other) => {
+                let name = config.axes.get(usize::from(other)).map_or("another axis", |axis| axis.name.as_str());
+                format!("{name} follows it and would be shaken, too; end that first")
+            }
+            Self::NotHomed => "homing is required, and it has no reference".to_owned(),
+            Self::NotOff => format!("it is not off {SWITCH_TIME} s after it was asked to be"),
             Self::Late => "it took too long, which an excitation of this axis should not".to_owned(),
         })
     }
@@ -95,6 +125,8 @@ enum Phase {
 struct Signals {
     state: Signal,
     position: Signal,
+    enabled: Signal,
+    homed: Signal,
     overruns: Signal,
 }
 
@@ -115,7 +147,6 @@ const MOST_CYCLES: f64 = 2e6;
 const DISABLED: i64 = AxisState::Disabled as i64;
 const STANDSTILL: i64 = AxisState::Standstill as i64;
 const CONTINUOUS_MOTION: i64 = AxisState::ContinuousMotion as i64;
-const ERROR_STOP: i64 = AxisState::ErrorStop as i64;
 
 /// A trial between two cycles.
 #[derive(Debug)]
@@ -126,7 +157,7 @@ pub struct Trial {
     excitation: Excitation,
     record: Record,
     phase: Phase,
-    is_stopped: bool,
+    stopped: Option<Stop>,
     /// Number of the last command, and what it has put out.
     given: u64,
     sent: f64,
@@ -146,19 +177,27 @@ impl Trial {
         let p = setting.permitted;
         let name = config.axes.get(usize::from(setting.axis)).map_or("", |axis| axis.name.as_str());
         let find = |of: &str| directory.find(&format!("{name}.{of}"));
-        let overruns = directory.find("machine.overruns");
-        let (Some(state), Some(position), Some(overruns)) = (find("state"), find("actual.position"), overruns) else {
+        let signals = || {
+            Some(Signals {
+                state: find("state")?,
+                position: find("actual.position")?,
+                enabled: find("enabled")?,
+                homed: find("homed")?,
+                overruns: directory.find("machine.overruns")?,
+            })
+        };
+        let Some(signals) = signals() else {
             return Err(Unfit::unknown(config, name));
         };
         let cycles = (LONGEST * (p.ramp + p.duration) / p.cycle).min(MOST_CYCLES);
         Ok(Self {
             setting,
             source,
-            signals: Signals { state, position, overruns },
+            signals,
             excitation: Excitation::new(p).map_err(|error| Unfit::Excitation { axis: name.to_owned(), error })?,
             record: Record::with_capacity(p.cycle, p.takes, cycles as usize),
             phase: Phase::Begin,
-            is_stopped: false,
+            stopped: None,
             given: 0,
             sent: 0.0,
             start: 0,
@@ -197,14 +236,14 @@ impl Trial {
     }
 
     /// Has it stop the axis and switch it off, from its next cycle on.
-    pub fn stop(&mut self) {
-        self.is_stopped = true;
+    pub fn stop(&mut self, why: Stop) {
+        self.stopped = self.stopped.or(Some(why));
     }
 
     /// It has no more cycles: what it has begun, others have ended.
     pub fn give_up(&mut self) {
         if self.ended().is_none() {
-            self.phase = Phase::Over(Ended::Stopped);
+            self.phase = Phase::Over(Ended::Stopped(Stop::NoCycles));
         }
     }
 
@@ -221,38 +260,35 @@ impl Trial {
         if let Some(failure) = self.failure(machine)
             && !matches!(self.phase, Phase::Disabling { .. } | Phase::Over(_))
         {
-            return self.end(state, Ended::Failed(failure));
+            return self.end(Ended::Failed(failure));
         }
         match self.phase {
-            Phase::Begin if self.is_stopped => {
-                self.phase = Phase::Over(Ended::Stopped);
+            Phase::Begin if let Some(why) = self.hindrance(machine, state) => {
+                self.phase = Phase::Over(why);
                 None
             }
-            Phase::Enabling { .. } | Phase::Exciting if self.is_stopped => self.end(state, Ended::Stopped),
-            Phase::Begin if matches!(state, DISABLED | STANDSTILL) => {
+            Phase::Enabling { .. } | Phase::Exciting if let Some(why) = self.stopped => self.end(Ended::Stopped(why)),
+            Phase::Begin => {
                 self.phase = Phase::Enabling { left: self.switch_cycles() };
                 (state == DISABLED).then_some(Action::Enable(axes))
             }
-            Phase::Begin => {
-                self.phase = Phase::Over(Ended::Interrupted(state));
-                None
-            }
             Phase::Enabling { .. } if state == STANDSTILL => self.begin(machine),
+            Phase::Enabling { .. } if state != DISABLED => self.end(Ended::Interrupted(state)),
             Phase::Enabling { left } => match left.checked_sub(1) {
                 Some(left) => {
                     self.phase = Phase::Enabling { left };
                     None
                 }
-                None => self.end(state, Ended::Late),
+                None => self.end(Ended::Late),
             },
-            Phase::Exciting if state != CONTINUOUS_MOTION => self.end(state, Ended::Interrupted(state)),
-            Phase::Exciting => self.excite(machine, state),
+            Phase::Exciting if state != CONTINUOUS_MOTION => self.end(Ended::Interrupted(state)),
+            Phase::Exciting => self.excite(machine),
             Phase::Disabling { ended, left } => {
-                let is_off = matches!(state, DISABLED | ERROR_STOP);
-                match left.checked_sub(1).filter(|_| !is_off) {
-                    Some(left) => self.phase = Phase::Disabling { ended, left },
-                    None => self.phase = Phase::Over(ended),
-                }
+                self.phase = match left.checked_sub(1) {
+                    _ if !machine.board().bit(self.signals.enabled) => Phase::Over(ended),
+                    Some(left) => Phase::Disabling { ended, left },
+                    None => Phase::Over(Ended::NotOff),
+                };
                 None
             }
             Phase::Over(_) => None,
@@ -262,8 +298,11 @@ impl Trial {
     /// The refusal of its last command, or the error of the axis.
     fn failure(&self, machine: &Machine) -> Option<Event> {
         let object = Object::Axis(self.setting.axis);
+        let is_enabling = matches!(self.phase, Phase::Enabling { .. });
         let is_it = |event: &&Event| match event.kind {
             Kind::Refused => self.given != 0 && event.command == self.given,
+            // Of its enable: a command of others has ended it.
+            Kind::Done => event.command == self.given && is_enabling && !event.code.succeeds(),
             Kind::Error => event.source == object,
             _ => false,
         };
@@ -275,9 +314,25 @@ impl Trial {
         (SWITCH_TIME / self.setting.permitted.cycle) as u32
     }
 
-    fn end(&mut self, state: i64, ended: Ended) -> Option<Action> {
+    /// What it must not begin with.
+    fn hindrance(&self, machine: &Machine, state: i64) -> Option<Ended> {
+        if let Some(why) = self.stopped {
+            return Some(Ended::Stopped(why));
+        }
+        if !matches!(state, DISABLED | STANDSTILL) {
+            return Some(Ended::Interrupted(state));
+        }
+        if let Some(follower) = machine.followers(self.setting.axis).pop() {
+            return Some(Ended::Leads(follower));
+        }
+        let is_homed = !self.setting.needs_reference || machine.board().bit(self.signals.homed);
+        (!is_homed).then_some(Ended::NotHomed)
+    }
+
+    /// Whatever its state shows: one that is being switched on shows nothing of it yet.
+    fn end(&mut self, ended: Ended) -> Option<Action> {
         self.phase = Phase::Disabling { ended, left: self.switch_cycles() };
-        (state != DISABLED).then_some(Action::Disable(AxisSet::one(self.setting.axis)))
+        Some(Action::Disable(AxisSet::one(self.setting.axis)))
     }
 
     /// At rest and enabled: the position loop opens with the first value.
@@ -285,8 +340,11 @@ impl Trial {
         let position = machine.board().int(self.signals.position);
         let permitted = match self.setting.at(position) {
             Ok(permitted) => permitted,
-            Err(travel) => return self.end(STANDSTILL, Ended::NoRoom(travel)),
+            Err(travel) => return self.end(Ended::NoRoom(travel)),
         };
+        if let Some(follower) = machine.followers(self.setting.axis).pop() {
+            return self.end(Ended::Leads(follower));
+        }
         // It was checked with larger bounds.
         if let Ok(excitation) = Excitation::new(permitted) {
             self.excitation = excitation;
@@ -303,12 +361,12 @@ impl Trial {
         Action::OutAn(OutAn { axis: self.setting.axis, value, level: self.setting.level })
     }
 
-    fn excite(&mut self, machine: &Machine, state: i64) -> Option<Action> {
+    fn excite(&mut self, machine: &Machine) -> Option<Action> {
         let position = machine.board().int(self.signals.position);
         let overruns = machine.board().int(self.signals.overruns);
         let missed = overruns.saturating_sub(std::mem::replace(&mut self.overruns, overruns));
         if missed > MOST_MISSED {
-            return self.end(state, Ended::Missed(missed));
+            return self.end(Ended::Missed(missed));
         }
         let (before, cycles) = (std::mem::replace(&mut self.before, position), missed + 1);
         let way = position.wrapping_sub(before);
@@ -316,7 +374,7 @@ impl Trial {
         self.velocity += SMOOTHING * (moved - self.velocity);
         let room = self.record.commands.capacity() - self.record.commands.len();
         if room < cycles as usize {
-            return self.end(state, Ended::Late);
+            return self.end(Ended::Late);
         }
         // The drive was asked for the same.
         for cycle in 1..=cycles {
@@ -328,8 +386,8 @@ impl Trial {
                 let change = (value - self.sent).max(-self.setting.slew).min(self.setting.slew);
                 is_other.then(|| self.ask(self.sent + change))
             }
-            Drive::Done(_) => self.end(state, Ended::Done),
-            Drive::Aborted(abort) => self.end(state, Ended::Aborted(abort)),
+            Drive::Done(_) => self.end(Ended::Done),
+            Drive::Aborted(abort) => self.end(Ended::Aborted(abort)),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::table;
 use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::parameter::{Range, Row};
+use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::request::{Amount, RequestError, Units};
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::unit::UnitError;
@@ -40,12 +40,15 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
         let order = order(hub.host.config(), request.goal()).map_err(|error| error.to_string());
+        let before = hub.host.parameters();
         let begun = order.and_then(|order| Ok((order, hub.host.tune(&order)?)));
         match begun {
             Ok((order, tuning)) => {
-                // Every axis that resolves has a view.
-                let Some(view) = views.get(usize::from(order.axis)) else { continue };
-                open.spawn(run(Arc::clone(&hub), request.accept(), tuning, view.clone()));
+                // Every axis that resolves has a view and parameters.
+                let place = usize::from(order.axis);
+                let (Some(view), Some(before)) = (views.get(place), before.effective.get(place)) else { continue };
+                let tried = Tried { place, parameters: before.clone(), view: view.clone() };
+                open.spawn(run(Arc::clone(&hub), request.accept(), tuning, tried));
             }
             Err(sentence) => {
                 hub.refuse(format!("tune: goal rejected: {sentence}"));
@@ -76,10 +79,18 @@ pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder
     })
 }
 
+/// The axis that is tried.
+struct Tried {
+    place: usize,
+    /// In force when it began: what was found belongs to them.
+    parameters: AxisParameters,
+    view: AxisView,
+}
+
 /// Works on an accepted goal until it ends.
-async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, view: AxisView) {
+async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tried) {
     handle.execute();
-    let found = follow(&hub, &handle, tuning, &view).await;
+    let found = follow(&hub, &handle, tuning, &tried.view).await;
     let (is_cancelled, axis) = (handle.is_cancel_requested(), handle.goal().axis.clone());
     let mut result = match found {
         Ok(Tuned { report, gains }) => {
@@ -96,7 +107,7 @@ async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, view: Axis
         return handle.canceled(result);
     }
     if handle.goal().apply && !result.parameters.is_empty() {
-        match apply(&hub, &axis, &result.parameters).await {
+        match apply(&hub, &axis, &tried, &result.parameters).await {
             Ok(()) => result.applied = true,
             Err((code, message)) => (result.code, result.message) = (code.0, message),
         }
@@ -151,13 +162,16 @@ fn parameter(axis: &str, &(key, value): &(&'static str, f64)) -> Parameter {
 }
 
 /// Sets the gains, all of them or none.
-async fn apply(hub: &Arc<Hub>, axis: &str, parameters: &[Parameter]) -> Result<(), (Code, String)> {
+async fn apply(hub: &Arc<Hub>, axis: &str, tried: &Tried, parameters: &[Parameter]) -> Result<(), (Code, String)> {
     let line = |Parameter { name, value }: &Parameter| match value.r#type {
         ParameterType::PARAMETER_DOUBLE => format!("{name}: {}\n", value.double_value),
         _ => format!("{name}: {}\n", value.integer_value),
     };
     let text: String = parameters.iter().map(line).collect();
     let failed = |sentence: String| (Code::NOT_TUNED, format!("{axis}: the gains are not set: {sentence}"));
+    if hub.host.parameters().effective.get(tried.place) != Some(&tried.parameters) {
+        return Err(failed("its parameters were changed meanwhile".to_owned()));
+    }
     let command = hub.host.read_parameters(&text).map_err(failed)?;
     let answers = hub.submit(command).map_err(|busy| (busy.code(), busy.to_string()))?;
     answers.accepted().await.map_err(failed)
@@ -167,7 +181,6 @@ async fn apply(hub: &Arc<Hub>, axis: &str, parameters: &[Parameter]) -> Result<(
 mod tests {
     use super::*;
     use lineshaft_core::config::AxisConfig;
-    use lineshaft_core::parameter::AxisParameters;
     use lineshaft_core::unit::Scale;
 
     fn resolve(goal: &TuneGoal) -> Result<TuneOrder, String> {

@@ -162,7 +162,7 @@ fn keys_of_buses_and_drives_have_ranges() {
         ("node: 1, rated_effort: 2 Nm", "rated_effort: `2 Nm` is a torque; a force such as `2 N` is expected"),
         (
             "node: 1, interface: torque, rated_effort: 2 N",
-            "rated_effort is not for interface torque, whose efforts are per mille of the rated torque",
+            "rated_effort is not for interface torque, whose efforts are per mille of the rated torque, leave it out",
         ),
         ("node: 1, interface: torque, mode: csv", "mode is csv; with interface torque tq, cst is allowed"),
         ("node: 1, mode: csv", "mode is csv; with interface position pp, ip, csp is allowed"),

@@ -1,13 +1,13 @@
 //! The trial of an axis with a real drive.
 //!
 //! Law      the machine runs as `lineshaft run` has it, without ROS: backends start, the drive speaks, the trial runs, all axes stop and go off. A signal
-//!          cancels the trial; a second one ends the process, and the drive by its own supervision
+//!          cancels the trial; another one, half a second later at least, ends the process, and the drive by its own supervision
 //! Reads    the cell, signals of the system
 //! Writes   what the drives are asked for
 //! Refuses  backends that do not start
 
 use crate::cell::Cell;
-use crate::cli::run::{Given, Hardware, Prepared, Recording, Running, Signals, stop_machine};
+use crate::cli::run::{Given, Hardware, Prepared, Recording, Running, SAME_SIGNAL, Signals, stop_machine};
 use crate::cli::{Exit, TuneArgs};
 use crate::run::bridge::Handle;
 use crate::tune::{Ended, Setting, Trial};
@@ -20,6 +20,17 @@ use lineshaft_ros::surface::host::{GateState, Host, TuningWatch};
 use lineshaft_tune::Record;
 use std::time::{Duration, Instant};
 
+/// Why there is no record.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum RealError {
+    /// What was given.
+    #[error("{0}")]
+    Given(String),
+    /// The run.
+    #[error("{0}")]
+    Run(String),
+}
+
 /// How long a drive may take to speak, once its backend has started.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Between two looks.
@@ -29,23 +40,30 @@ const LOOK: Duration = Duration::from_millis(20);
 ///
 /// # Errors
 /// Why none was run, or why what it did is not known.
-pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result<(Ended, Record), String> {
+pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result<(Ended, Record), RealError> {
     let mut cell = cell.clone();
     // Nobody else could configure and activate it.
     cell.ros.autostart = true;
-    let hardware = Hardware::of(&cell, Some(&args.cell), false, false)?;
-    let machine = Machine::new(cell.machine.clone()).map_err(|error| error.to_string())?;
-    let name = NodeName::new(&cell.ros.namespace, &cell.ros.name).map_err(|error| error.to_string())?;
-    let recording = Recording::of_cycles(&cell, &name, args.record.options().as_ref())?;
+    let hardware = Hardware::of(&cell, Some(&args.cell), false, false).map_err(RealError::Given)?;
+    let given = |error: &dyn std::fmt::Display| RealError::Given(error.to_string());
+    let machine = Machine::new(cell.machine.clone()).map_err(|error| given(&error))?;
+    let name = NodeName::new(&cell.ros.namespace, &cell.ros.name).map_err(|error| given(&error))?;
+    let recording = Recording::of_cycles(&cell, &name, args.record.options().as_ref()).map_err(RealError::Given)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
-    let runtime = runtime.map_err(|error| format!("no threads: {error}"))?;
-    runtime.block_on(async {
+    let runtime = runtime.map_err(|error| RealError::Run(format!("no threads: {error}")))?;
+    let tried = runtime.block_on(async {
         // Before any thread runs: from here on no signal ends the program unheard.
-        let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
+        let mut signals =
+            Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         // What the surface would hear nobody does.
         let (prepared, _) = Prepared::new(&cell, machine, hardware, Given::default());
         let running = prepared.start(recording);
-        let tried = attend(&running, signals, setting).await;
+        let (tried, first) = attend(&running, &mut signals, setting).await;
+        end_by_next(signals, first);
+        if running.handle.gate() != GateState::Open {
+            // No cycle takes a command: nothing was switched on.
+            running.handle.close();
+        }
         stop_machine(&running.handle, || running.cycle.is_finished()).await;
         let exit = running.end();
         let trial = tried?;
@@ -53,34 +71,62 @@ pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result
             return Err("the machine or its recorder has failed; the log says more".to_owned());
         }
         Ok((trial.ended().unwrap_or(Ended::Late), trial.record().clone()))
-    })
+    });
+    // Who listens to signals waits for ever.
+    runtime.shutdown_background();
+    tried.map_err(RealError::Run)
 }
 
 /// From the start of the backends to the end of the trial.
-async fn attend(running: &Running, mut signals: Signals, setting: Setting) -> Result<Trial, String> {
+///
+/// Beside how it ended: when the first signal came, if one did.
+async fn attend(
+    running: &Running,
+    signals: &mut Signals,
+    setting: Setting,
+) -> (Result<Trial, String>, Option<Instant>) {
     tokio::select! {
-        ready = until_ready(&running.handle, setting.axis) => ready?,
-        () = signals.recv() => return Err("stopped before anything moved".to_owned()),
+        ready = until_ready(&running.handle, setting.axis) => if let Err(why) = ready {
+            return (Err(why), None);
+        },
+        () = signals.recv() => return (Err("stopped before anything moved".to_owned()), Some(Instant::now())),
     }
-    let (watch, mut back) = running.handle.begin_trial(setting, Source::Cli)?;
+    let (watch, mut back) = match running.handle.begin_trial(setting, Source::Cli) {
+        Ok(begun) => begun,
+        Err(why) => return (Err(why), None),
+    };
     tracing::info!("the axis moves now; Ctrl-C stops it");
-    let mut is_cancelled = false;
+    let mut first = None;
     loop {
         tokio::select! {
-            trial = &mut back => return trial.map_err(|_| "the machine has stopped".to_owned()),
+            trial = &mut back => return (trial.map_err(|_| "the machine has stopped".to_owned()), first),
             () = signals.recv() => {
-                if is_cancelled {
-                    tracing::error!("a second signal: drives are left to their own supervision");
+                let begun = *first.get_or_insert_with(Instant::now);
+                // A terminal and a wrapper may both pass the same Ctrl-C on.
+                if begun.elapsed() >= SAME_SIGNAL {
+                    tracing::error!("another signal: drives are left to their own supervision");
                     std::process::exit(1);
                 }
-                is_cancelled = true;
                 watch.cancel();
             }
-            () = tokio::time::sleep(LOOK), if running.cycle.is_finished() => {
-                return Err("the cycle thread has failed; drives are left to their own supervision".to_owned());
+            () = tokio::time::sleep(LOOK) => if running.cycle.is_finished() || running.bridge.is_finished() {
+                let why = "a thread of the machine has failed; drives are left to their own supervision";
+                return (Err(why.to_owned()), first);
             }
         }
     }
+}
+
+/// From here on a signal that is not the first one once more ends the process.
+fn end_by_next(mut signals: Signals, first: Option<Instant>) {
+    tokio::spawn(async move {
+        loop {
+            signals.recv().await;
+            if first.is_none_or(|first| first.elapsed() >= SAME_SIGNAL) {
+                std::process::exit(1);
+            }
+        }
+    });
 }
 
 /// The backends have started, and the drive of the axis speaks. One that does not says why when it is to be switched on.

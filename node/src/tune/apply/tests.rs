@@ -150,14 +150,14 @@ fn a_file_is_replaced_whole_with_its_permissions_through_a_link() {
     fs::write(&path, &text).unwrap();
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
     symlink("cell.yaml", &link).unwrap();
-    assert_eq!(apply(&link, "x", &GAINS).unwrap().len(), 2);
+    assert_eq!(apply(&link, &text, "x", &GAINS).unwrap().len(), 2);
     let expected = text.replace("kprop: 30 ", "kprop: 131 ").replace("1000\r\n", "1000\r\n    kder: 772\r\n");
     assert_eq!(fs::read_to_string(&path).unwrap(), expected);
     assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     // Once more there is nothing to do.
-    assert_eq!(apply(&path, "x", &GAINS), Ok(Vec::new()));
+    assert_eq!(apply(&path, &expected, "x", &GAINS), Ok(Vec::new()));
 }
 
 #[test]
@@ -169,7 +169,11 @@ fn a_file_that_has_changed_meanwhile_stays() {
     assert!(matches!(refused, ApplyError::Changed { .. }));
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    let missing = apply(&folder.path().join("none.yaml"), "x", &GAINS).unwrap_err();
+    fs::write(&path, CELL).unwrap();
+    let since = apply(&path, &CELL.replace("3000 rpm", "2000 rpm"), "x", &GAINS).unwrap_err();
+    assert!(matches!(since, ApplyError::Changed { .. }), "since the trial");
+    assert_eq!(fs::read_to_string(&path).unwrap(), CELL);
+    let missing = apply(&folder.path().join("none.yaml"), CELL, "x", &GAINS).unwrap_err();
     assert!(matches!(missing, ApplyError::Cell { .. }));
 }
 
