@@ -60,7 +60,9 @@ fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     let line = "tune /lineshaft --axis x --units axis_unit --travel 2 --velocity 8 --effort 0.25 --duration 3";
     let found = node.cyclone.run(line);
     assert_eq!((&found["code"], &found["message"], &found["applied"]), (&json!(0), &json!(""), &json!(false)));
-    assert_eq!(found["phases"], json!(["enabling", "exciting", "disabling", "designing"]));
+    // Disabling may be over between two messages.
+    let phases = found["phases"].as_array().expect("a list").iter().filter(|phase| *phase != "disabling");
+    assert!(phases.eq(&[json!("enabling"), json!("exciting"), json!("designing")]), "{found:?}");
     let numbers = |key: &str| -> Vec<f64> {
         found[key].as_array().expect("a list").iter().map(|number| number.as_f64().expect("a number")).collect()
     };

@@ -60,7 +60,7 @@ pub struct Handle {
     objects: ObjectDesk,
     pub(super) trials: TrialDesk,
     /// Which axes have a real drive, in file order.
-    real: Vec<bool>,
+    pub(super) real: Vec<bool>,
     begins_active: bool,
 }
 

@@ -34,6 +34,8 @@ impl Handle {
             return Err(busy(other));
         }
         let trial = Trial::new(setting, source, config, self.directory()).map_err(|unfit| unfit.to_string())?;
+        let is_real = self.real.get(usize::from(setting.axis)) != Some(&false);
+        let trial = if is_real { trial.of_real() } else { trial };
         let begin = || match self.gate() {
             GateState::Open => trials.begin(trial).map_err(busy),
             GateState::Closed => Err("the backends have not started yet; try again".to_owned()),

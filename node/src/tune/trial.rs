@@ -1,7 +1,7 @@
 //! The trial: an axis is enabled, excited, and disabled, cycle by cycle.
 //!
 //! Law      enable | excitation by OUTAN, a command where the value is another one | disable, whatever ends it. What was put out in a
-//!          cycle and where the axis was then makes the record; of a cycle that was missed, on a line between its neighbours
+//!          cycle and where the axis was then makes the record; of a cycle that was missed while a real drive went on, on a line between its neighbours
 //! Reads    signals and events of the cycle before; whether somebody stops it
 //! Writes   commands for this cycle, the record
 //! Refuses  an axis that is neither off nor at rest, or has no room
@@ -13,6 +13,7 @@ use super::setting::{Setting, Unfit};
 use crate::recording::encoder::sentence;
 use lineshaft_core::command::{Action, Command, OutAn, Source};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::drive::DriveState;
 use lineshaft_core::event::{Event, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Object};
@@ -126,6 +127,7 @@ struct Signals {
     state: Signal,
     position: Signal,
     enabled: Signal,
+    drive_state: Signal,
     homed: Signal,
     overruns: Signal,
 }
@@ -146,6 +148,8 @@ const MOST_CYCLES: f64 = 2e6;
 // As `x.state` shows them.
 const DISABLED: i64 = AxisState::Disabled as i64;
 const STANDSTILL: i64 = AxisState::Standstill as i64;
+const OPERATION_ENABLED: i64 = DriveState::Enabled as i64;
+const QUICK_STOP_ACTIVE: i64 = DriveState::QuickStop as i64;
 const CONTINUOUS_MOTION: i64 = AxisState::ContinuousMotion as i64;
 
 /// A trial between two cycles.
@@ -163,6 +167,8 @@ pub struct Trial {
     sent: f64,
     start: i64,
     before: i64,
+    /// The drive is a real one: it goes on while cycles are missed, which a simulated one does not.
+    goes_on: bool,
     /// Cycles that were missed until then.
     overruns: i64,
     velocity: f64,
@@ -182,6 +188,7 @@ impl Trial {
                 state: find("state")?,
                 position: find("actual.position")?,
                 enabled: find("enabled")?,
+                drive_state: find("drive_state")?,
                 homed: find("homed")?,
                 overruns: directory.find("machine.overruns")?,
             })
@@ -202,9 +209,15 @@ impl Trial {
             sent: 0.0,
             start: 0,
             before: 0,
+            goes_on: false,
             overruns: 0,
             velocity: 0.0,
         })
+    }
+
+    /// The same of a real drive, which goes on while cycles are missed.
+    pub fn of_real(self) -> Self {
+        Self { goes_on: true, ..self }
     }
 
     /// How it ended, once it is over and the axis off.
@@ -285,7 +298,7 @@ impl Trial {
             Phase::Exciting => self.excite(machine),
             Phase::Disabling { ended, left } => {
                 self.phase = match left.checked_sub(1) {
-                    _ if !machine.board().bit(self.signals.enabled) => Phase::Over(ended),
+                    _ if self.is_off(machine) => Phase::Over(ended),
                     Some(left) => Phase::Disabling { ended, left },
                     None => Phase::Over(Ended::NotOff),
                 };
@@ -312,6 +325,12 @@ impl Trial {
     fn switch_cycles(&self) -> u32 {
         // Saturates.
         (SWITCH_TIME / self.setting.permitted.cycle) as u32
+    }
+
+    /// Does nothing power the axis? Its state stays that of a quick stop until somebody resets it.
+    fn is_off(&self, machine: &Machine) -> bool {
+        let drive = machine.board().int(self.signals.drive_state);
+        !machine.board().bit(self.signals.enabled) && !matches!(drive, OPERATION_ENABLED | QUICK_STOP_ACTIVE)
     }
 
     /// What it must not begin with.
@@ -365,6 +384,7 @@ impl Trial {
         let position = machine.board().int(self.signals.position);
         let overruns = machine.board().int(self.signals.overruns);
         let missed = overruns.saturating_sub(std::mem::replace(&mut self.overruns, overruns));
+        let missed = if self.goes_on { missed } else { 0 };
         if missed > MOST_MISSED {
             return self.end(Ended::Missed(missed));
         }

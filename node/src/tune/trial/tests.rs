@@ -246,7 +246,8 @@ fn missed_cycles_are_in_the_record() {
         let cell = Cell::parse("cell.yaml", &text).expect("a cell");
         let setting = setting(&cell, Bounds::default()).expect("fit");
         let (mut plant, mut machine) = (cell.plant(), Machine::new(cell.machine.clone()).expect("a machine"));
-        let mut trial = Trial::new(setting, Source::Cli, machine.config(), machine.directory()).expect("a trial");
+        let trial = Trial::new(setting, Source::Cli, machine.config(), machine.directory()).expect("a trial");
+        let mut trial = trial.of_real();
         let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
         let mut number = 0;
         while trial.ended().is_none() {
