@@ -47,7 +47,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
                 // Every axis that resolves has a view and parameters.
                 let place = usize::from(order.axis);
                 let (Some(view), Some(before)) = (views.get(place), before.effective.get(place)) else { continue };
-                let tried = Tried { place, parameters: before.clone(), view: view.clone() };
+                let tried = Tried { place, parameters: *before, view: view.clone() };
                 open.spawn(run(Arc::clone(&hub), request.accept(), tuning, tried));
             }
             Err(sentence) => {
