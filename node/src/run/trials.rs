@@ -316,7 +316,8 @@ mod tests {
         assert_eq!(rig.actions.last(), Some(&Action::Disable(AxisSet::one(0))));
         // Before it has begun nothing moves.
         let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the next one");
-        (watch.cancel(), rig.actions.clear());
+        watch.cancel();
+        rig.actions.clear();
         rig.run(10, true);
         assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Cancel)));
         assert_eq!(rig.actions, []);

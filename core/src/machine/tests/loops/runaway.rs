@@ -101,7 +101,8 @@ fn an_amplifier_that_saturates_stops_on_its_loop() {
 /// some for what it coasts.
 #[test]
 fn a_current_that_is_told_wrongly_is_no_runaway() {
-    let tampers: [(&str, fn(&mut Inputs)); 3] = [
+    type Tamper = (&'static str, fn(&mut Inputs));
+    let tampers: [Tamper; 3] = [
         ("dead", |inputs| inputs.drive[0].effort = 0.0),
         ("reversed", |inputs| inputs.drive[0].effort = -inputs.drive[0].effort),
         ("full", |inputs| inputs.drive[0].effort = 250.0),
