@@ -132,7 +132,7 @@ fn a_device_tells_what_it_is() {
     has("NMT state", "pre-operational");
     has("error history", "7121h motor blocked");
     has("drive", "fault (6041h is 0218h)");
-    has("supported modes", "pp, vl, pv, hm, ip, csp, csv");
+    has("supported modes", "pp, vl, pv, tq, hm, ip, csp, csv, cst");
     has("mode", "none");
     has("error code", "7121h motor blocked");
     has("position", "0 (6064h, units of the drive)");
