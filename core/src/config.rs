@@ -311,7 +311,8 @@ impl MachineConfig {
                     .and_then(|()| {
                         let interface = axis.drive.map(|_| axis.interface);
                         may_close_loop(interface, axis.law, &parameters, self.cycle_ns)?;
-                        may_find_velocity(place, interface, axis.second.is_some(), &parameters)
+                        let sources = (axis.wired, self.encoders.len());
+                        may_find_velocity(place, interface, sources, axis.second.is_some(), &parameters)
                     })
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
                     .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;

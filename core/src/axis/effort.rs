@@ -129,9 +129,11 @@ impl Axis {
     pub(super) fn asks_for_all(&self, part: f64) -> bool {
         let (loops, p) = (&self.effort_loops, &self.parameters);
         if !self.closes_current_loop() {
-            return loops.output.abs() >= part * self.most_output();
+            let most = self.most_output();
+            return most > 0.0 && loops.output.abs() >= part * most;
         }
-        loops.output.abs() >= part || loops.current.setpoint().abs() >= part * p.power_stage.most_current(&p.amplifier)
+        let most = p.power_stage.most_current(&p.amplifier);
+        loops.output.abs() >= part || most > 0.0 && loops.current.setpoint().abs() >= part * most
     }
 
     /// Setpoint of its current loop (mA); 0 without one.

@@ -114,7 +114,9 @@ impl Axis {
     #[inline]
     pub(super) fn standing(&self) -> (f64, u64) {
         let is_held = matches!(self.power, Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
-        if self.motor_change() != Position::ZERO || is_held {
+        // Where the motor has an encoder of its own, a load that has not come along yet is no dead encoder.
+        let turns = self.has_velocity_encoder() && self.velocity_change() != 0;
+        if self.motor_change() != Position::ZERO || turns || is_held {
             return (0.0, 0);
         }
         let Recovery { way, pushes, .. } = self.recovery;

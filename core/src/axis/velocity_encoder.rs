@@ -8,11 +8,12 @@
 //!          max_following_error: one of both is not what it was taken for
 //! Reads    the words of the drive, the change of the actual position, AMPENCNO, AMPENCRES, AMPENCRPM, POSDRCT
 //! Writes   the way that the velocity is found from; the error, which takes the power
-//! Refuses  another axis than its own, an axis with two drives
+//! Refuses  another axis than its own, an axis with two drives, two senses of one encoder
 //! Source   MACS-AMP-06, MACS-DIR-01, MACS-DIR-03; docs/loops.md
 
 use super::reaction::Failure;
-use super::{Axis, Context};
+use super::source::Source;
+use super::{Axis, Context, Wired};
 use crate::code::Code;
 use crate::drive::{DriveInput, Interface};
 use crate::encoder::{Form, Reader};
@@ -95,20 +96,29 @@ impl VelocityFeedback {
 pub fn may_find_velocity(
     own: usize,
     interface: Option<Interface>,
+    (wired, encoders): (Wired, usize),
     has_two_drives: bool,
     parameters: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
-    if !interface.is_some_and(Interface::takes_effort) {
+    let encoder = parameters.amplifier.encoder;
+    if !interface.is_some_and(Interface::takes_effort) || !encoder.is_own() {
         return Ok(());
     }
-    parameters.amplifier.encoder.check(own.saturating_add(1), has_two_drives)
+    encoder.check(own.saturating_add(1), has_two_drives)?;
+    // With one encoder for both, a tens digit of its own would make one loop push what the other brakes.
+    let is_one = !matches!(Source::of(wired, encoders, parameters), Ok(Source::Encoder(_)));
+    if is_one && parameters.turns_loops_apart() {
+        return Err(("posdrct", Code::NO_VELOCITY_LOOP));
+    }
+    Ok(())
 }
 
 impl Axis {
     /// May its velocity loop have the encoder that such parameters name?
     pub(super) fn may_find_velocity_with(&self, parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
         let interface = self.setup.drive.map(|_| self.setup.interface);
-        may_find_velocity(self.setup.index.into(), interface, self.setup.gantry.is_some(), parameters)
+        let sources = (self.setup.wired, self.setup.encoders);
+        may_find_velocity(self.setup.index.into(), interface, sources, self.setup.gantry.is_some(), parameters)
     }
 
     /// Does its velocity loop see another encoder than its position loop?
@@ -121,7 +131,7 @@ impl Axis {
     fn form_of_drive(&self) -> Form {
         match (self.counter.form(), self.setup.wired) {
             // Its position comes from elsewhere; the cell may say what the drive tells.
-            (Form::Incremental(64), super::Wired::Drive(form)) => form,
+            (Form::Incremental(64), Wired::Drive(form)) => form,
             (form, _) => form,
         }
     }
@@ -184,9 +194,11 @@ impl Axis {
         let (load, motor) = (self.motor_change().to_f64(), self.velocity_change() as f64 * ratio);
         let allowed = self.parameters.max_following_error;
         let ways = &mut self.velocity_feedback.ways;
-        ways.step(load, motor, (PIECE * allowed as f64).max(LEAST * ratio.max(1.0)));
+        let piece = (PIECE * allowed as f64).max(LEAST * ratio.max(1.0));
+        ways.step(load, motor, piece);
         let apart = ways.distance();
-        if apart.abs() > allowed as f64 {
+        // Within a piece a ratio has not shown yet.
+        if apart.abs() > piece.max(allowed as f64) {
             // The cast saturates.
             let found = Number::Position(apart as i64);
             self.raise(cx, Failure::of(Code::ENCODERS_APART).with(found, Number::Position(allowed)));

@@ -251,8 +251,7 @@ impl AxisParameters {
                 return Err(Contradiction::OutOfRange(key));
             }
         }
-        let sense = self.sense();
-        if sense.position != sense.velocity && !self.has_velocity_encoder() {
+        if self.turns_loops_apart() && !self.has_velocity_encoder() {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
         self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;

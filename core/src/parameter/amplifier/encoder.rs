@@ -54,6 +54,12 @@ impl AxisParameters {
         self.amplifier.encoder.is_own() && self.amplifier.has_velocity_loop()
     }
 
+    /// Have both loops a sense of their own?
+    pub(crate) fn turns_loops_apart(&self) -> bool {
+        let sense = self.sense();
+        sense.position != sense.velocity
+    }
+
     /// Full velocity of the encoder of the velocity loop, where `full` is that of the axis (both in increments of their own by the second).
     pub(crate) fn full_of_velocity_encoder(&self, full: f64) -> f64 {
         let VelocityEncoder { resolution, rpm, .. } = self.amplifier.encoder;

@@ -254,6 +254,12 @@ fn what_it_cannot_be_is_refused_by_its_name() {
         refused(&|c| c.axes[1].parameters.amplifier.encoder.number = number, "ampencno", Code::VELOCITY_ENCODER_OTHER);
     }
     refused(&|c| c.axes[1].parameters.amplifier.encoder.resolution = -1, "ampencres", Code::VELOCITY_ENCODER_TURN);
+    // The position from the drive, too: one encoder for both has one sense.
+    let one = |c: &mut MachineConfig| {
+        c.axes[1].wired = Wired::Drive(Form::Incremental(64));
+        c.axes[1].parameters.macs.posdrct = 12;
+    };
+    refused(&one, "posdrct", Code::NO_VELOCITY_LOOP);
     // Without one of its own both loops have one encoder, and one sense.
     let turned = |c: &mut MachineConfig| {
         (c.axes[1].parameters.amplifier.encoder.number, c.axes[1].parameters.macs.posdrct) = (-1, 21);
