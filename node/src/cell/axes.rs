@@ -209,7 +209,7 @@ fn axis<'d>(
     compensation::check(&config, &pitch_error?, tables);
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
-    check_loop(&config, place, &entry.key, &given, cx.cycle_ns);
+    check_loop(&config, place, &entry.key, &given, cx);
     check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
     Some(Axis { config, first, second })
@@ -244,11 +244,12 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
 }
 
 /// Refuses what the loops that are closed here cannot run with; of a key that is not given it is said of the axis.
-fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &parameters::Given<'_>, cycle_ns: Option<u64>) {
-    let Some(cycle_ns) = cycle_ns else { return };
+fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
+    let Some(cycle_ns) = cx.cycle_ns else { return };
+    let encoders = cx.names.section(Section::Encoders).len();
     let interface = axis.drive.map(|_| axis.interface);
     let closes = may_close_loop(interface, axis.law, &axis.parameters, cycle_ns);
-    let finds = may_find_velocity(place, interface, axis.second.is_some(), &axis.parameters);
+    let finds = may_find_velocity(place, interface, (axis.wired, encoders), axis.second.is_some(), &axis.parameters);
     let Err((key, code)) = closes.and(finds) else { return };
     let why = not_built_here(code);
     match given.iter().find(|(given, _)| *given == key) {
