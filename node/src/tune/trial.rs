@@ -4,7 +4,7 @@
 //!          cycle and where the axis was then makes the record; of a cycle that was missed while a real drive went on, on a line between its neighbours
 //! Reads    signals and events of the cycle before; whether somebody stops it
 //! Writes   commands for this cycle, the record
-//! Refuses  an axis that is neither off nor at rest, or has no room
+//! Refuses  an axis that is neither off nor at rest, has no room, lacks a reference that it needs, or leads others
 //! Source   MACS-CMD-28
 //!
 //! It takes no memory between its beginning and its end.

@@ -17,10 +17,17 @@ use lineshaft_core::text;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinSet;
-use tokio::time::MissedTickBehavior;
+use tokio::time::{Interval, MissedTickBehavior};
 
 /// Between two feedback messages.
 const FEEDBACK: Duration = Duration::from_millis(50);
+
+/// The moments of feedback.
+pub(super) fn feedback_ticks() -> Interval {
+    let mut ticks = tokio::time::interval(FEEDBACK);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    ticks
+}
 
 /// How far a goal has come.
 #[derive(Clone, Copy)]
@@ -133,8 +140,7 @@ async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<
 }
 
 async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answers: Answers, view: &A::View) -> Ending {
-    let mut ticks = tokio::time::interval(FEEDBACK);
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut ticks = feedback_ticks();
     let goal = answers.sequence;
     let (mut accepted, mut cancelled) = (false, false);
     let mut mark = None;

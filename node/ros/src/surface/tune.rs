@@ -5,6 +5,7 @@
 //! Writes   feedback, result, the command that sets the gains
 //! Refuses  what is wrong with the goal itself, a real drive without `real`, an axis that cannot be tuned
 
+use super::goal::feedback_ticks;
 use super::host::{TuneOrder, Tuned, Tuning, TuningPhase, Untuned};
 use super::hub::Hub;
 use super::signals::AxisView;
@@ -19,12 +20,7 @@ use lineshaft_core::unit::UnitError;
 use lineshaft_msgs::action::{Tune, TuneFeedback, TuneGoal, TuneResult};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterType, ParameterValue};
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::task::JoinSet;
-use tokio::time::MissedTickBehavior;
-
-/// Between two feedback messages.
-const FEEDBACK: Duration = Duration::from_millis(50);
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let server = table::TUNE.server(node)?;
@@ -117,8 +113,7 @@ async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tri
 
 async fn follow(hub: &Arc<Hub>, handle: &GoalHandle<Tune>, tuning: Tuning, view: &AxisView) -> Result<Tuned, Untuned> {
     let Tuning { watch, mut found } = tuning;
-    let mut ticks = tokio::time::interval(FEEDBACK);
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut ticks = feedback_ticks();
     let mut is_cancelled = false;
     loop {
         tokio::select! {
