@@ -5,6 +5,7 @@ mod error;
 mod functions;
 mod masters;
 mod numbers;
+mod outputs;
 mod slots;
 
 pub use error::{ConfigError, GantryProblem, PitchProblem};
@@ -17,11 +18,11 @@ pub use slots::{
 };
 
 use crate::axis::{
-    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_carry, may_close_loop, may_find_velocity, may_name,
-    may_read, may_tell_sign, may_turn_loop,
+    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity,
+    may_name, may_read, may_tell_sign, may_turn_loop,
 };
 use crate::code::Code;
-use crate::drive::{Capabilities, Interface, SpeedOutputs};
+use crate::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
 use crate::encoder::{Form, PulseCheck};
 use crate::modulo::Modulo;
 use crate::object::{MAX_AXES, Object};
@@ -131,6 +132,8 @@ pub struct AxisConfig {
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: SpeedOutputs,
+    /// How its drive is wired, where that hangs on no bus.
+    pub analog: Option<AnalogWiring>,
     /// Where its position comes from.
     pub wired: Wired,
     /// Brake that it closes and opens.
@@ -157,6 +160,7 @@ impl AxisConfig {
             missed_cycles: MISSED_CYCLES,
             vocabularies: Wiring::default(),
             open_loop: SpeedOutputs::default(),
+            analog: None,
             wired: Wired::default(),
             brake: None,
             pitch_error: None,
@@ -166,9 +170,10 @@ impl AxisConfig {
     }
 
     /// Outputs that it switches by itself, by their places in section `io`.
-    fn own_outputs(&self) -> [Option<u16>; 5] {
+    fn own_outputs(&self) -> [Option<u16>; 7] {
         let SpeedOutputs { forward, backward, output, dac } = self.open_loop;
-        [forward, backward, output, dac, self.brake.map(|brake| brake.output)]
+        let (reference, enable) = self.analog.map(|analog| (analog.reference, analog.enable)).unzip();
+        [forward, backward, output, dac, self.brake.map(|brake| brake.output), reference, enable]
     }
 
     /// Can a table be its pitch error?
@@ -312,6 +317,7 @@ impl MachineConfig {
                         let interface = axis.drive.map(|_| axis.interface);
                         may_close_loop(interface, axis.law, &parameters, self.cycle_ns)?;
                         let sources = (axis.wired, self.encoders.len());
+                        may_be_analog(axis.analog.as_ref(), axis.interface, sources, &parameters)?;
                         may_find_velocity(place, interface, sources, axis.second.is_some(), &parameters)
                     })
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
@@ -394,47 +400,6 @@ impl MachineConfig {
         axis.check_pitch_error(&table.table).or_else(|error| refuse(PitchProblem::Points(error)))
     }
 
-    /// Are the outputs of an axis of the right kind?
-    fn check_outputs(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
-        let SpeedOutputs { forward, backward, output, dac } = axis.open_loop;
-        let digital = (IoKind::DigitalOutput, "do");
-        let outputs = [
-            ("forward", forward, digital),
-            ("backward", backward, digital),
-            ("output", output, digital),
-            ("dac", dac, (IoKind::AnalogOutput, "ao")),
-        ];
-        if let Some(brake) = axis.brake {
-            let found = self.io.get(usize::from(brake.output)).map(|io| io.kind);
-            if found != Some(IoKind::DigitalOutput) {
-                return Err(ConfigError::Output {
-                    axis: axis.name.clone(),
-                    key: "brake",
-                    entry: brake.output,
-                    kind: "do",
-                });
-            }
-            let same =
-                |axis: &AxisConfig| axis.own_outputs().into_iter().filter(|own| *own == Some(brake.output)).count();
-            if self.axes.iter().map(same).sum::<usize>() > 1 {
-                return Err(ConfigError::OutputTwice { axis: axis.name.clone(), entry: brake.output });
-            }
-        }
-        for (key, entry, (expected, kind)) in outputs {
-            let Some(entry) = entry else { continue };
-            if self.io.get(usize::from(entry)).is_none_or(|io| io.kind != expected) {
-                return Err(ConfigError::Output { axis: axis.name.clone(), key, entry, kind });
-            }
-        }
-        Ok(())
-    }
-
-    /// The axis that switches an output by itself, so that nobody else may; by its place in section `io`.
-    pub fn owner_of_output(&self, entry: u16) -> Option<u16> {
-        let owns = |axis: &AxisConfig| axis.own_outputs().contains(&Some(entry));
-        self.axes.iter().position(owns).map(|index| index as u16)
-    }
-
     /// Is there each input and output that parameters name by number?
     fn check_numbers(&self) -> Result<(), ConfigError> {
         let counts = IoCounts::of(self);
@@ -514,6 +479,7 @@ impl MachineConfig {
                 unit: axis.increments_per_unit(),
                 vocabularies: axis.vocabularies,
                 open_loop: axis.open_loop,
+                analog: axis.analog,
                 safety: self.safety,
                 round: (self.axes[..index].iter().filter(|axis| axis.drive.is_some()).count() as u32, drive_count),
                 wired: axis.wired,

@@ -1,5 +1,6 @@
 //! The backend contract: what enters and leaves a cycle, and who exchanges it (contract section 8).
 
+mod analog;
 mod backend;
 mod cia402;
 mod error_code;
@@ -8,6 +9,7 @@ mod service;
 mod switching;
 
 use crate::object::Object;
+pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS};
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
 pub use error_code::{error_text, register_texts};

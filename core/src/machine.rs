@@ -7,6 +7,7 @@
 //! Source   contract section 1
 
 mod activity;
+mod analog;
 mod commands;
 mod encoders;
 mod functions;
@@ -34,6 +35,7 @@ use crate::profile::Motion;
 use crate::signal::{Board, Directory};
 use crate::sync::{Leads, OfAxis, VirtualMaster, VirtualSource};
 use crate::vocabulary::Latched;
+use analog::AnalogPlace;
 use lineshaft_program::Module;
 use order::Ways;
 use panel::Panel;
@@ -75,8 +77,10 @@ pub struct Machine {
     set_by: Vec<u64>,
     /// Room for the inputs as the machine sees them.
     seen: Inputs,
-    /// Room for the inputs with one drive in the place of two.
+    /// Room for the inputs with one drive in the place of two, and with the words of drives without a bus.
     joined: Inputs,
+    /// Drives without a bus.
+    analog_places: Vec<AnalogPlace>,
     /// Through which axes sinks and masters lead.
     ways: Ways,
     /// What the slots are wired to.
@@ -147,6 +151,7 @@ impl Machine {
             virtual_master: VirtualMaster::new(&config.global.power_on()),
             panel: Panel::new(&config),
             gantries: config.gantries(),
+            analogs: analog::at_rest(&config),
             axes,
             encoders,
             slots,
@@ -167,6 +172,7 @@ impl Machine {
             set_by,
             seen: Inputs::default(),
             joined: Inputs::default(),
+            analog_places: config.analog_places().collect(),
             ended_by_errors: functions::ended_by_errors(&wires),
             failed: Vec::with_capacity(wires.len()),
             movers: functions::movers(&wires),
@@ -182,7 +188,7 @@ impl Machine {
             config,
         };
         machine.seen = machine.inputs();
-        if !machine.state.gantries.is_empty() {
+        if machine.joins_drives() {
             machine.joined = machine.inputs();
         }
         machine.sort_axes();
@@ -222,17 +228,28 @@ impl Machine {
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
         let inputs = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
-        let mut joined = (!self.state.gantries.is_empty()).then(|| std::mem::take(&mut self.joined));
+        let mut joined = self.joins_drives().then(|| std::mem::take(&mut self.joined));
         let inputs = match &mut joined {
             None => inputs,
-            Some(joined) => self.join_drives(inputs, joined),
+            Some(joined) => {
+                joined.copy_from(inputs);
+                self.join_drives(inputs, joined);
+                self.tell_analog(joined);
+                joined
+            }
         };
         self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
         if let Some(joined) = joined {
             self.lead_seconds(outputs);
+            self.lead_analog(outputs);
             self.joined = joined;
         }
         self.seen = room;
+    }
+
+    /// Are the drives of its axes others than those of the inputs?
+    fn joins_drives(&self) -> bool {
+        !self.state.gantries.is_empty() || !self.analog_places.is_empty()
     }
 
     fn run_cycle(&mut self, told: Told<'_>, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {

@@ -145,6 +145,7 @@ impl Axis {
     /// # Errors
     /// The loop of its drive cannot be turned over here, or the loop that is closed here cannot run.
     pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
+        self.admits_analog(candidate)?;
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
         let timed = super::may_close_loop(interface, self.setup.law, candidate, self.setup.cycle_ns);

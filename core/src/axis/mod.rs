@@ -8,6 +8,7 @@
 //! Source   PLCopen state diagram, CiA 402 states, MACS-ERR-02, contract sections 1 and 7
 
 mod alarm;
+mod analog;
 mod brake;
 mod buffer;
 mod calm;
@@ -61,6 +62,7 @@ mod vocabulary;
 mod waiting;
 
 pub use alarm::Fault;
+pub use analog::may_be_analog;
 pub use brake::{BrakeConfig, Edges};
 pub use cam::no_cam;
 pub use direction::{may_tell_sign, may_turn_loop};
@@ -83,7 +85,9 @@ pub use waiting::MAX_WAITING;
 
 use crate::code::Code;
 use crate::command::{Action, Command, Level, Setpoints};
-use crate::drive::{Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs};
+use crate::drive::{
+    AnalogWiring, Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs,
+};
 use crate::encoder::{Encoder, Lead, Reader};
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::gantry::Gantry;
@@ -152,6 +156,8 @@ pub struct AxisSetup {
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: SpeedOutputs,
+    /// How its drive is wired, where that hangs on no bus.
+    pub analog: Option<AnalogWiring>,
     /// Contacts of the cell that must be closed.
     pub safety: Safety,
     /// Place among the axes with a drive, and how many there are.
@@ -515,6 +521,7 @@ impl Axis {
             && self.effort_loops.is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
             && self.velocity_feedback.is_sound()
             && self.can_close_loop()
+            && self.may_be_analog_with(&self.parameters).is_ok()
             && self.recovery.is_sound()
             && self.vocabularies.is_sound()
             && searches

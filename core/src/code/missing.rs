@@ -18,6 +18,10 @@ pub fn not_built_here(code: Code) -> &'static str {
             "gives no turn of the encoder that ampencno names; 1 to 1073741823 increments are allowed"
         }
         Code::VELOCITY_ENCODER_TWO_DRIVES => "names one encoder for an axis that two drives carry; -1 is allowed",
+        Code::ANALOG_FULL => "lies above what its drive does at 10 V; full_velocity or full_effort at most is allowed",
+        Code::ANALOG_SILENT => {
+            "is told by a drive on a bus, and this one is given a voltage; an entry of encoders as feedback, ampencno -1 and torque_constant 0 are allowed"
+        }
         Code::LOOP_PERIOD => {
             "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"
         }

@@ -480,6 +480,20 @@ codes! {
         remedy: "Use 0, or 1 for a motor with brushes; let a drive with interface torque commutate the others.",
     }
 
+    /// More than a voltage of 10 V asks for.
+    ANALOG_FULL = 10247, NoError {
+        says: "{key} {asked} lies above {limit}, which is what its drive does at 10 V",
+        cause: "max_velocity or max_effort lies above what the drive of the axis does at 10 V, its full reference.",
+        remedy: "Give less; or set the amplifier so that 10 V are more, and full_velocity or full_effort of the cell with it.",
+    }
+
+    /// A drive without a bus tells nothing.
+    ANALOG_SILENT = 10249, NoError {
+        says: "",
+        cause: "ampencno, torque_constant or encodertype asks for what a drive on a bus tells, and this one is given a voltage.",
+        remedy: "Give the axis an entry of encoders by feedback, and leave the others out.",
+    }
+
     /// A register of the integer PID that no command would load.
     GAIN_RANGE = 10078, NoError {
         says: "",

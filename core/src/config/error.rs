@@ -86,6 +86,18 @@ pub enum ConfigError {
         /// What it must be.
         kind: &'static str,
     },
+    /// Numbers of a drive without a bus.
+    #[error("{axis}: what its drive does at 10 V is no number above 0, or its enable takes more than 4 s")]
+    Analog {
+        /// Whose.
+        axis: String,
+    },
+    /// A drive without a bus where none can be.
+    #[error("{axis}: one drive alone can be given a voltage; it has none, or two")]
+    AnalogOne {
+        /// Whose.
+        axis: String,
+    },
     /// A contact of section safety.
     #[error("safety: {key} is digital input {place} (from 0), which does not exist")]
     Contact {
@@ -113,10 +125,12 @@ pub enum ConfigError {
         output: u16,
     },
     /// An output that two of an axis' own would switch.
-    #[error("{axis}: brake is wired to entry {entry} of io, which something else switches")]
+    #[error("{axis}: {key} is wired to entry {entry} of io, which something else switches")]
     OutputTwice {
         /// Whose.
         axis: String,
+        /// What is wired to it.
+        key: &'static str,
         /// Which one.
         entry: u16,
     },

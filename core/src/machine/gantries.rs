@@ -10,9 +10,8 @@ use crate::position::Position;
 use crate::signal::gantry::GantrySignal;
 
 impl Machine {
-    /// The inputs with one drive in the place of the first one of each gantry.
-    pub(super) fn join_drives<'i>(&mut self, inputs: &'i Inputs, joined: &'i mut Inputs) -> &'i Inputs {
-        joined.copy_from(inputs);
+    /// Puts one drive in the place of the first one of each gantry.
+    pub(super) fn join_drives(&mut self, inputs: &Inputs, joined: &mut Inputs) {
         for gantry in &mut self.state.gantries {
             let setup = *gantry.setup();
             let Some(axis) = self.state.axes.get_mut(usize::from(setup.axis)) else { continue };
@@ -27,7 +26,6 @@ impl Machine {
             // How the drives stand to each other is part of no pace.
             axis.disturb();
         }
-        joined
     }
 
     /// May the gantries among these axes be switched on?

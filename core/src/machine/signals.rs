@@ -4,7 +4,7 @@ use super::Machine;
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::config::{IoKind, MachineConfig, MemoryKind, SlotConfig};
-use crate::drive::{EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
+use crate::drive::{AnalogWiring, EncoderInput, Inputs, MAX_LATCHES, Outputs, SpeedOutputs, Switching};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::function::{LINES, Quantity};
@@ -170,6 +170,24 @@ impl Signals {
         if let Some(&(signal, IoKind::AnalogOutput, place)) = entry(wiring.dac) {
             outputs.set_analog(place, switching.dac);
             board.set_real(signal, switching.dac);
+        }
+    }
+
+    /// Sets the reference (V) and the enable of a drive without a bus.
+    pub(super) fn publish_reference(
+        &self,
+        board: &mut Board,
+        wiring: &AnalogWiring,
+        (volts, enable): (f64, bool),
+        outputs: &mut Outputs,
+    ) {
+        if let Some(&(signal, _, place)) = self.io.get(usize::from(wiring.reference)) {
+            outputs.set_analog(place, volts);
+            board.set_real(signal, volts);
+        }
+        if let Some(&(signal, _, place)) = self.io.get(usize::from(wiring.enable)) {
+            outputs.set_digital(place, enable);
+            board.set_int(signal, i64::from(enable));
         }
     }
 

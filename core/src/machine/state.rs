@@ -7,6 +7,7 @@ use super::Machine;
 use super::panel::Panel;
 use crate::axis::{Axis, Run};
 use crate::config::{ConfigError, MachineConfig};
+use crate::drive::AnalogDrive;
 use crate::encoder::Encoder;
 use crate::function::Slot;
 use crate::gantry::Gantry;
@@ -25,6 +26,8 @@ pub struct State {
     pub(super) axes: Vec<Axis>,
     /// Axes with two drives, in file order.
     pub(super) gantries: Vec<Gantry>,
+    /// Drives without a bus, in file order of their axes.
+    pub(super) analogs: Vec<AnalogDrive>,
     pub(super) encoders: Vec<Encoder>,
     /// Function slots, by their numbers.
     pub(super) slots: Vec<Slot>,
@@ -137,6 +140,7 @@ impl State {
             board,
             axes,
             gantries,
+            analogs,
             encoders,
             slots,
             tables,
@@ -157,6 +161,7 @@ impl State {
         self.board.copy_from(board);
         self.axes.clone_from(axes);
         self.gantries.clone_from(gantries);
+        self.analogs.clone_from(analogs);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
         // Who gave a table or program frees it: here only counts change.
@@ -182,6 +187,7 @@ impl State {
         shape("signals", self.board.len(), fresh.board.len())?;
         shape("axes", self.axes.len(), fresh.axes.len())?;
         shape("axes with two drives", self.gantries.len(), fresh.gantries.len())?;
+        shape("drives without a bus", self.analogs.len(), fresh.analogs.len())?;
         shape("saved sets of parameters", self.user.len(), fresh.user.len())?;
         shape("encoders", self.encoders.len(), fresh.encoders.len())?;
         shape("functions", self.slots.len(), fresh.slots.len())?;
@@ -291,6 +297,7 @@ impl Clone for State {
             board: self.board.clone(),
             axes: self.axes.clone(),
             gantries: self.gantries.clone(),
+            analogs: self.analogs.clone(),
             encoders: self.encoders.clone(),
             slots: self.slots.clone(),
             tables: self.tables.clone(),
@@ -311,6 +318,7 @@ impl Clone for State {
             board,
             axes,
             gantries,
+            analogs,
             encoders,
             slots,
             tables,
@@ -331,6 +339,7 @@ impl Clone for State {
         self.board.copy_from(board);
         self.axes.clone_from(axes);
         self.gantries.clone_from(gantries);
+        self.analogs.clone_from(analogs);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
         // Who gave a table or program frees it: here only counts change.

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::analog::Analog;
 use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
@@ -90,6 +91,8 @@ pub struct SimDrive {
     load: f64,
     brake: Option<Brake>,
     sign: Option<Sign>,
+    /// It is given a voltage.
+    analog: Option<Analog>,
     last_control: u16,
     mode: i8,
     cycle_ns: u64,
@@ -140,6 +143,7 @@ impl SimDrive {
             load: 0.0,
             brake: None,
             sign: None,
+            analog: None,
             last_control: 0,
             mode: 0,
             cycle_ns,
@@ -248,6 +252,20 @@ impl SimDrive {
         if let Motion::Servo(servo) = &mut self.motion {
             servo.hang(mechanics.load);
         }
+    }
+
+    /// Wires it to a voltage, if there is one.
+    pub(super) fn wire(&mut self, analog: Option<Analog>) {
+        self.analog = analog;
+    }
+
+    pub(super) fn analog(&self) -> Option<Analog> {
+        self.analog
+    }
+
+    /// Does its contact tell that it may be enabled?
+    pub(super) fn is_ready(&self) -> bool {
+        self.online && !matches!(self.state, DriveState::Fault | DriveState::FaultReaction)
     }
 
     /// The switches along its way (bits of 60FDh), wherever they are wired to.
@@ -386,6 +404,7 @@ impl SimDrive {
         if let Some(brake) = &mut self.brake {
             brake.step(all, self.cycle_ns);
         }
+        let output = self.analog.map_or(output, |analog| analog.output(all, self.online));
         let velocity = self.sign.map_or(output.velocity, |sign| sign.of(output.velocity, all));
         DriveOutput { velocity, ..output }
     }
@@ -394,7 +413,10 @@ impl SimDrive {
         self.mode = output.mode.number();
         let starts = output.control & control::START_HOMING != 0 && self.last_control & control::START_HOMING == 0;
         let before = self.state;
-        self.state = before.next(output.control, self.last_control);
+        self.state = match self.analog {
+            Some(_) => Analog::next(before, output.control),
+            None => before.next(output.control, self.last_control),
+        };
         if before == DriveState::Fault && self.state != DriveState::Fault {
             self.fault = 0;
         }

@@ -6,6 +6,7 @@
 //! Refuses  nothing: what is wrong with a model is refused when it is made
 //! Source   contract sections 3 and 8
 
+mod analog;
 mod drive;
 mod encoder;
 mod fixtures;
@@ -34,6 +35,7 @@ use crate::drive::{
     set_bit,
 };
 use crate::object::Object;
+use analog::Analog;
 use encoder::SimEncoder;
 use sensors::Sensor;
 
@@ -178,6 +180,7 @@ impl Plant {
             .zip(models)
             .map(|((axis, offers), model)| {
                 let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(*offers);
+                drive.wire(Analog::of(axis, config));
                 match (source(axis), axis.wired) {
                     (Some(Source::Drive(form)), _) | (Some(Source::Encoder(_)), Wired::Drive(form)) => {
                         drive.speak(form)
@@ -353,7 +356,16 @@ impl Backend for Plant {
             for &Terminal { place, .. } in &bus.objects.drives {
                 let Some(drive) = self.drives.get_mut(place).and_then(Option::as_mut) else { continue };
                 let (told, Some(input)) = (drive.read(), inputs.drive.get_mut(place)) else { continue };
-                if bus.is_off { input.bus = BusState::Off } else { *input = told }
+                // A voltage has no way back but its encoder, and the input that tells of its drive.
+                if let Some(analog) = drive.analog() {
+                    if let Some(ready) = analog.ready() {
+                        set_bit(&mut self.digital, ready, drive.is_ready());
+                    }
+                } else if bus.is_off {
+                    input.bus = BusState::Off;
+                } else {
+                    *input = told;
+                }
             }
         }
         self.work_wires(inputs);

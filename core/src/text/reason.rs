@@ -113,6 +113,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::VELOCITY_ENCODER_OTHER
         | Code::VELOCITY_ENCODER_TURN
         | Code::VELOCITY_ENCODER_TWO_DRIVES
+        | Code::ANALOG_SILENT
         | Code::LOOP_PERIOD
         | Code::ESTIMATOR_RANGE
         | Code::GAIN_RANGE

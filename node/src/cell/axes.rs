@@ -1,10 +1,12 @@
 //! Section `axes`: what an axis is made of. Its parameters are read beside.
 
 use super::amc;
+use super::analog::{Outputs, is_off_bus};
 use super::backends::{Context, Hardware};
 use super::brake;
 use super::can::CellDrive;
 use super::compensation;
+use super::devices::Io;
 use super::drives::{self, Drive, interface_of, law_of};
 use super::encoders::{self, Reads};
 use super::fixtures;
@@ -17,12 +19,11 @@ use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
 use lineshaft_core::axis::{
-    MISSED_CYCLES, Wired, may_carry, may_close_loop, may_find_velocity, may_read, may_tell_sign,
+    MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read, may_tell_sign,
 };
 use lineshaft_core::code::not_built_here;
-use lineshaft_core::config::{AxisConfig, EncoderConfig, IoConfig, TableConfig};
-use lineshaft_core::drive::Interface;
-use lineshaft_core::drive::SpeedOutputs;
+use lineshaft_core::config::{AxisConfig, EncoderConfig, TableConfig};
+use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::source::Master;
 use lineshaft_core::modulo::Modulo;
 use lineshaft_core::object::MAX_AXES;
@@ -45,6 +46,8 @@ pub(super) struct Driven {
     pub simulated: (Model, Mechanics),
     pub at: Hardware,
     pub on_can: Option<CellDrive>,
+    /// No bus of its backend knows it.
+    pub is_off_bus: bool,
 }
 
 /// What may stand once in all axes.
@@ -57,12 +60,12 @@ struct Onces<'d> {
 }
 
 /// Entries of sections `io`, `encoders` and `tables`.
-type Entries<'a> = (&'a [Option<IoConfig>], &'a [Option<EncoderConfig>], &'a [Option<TableConfig>]);
+type Entries<'a, 'd> = (&'a Io<'d>, &'a [Option<EncoderConfig>], &'a [Option<TableConfig>]);
 
 /// The axes, none where one has problems.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
-    (io, coded, tables): Entries<'_>,
+    (io, coded, tables): Entries<'_, 'd>,
     functions: machine::Functions<'d>,
     outputs: wiring::Taken,
     chains: &Chains,
@@ -73,7 +76,7 @@ pub(super) fn read<'d>(
         Onces { taken: Once::new(), outputs, switches: Once::new(), masters: amc::Masters::new(), functions };
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded, tables), &mut once)).collect();
-    machine::refuse_shared(&once.functions, io, &once.outputs);
+    machine::refuse_shared(&once.functions, &io.entries, &once.outputs);
     amc::refuse_loops(&once.masters, chains, cx);
     axes
 }
@@ -82,15 +85,17 @@ fn axis<'d>(
     place: usize,
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    (io, coded, tables): Entries<'_>,
+    (entries, coded, tables): Entries<'_, 'd>,
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
     let Onces { taken, outputs, switches, masters, functions } = once;
+    let io = &*entries.entries;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     map.explain_by(parameters::word_of_source);
     let (travel, factors) = Travel::read_axis(&mut map);
-    let ((described, second), has_two) = drives::read(&mut map, name, &travel, cx, taken);
+    let ((described, second), has_two) =
+        drives::read(&mut map, name, &travel, cx, taken, &mut Outputs { io: entries, taken: outputs });
     let (drive, on_can) = described.map_or((None, None), |(drive, on_can)| (Some(drive), on_can));
     if has_two && !map.has("max_skew") {
         map.required("max_skew");
@@ -174,12 +179,24 @@ fn axis<'d>(
         _ => MISSED_CYCLES,
     };
     let beside = second.as_ref().map(|(drive, _)| *drive);
+    let analog = match drive {
+        Some(Drive::Real { analog, .. }) => analog,
+        _ => None,
+    };
     let missed_cycles = missed(drive).min(beside.map_or(u32::MAX, |drive| missed(Some(drive))));
     let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
-        Drive::Real { at, kind, .. } => {
+        Drive::Real { at, kind, analog, .. } => {
             let offers = kind.offers(interface, simulated.0, on_can.as_ref());
-            (Some(offers), Some(Driven { simulated, at, on_can }))
+            // Outputs and an input are all that there is of it.
+            let bare = Capabilities {
+                delay: offers.delay,
+                velocity: interface == Interface::Velocity,
+                torque: interface == Interface::Torque,
+                ..Capabilities::default()
+            };
+            let is_off_bus = is_off_bus(analog, Some(kind));
+            (Some(if analog.is_some() { bare } else { offers }), Some(Driven { simulated, at, on_can, is_off_bus }))
         }
     };
     let (model, mechanics, of_second) = simulated.unwrap_or_default();
@@ -200,6 +217,7 @@ fn axis<'d>(
         law,
         missed_cycles,
         open_loop,
+        analog,
         brake: brake?,
         vocabularies: wiring?,
         wired: wired?,
@@ -250,7 +268,9 @@ fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &paramet
     let interface = axis.drive.map(|_| axis.interface);
     let closes = may_close_loop(interface, axis.law, &axis.parameters, cycle_ns);
     let finds = may_find_velocity(place, interface, (axis.wired, encoders), axis.second.is_some(), &axis.parameters);
-    let Err((key, code)) = closes.and(finds) else { return };
+    let sources = (axis.wired, encoders);
+    let reaches = may_be_analog(axis.analog.as_ref(), axis.interface, sources, &axis.parameters);
+    let Err((key, code)) = closes.and(reaches).and(finds) else { return };
     let why = not_built_here(code);
     match given.iter().find(|(given, _)| *given == key) {
         Some((_, value)) => value.refuse(format!("{key} {} {why}", value.peek().unwrap_or_default()), None),

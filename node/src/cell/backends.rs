@@ -86,13 +86,13 @@ const IO_LISTS: [(IoKind, List); 4] = [
     (IoKind::AnalogOutput, |objects| &mut objects.analog_outputs),
 ];
 
-/// The objects of each of `count` backends; `io` with where it is, then encoders and drives in their order. An input that reads an output
-/// is nowhere.
+/// The objects of each of `count` backends; `io` with where it is, then encoders and drives in their order. An input that reads an output is
+/// nowhere, and so is a drive on no bus.
 pub(super) fn objects(
     count: usize,
     io: (&[IoConfig], &[Option<Hardware>]),
     encoders: &[Option<Hardware>],
-    drives: &[Hardware],
+    drives: &[Option<Hardware>],
 ) -> Vec<Objects> {
     let mut all = vec![Objects::default(); count];
     let mut note = |at: Option<Hardware>, place: usize, list: List| {
@@ -110,7 +110,7 @@ pub(super) fn objects(
         note(*at, place, |objects| &mut objects.encoders);
     }
     for (place, at) in drives.iter().enumerate() {
-        note(Some(*at), place, |objects| &mut objects.drives);
+        note(*at, place, |objects| &mut objects.drives);
     }
     all
 }

@@ -3,6 +3,7 @@
 //! Law      an axis has a drive, or two that carry it between them, or none: then it is virtual
 //! Refuses  two that differ in what they are asked for, or in how or when they do it
 
+use super::analog::{self, Outputs};
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::can::{self, CellDrive};
 use super::names::{Once, quote};
@@ -10,7 +11,7 @@ use super::scale::Travel;
 use crate::document::{Map, Value};
 use lineshaft_can::drive::DriveMode;
 use lineshaft_core::axis::MISSED_CYCLES;
-use lineshaft_core::drive::Interface;
+use lineshaft_core::drive::{AnalogWiring, Interface};
 use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
 
@@ -21,7 +22,7 @@ pub(super) type Taken = Once<(usize, &'static str, u16)>;
 pub(super) type Described = (Drive, Option<CellDrive>);
 
 /// Key `drive`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Drive {
     Virtual,
     Real {
@@ -33,6 +34,8 @@ pub(super) enum Drive {
         law: Law,
         /// Cycles without new data that are waited for.
         missed_cycles: u32,
+        /// How it is wired, where it is given a voltage.
+        analog: Option<AnalogWiring>,
     },
 }
 
@@ -63,11 +66,12 @@ pub(super) fn read<'d>(
     travel: &Travel,
     cx: &Context<'d>,
     taken: &mut Taken,
+    outputs: &mut Outputs<'_, 'd>,
 ) -> (Read, bool) {
     // Who has one is not told of the other.
     let both = if map.has("drives") || !map.has("drive") { map.optional("drives") } else { None };
     let Some(both) = both else {
-        let one = map.required("drive").and_then(|value| drive(&value, axis, travel, cx, taken));
+        let one = map.required("drive").and_then(|value| drive(&value, axis, travel, cx, taken, Some(outputs)));
         return ((one, None), false);
     };
     if let Some(one) = map.optional("drive") {
@@ -103,7 +107,7 @@ fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, take
             );
             return None;
         }
-        let read = drive(value, axis, travel, cx, taken)?;
+        let read = drive(value, axis, travel, cx, taken, None)?;
         let interface = interface_of(Some(read.0)).filter(|interface| *interface != Interface::Position);
         if let Some(interface) = interface {
             value.refuse(
@@ -154,16 +158,23 @@ pub(super) fn drive<'d>(
     travel: &Travel,
     cx: &Context<'d>,
     taken: &mut Taken,
+    outputs: Option<&mut Outputs<'_, 'd>>,
 ) -> Option<Described> {
     if !value.is_map() {
         let text = value.text()?;
         if text == "virtual" {
             return Some((Drive::Virtual, None));
         }
-        value.refuse(format!("drive is {}; virtual or {{backend: .., address: ..}} is allowed", quote(text)), None);
+        let allowed = "virtual, {backend: .., address: ..} or {reference: .., enable: ..} is allowed";
+        value.refuse(format!("drive is {}; {allowed}", quote(text)), None);
         return None;
     }
     let mut map = value.map(format!("drive of axis `{axis}`"))?;
+    if let Some(outputs) = outputs.filter(|_| map.has(analog::REFERENCE)) {
+        let read = analog::read(&mut map, travel, cx, outputs);
+        map.finish();
+        return read.map(|drive| (drive, None));
+    }
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value, backend));
@@ -187,7 +198,8 @@ pub(super) fn drive<'d>(
     map.finish();
     let number = number?;
     let (at, kind) = (Hardware { backend: place?, number }, backend?);
-    Some((Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: missed? }, on_can?))
+    let drive = Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: missed?, analog: None };
+    Some((drive, on_can?))
 }
 
 /// Key `key`, which numbers the drives of a backend.
@@ -206,7 +218,7 @@ fn take(
 }
 
 /// Key `regulator`; `interface` is that of the drive, if it is known.
-fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
+pub(super) fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
     let law = value.choice(&Law::ALL.map(|law| (law.name(), law)))?;
     match interface {
         Some(interface) if !interface.closes_loop_here() => {

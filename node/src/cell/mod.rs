@@ -17,6 +17,7 @@
 //! ```
 
 mod amc;
+mod analog;
 mod axes;
 mod backends;
 mod brake;
@@ -58,8 +59,9 @@ use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::Dictionary;
 use lineshaft_core::axis::Safety;
-use lineshaft_core::config::{GlobalConfig, MachineConfig, ProgramConfig};
+use lineshaft_core::config::{AxisConfig, GlobalConfig, MachineConfig, ProgramConfig};
 use lineshaft_core::drive::Objects;
+use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
@@ -211,15 +213,20 @@ impl Cell {
         self.hardware.iter().chain(&self.second_hardware).flatten().copied()
     }
 
-    /// What the drive of each axis is called, `backend:address`, of two `backend:address, backend:address`; none for a virtual one.
+    /// What the drive of each axis is called, `backend:address`, of two `backend:address, backend:address`, of one that is given a voltage the ao; none for
+    /// a virtual one.
     pub fn hardware_names(&self) -> Vec<Option<String>> {
         let name =
             |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
-        let names = |(first, second): (&Option<Hardware>, &Option<Hardware>)| {
-            let drives: Vec<_> = [*first, *second].into_iter().flatten().map(name).collect();
-            (!drives.is_empty()).then(|| drives.join(", "))
+        let reference = |axis: &AxisConfig| {
+            let entry = axis.analog.map(|analog| self.machine.name(Object::Io(analog.reference)));
+            entry.map(str::to_owned)
         };
-        self.hardware.iter().zip(&self.second_hardware).map(names).collect()
+        let names = |((first, second), axis): ((&Option<Hardware>, &Option<Hardware>), &AxisConfig)| {
+            let drives: Vec<_> = [*first, *second].into_iter().flatten().map(name).collect();
+            (!drives.is_empty()).then(|| reference(axis).unwrap_or_else(|| drives.join(", ")))
+        };
+        self.hardware.iter().zip(&self.second_hardware).zip(&self.machine.axes).map(names).collect()
     }
 
     /// The axes with a drive that is not simulated, in file order.
@@ -273,24 +280,25 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
 
     let (backends, buses) = backends::read(names.section(Section::Backends));
     let cx = Context { names, backends, cycle_ns };
-    let devices::Io { entries: io, terminals, mut on_can, filters, virtual_inputs, marks } = devices::io(&cx);
+    let of_io = devices::io(&cx);
+    let io = &of_io.entries;
     let mut named = machine::Functions::new();
-    let parameters = machine::read(&mut map, &io, &mut named, cx.names.section(Section::Axes).len());
+    let parameters = machine::read(&mut map, io, &mut named, cx.names.section(Section::Axes).len());
     map.finish();
     let memory = devices::memory(&cx);
     let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);
-    on_can.extend(encoders_on_can);
-    let terminals_on_can = on_can;
     let mut outputs = names::Once::new();
     let tables = tables::read(&cx, files);
     let programs = programs::read(&cx, files);
     let masters::Read { sums: mut masters, reads } = masters::read(&cx);
-    let objects = functions::Objects { io: &io, memory: &memory, tables: &tables };
+    let objects = functions::Objects { io, memory: &memory, tables: &tables };
     let slots = functions::read(&cx, objects, &mut outputs, reads);
     masters::settle(&mut masters, &slots.slots, &cx);
-    let axes = axes::read(&cx, (&io, &encoders, &tables), named, outputs, &slots.chains);
-    let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, &io));
+    let axes = axes::read(&cx, (&of_io, &encoders, &tables), named, outputs, &slots.chains);
+    let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, io));
     let groups = groups::read(&cx);
+    let devices::Io { entries: io, terminals, on_can: mut terminals_on_can, filters, virtual_inputs, marks } = of_io;
+    terminals_on_can.extend(encoders_on_can);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
     let mut configs = Vec::new();
@@ -322,7 +330,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     if let Some((preset, cycle)) = preset.zip(cycle_at) {
         preset::hold(preset, &cx, &machine, &terminals, &cycle);
     }
-    let at: Vec<_> = drives.iter().map(|drive| drive.at).collect();
+    let at: Vec<_> = drives.iter().map(|drive| (!drive.is_off_bus).then_some(drive.at)).collect();
     let objects = backends::objects(cx.backends.len(), (&machine.io, &terminals), &encoders_at, &at);
     let kinds: Vec<_> = cx.backends.iter().map(|backend| backend.map(Backend::kind)).collect::<Option<_>>()?;
     let backends = cx.names.section(Section::Backends).iter().zip(kinds).zip(objects).zip(buses);

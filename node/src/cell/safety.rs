@@ -10,8 +10,8 @@ use lineshaft_core::config::{IoConfig, IoKind};
 /// The contacts; `io` are the entries of that section.
 pub(super) fn read<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Safety> {
     let mut map = value.map("safety")?;
-    let estop = contact(&mut map, "estop", cx, io);
-    let interlock = contact(&mut map, "interlock", cx, io);
+    let estop = input(&mut map, "estop", cx, io);
+    let interlock = input(&mut map, "interlock", cx, io);
     map.finish();
     let (estop, interlock) = (estop?, interlock?);
     if estop.is_none() && interlock.is_none() {
@@ -22,25 +22,30 @@ pub(super) fn read<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfi
 }
 
 /// The place of an input among the digital ones; nothing where none is named, none where that has a problem.
-fn contact<'d>(map: &mut Map<'d>, key: &'static str, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Option<u32>> {
+fn input<'d>(map: &mut Map<'d>, key: &'static str, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Option<u32>> {
     let Some(value) = map.optional(key) else { return Some(None) };
-    let name = value.text()?;
-    let (_, place) = cx.names.find(&value, name, &[Section::Io])?;
-    let kind = |entry: &Option<IoConfig>| entry.as_ref().map(|entry| entry.kind);
+    let place = contact(&value, cx, io)?;
+    let is_input = |entry: &&Option<IoConfig>| entry.as_ref().is_some_and(|io| io.kind == IoKind::DigitalInput);
+    u32::try_from(io.iter().take(place).filter(is_input).count()).ok().map(Some)
+}
+
+/// The place in section `io` of a contact that reads 1 while all is well.
+pub(super) fn contact<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<usize> {
+    let (name, key) = (value.text()?, value.label());
+    let (_, place) = cx.names.find(value, name, &[Section::Io])?;
     // One with problems of its own may be of any kind.
-    let found = io.get(place).and_then(kind).filter(|kind| *kind != IoKind::DigitalInput);
-    if found.is_some() {
+    let Some(entry) = io.get(place).and_then(Option::as_ref) else { return Some(place) };
+    if entry.kind != IoKind::DigitalInput {
         value.refuse(
             format!("{key} is {}, which is no di; a di is allowed, which reads 1 while all is well", quote(name)),
             None,
         );
         return None;
     }
-    if io.get(place).and_then(kind).is_some() && devices::reads_output(place, cx) {
+    if devices::reads_output(place, cx) {
         let sentence = "reads an output of the machine itself; a di with a backend and an address is allowed";
         value.refuse(format!("{key} is {}, which {sentence}", quote(name)), None);
         return None;
     }
-    let before = io.iter().take(place).filter(|entry| kind(entry) == Some(IoKind::DigitalInput)).count();
-    u32::try_from(before).ok().map(Some)
+    Some(place)
 }

@@ -1,5 +1,6 @@
 //! The position loop of interface velocity.
 
+mod analog;
 mod dual;
 mod edges;
 mod integer;

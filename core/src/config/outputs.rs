@@ -1,0 +1,57 @@
+//! Outputs that axes switch by themselves: those of their brakes, of motors in open loop, of drives without a bus.
+//!
+//! Law      each is of its kind, and of one axis
+//! Source   contract section 3
+
+use super::{AxisConfig, ConfigError, IoKind, MachineConfig};
+use crate::drive::SpeedOutputs;
+
+/// Longest time from its enable until a drive follows (ns): less than an axis waits for it.
+const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
+
+impl MachineConfig {
+    /// Are the inputs and outputs of an axis of the right kind, and its own alone?
+    pub(super) fn check_outputs(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
+        let name = || axis.name.clone();
+        let (input, digital) = ((IoKind::DigitalInput, "di"), (IoKind::DigitalOutput, "do"));
+        let analog = (IoKind::AnalogOutput, "ao");
+        let SpeedOutputs { forward, backward, output, dac } = axis.open_loop;
+        let wiring = axis.analog;
+        let entries = [
+            ("brake", axis.brake.map(|brake| brake.output), digital),
+            ("reference", wiring.map(|wiring| wiring.reference), analog),
+            ("enable", wiring.map(|wiring| wiring.enable), digital),
+            ("ready", wiring.and_then(|wiring| wiring.ready), input),
+            ("forward", forward, digital),
+            ("backward", backward, digital),
+            ("output", output, digital),
+            ("dac", dac, analog),
+        ];
+        let is_one = |key: &str| matches!(key, "brake" | "reference" | "enable");
+        for (key, entry, (expected, kind)) in entries {
+            let Some(entry) = entry else { continue };
+            if self.io.get(usize::from(entry)).is_none_or(|io| io.kind != expected) {
+                return Err(ConfigError::Output { axis: name(), key, entry, kind });
+            }
+            let same = |axis: &AxisConfig| axis.own_outputs().into_iter().filter(|own| *own == Some(entry)).count();
+            if is_one(key) && self.axes.iter().map(same).sum::<usize>() > 1 {
+                return Err(ConfigError::OutputTwice { axis: name(), key, entry });
+            }
+        }
+        if let Some(wiring) = wiring {
+            if !(wiring.full > 0.0 && wiring.full.is_finite()) || wiring.enable_ns > LONGEST_ENABLE_NS {
+                return Err(ConfigError::Analog { axis: name() });
+            }
+            if axis.drive.is_none() || axis.second.is_some() {
+                return Err(ConfigError::AnalogOne { axis: name() });
+            }
+        }
+        Ok(())
+    }
+
+    /// The axis that switches an output by itself, so that nobody else may; by its place in section `io`.
+    pub fn owner_of_output(&self, entry: u16) -> Option<u16> {
+        let owns = |axis: &AxisConfig| axis.own_outputs().contains(&Some(entry));
+        self.axes.iter().position(owns).map(|index| index as u16)
+    }
+}

@@ -1,0 +1,196 @@
+//! A drive without a bus: a voltage is its reference, an output enables it, and an input tells that it is ready.
+//!
+//! Law      volts = 10 V * reference / full, within +-10 V, while it is enabled; 0 V in a quick stop, with which a drive that takes velocities brakes and one
+//!          that takes torques coasts. It counts as enabled `enable_ns` behind its enable output. Once ready, a drive that is not is in fault, until it is
+//!          ready again and its fault is reset
+//! Reads    what an axis asks of any drive; the input that tells that it is ready
+//! Writes   the words that a drive on a bus tells; reference (V) and enable
+//! Source   MACS-CAN-01 (DRIVETYPE 0), MACS-REG-09, WF-CLC-04
+
+use super::{DriveInput, DriveOutput, DriveState, Mode};
+use serde::{Deserialize, Serialize};
+
+/// The full reference (V).
+pub const FULL_VOLTS: f64 = 10.0;
+/// Generic error (603Fh): an input says no more.
+const NOT_READY: u16 = 0x1000;
+
+/// How such a drive is wired; entries by their places in section `io`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AnalogWiring {
+    /// Analog output.
+    pub reference: u16,
+    /// Digital output.
+    pub enable: u16,
+    /// Digital input; none: it counts as always ready.
+    pub ready: Option<u16>,
+    /// What 10 V are: a velocity (inc/s), or an effort in the unit of max_effort.
+    pub full: f64,
+    /// How long it takes from its enable until it follows its reference (ns).
+    pub enable_ns: u64,
+}
+
+/// What is kept of it from cycle to cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AnalogDrive {
+    state: DriveState,
+    last_control: u16,
+    mode: i8,
+    /// For how long its enable output has been on (ns).
+    enabled_ns: u64,
+}
+
+impl AnalogDrive {
+    /// What a drive on a bus would tell in its place.
+    pub fn read(&mut self, is_ready: bool) -> DriveInput {
+        self.state = match self.state {
+            DriveState::NotReady if is_ready => DriveState::SwitchOnDisabled,
+            DriveState::NotReady => DriveState::NotReady,
+            state if is_ready => state,
+            _ => DriveState::Fault,
+        };
+        let fault = if self.state == DriveState::Fault { NOT_READY } else { 0 };
+        let status = self.state.status();
+        DriveInput { status, mode: self.mode, fault, online: true, fresh: true, ..DriveInput::default() }
+    }
+
+    /// Its reference (V) and its enable, behind what the axis asks for in this cycle.
+    pub fn write(&mut self, wiring: &AnalogWiring, output: &DriveOutput, cycle_ns: u64) -> (f64, bool) {
+        let asked = match self.state {
+            DriveState::NotReady => DriveState::NotReady,
+            state => state.next(output.control, self.last_control),
+        };
+        let is_enabled = matches!(asked, DriveState::Enabled | DriveState::QuickStop);
+        let is_awaited = self.state == DriveState::SwitchedOn && self.enabled_ns < wiring.enable_ns;
+        self.state = if asked == DriveState::Enabled && is_awaited { self.state } else { asked };
+        self.enabled_ns = if is_enabled { self.enabled_ns.saturating_add(cycle_ns) } else { 0 };
+        (self.last_control, self.mode) = (output.control, output.mode.number());
+        let reference = match output.mode {
+            Mode::Velocity => output.velocity,
+            Mode::Torque => output.effort,
+            _ => 0.0,
+        };
+        let volts = FULL_VOLTS * reference / wiring.full;
+        let follows = self.state == DriveState::Enabled && volts.is_finite();
+        (if follows { volts.clamp(-FULL_VOLTS, FULL_VOLTS) } else { 0.0 }, is_enabled)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::control;
+    use super::*;
+    use DriveState::*;
+
+    const WIRING: AnalogWiring =
+        AnalogWiring { reference: 0, enable: 1, ready: Some(2), full: 2000.0, enable_ns: 2_500_000 };
+
+    fn output(control: u16, velocity: f64) -> DriveOutput {
+        DriveOutput { control, velocity, mode: Mode::Velocity, ..DriveOutput::default() }
+    }
+
+    fn shown(drive: &mut AnalogDrive, is_ready: bool) -> DriveState {
+        let input = drive.read(is_ready);
+        assert!(input.online && input.fresh);
+        let state = DriveState::from_status(input.status);
+        assert_eq!(input.fault, if state == Fault { NOT_READY } else { 0 });
+        state
+    }
+
+    /// One that is at operation enabled, at 1 ms.
+    fn enabled() -> AnalogDrive {
+        let mut drive = AnalogDrive::default();
+        let steps = [
+            (control::SHUTDOWN, SwitchOnDisabled, false),
+            (control::SWITCH_ON, Ready, false),
+            (control::ENABLE, SwitchedOn, true),
+            (control::ENABLE, SwitchedOn, true),
+            (control::ENABLE, SwitchedOn, true),
+            (control::ENABLE, SwitchedOn, true),
+        ];
+        for (word, before, enable) in steps {
+            assert_eq!(shown(&mut drive, true), before);
+            assert_eq!(drive.write(&WIRING, &output(word, 0.0), 1_000_000), (0.0, enable), "{before:?}");
+        }
+        drive
+    }
+
+    /// 2.5 ms are three cycles: enable in the first, operation enabled is shown behind the third of waiting.
+    #[test]
+    fn it_counts_as_enabled_behind_its_time() {
+        let mut drive = enabled();
+        assert_eq!(shown(&mut drive, true), Enabled);
+        let mut at_once = AnalogDrive::default();
+        let wiring = AnalogWiring { enable_ns: 0, ..WIRING };
+        for word in [control::SHUTDOWN, control::SWITCH_ON, control::ENABLE] {
+            at_once.read(true);
+            at_once.write(&wiring, &output(word, 0.0), 1_000_000);
+        }
+        assert_eq!(shown(&mut at_once, true), Enabled);
+    }
+
+    #[test]
+    fn volts_are_parts_of_full_and_end_at_ten() {
+        let mut drive = enabled();
+        let mut volts = |velocity| {
+            drive.read(true);
+            drive.write(&WIRING, &output(control::ENABLE, velocity), 1_000_000)
+        };
+        assert_eq!(volts(500.0), (2.5, true));
+        assert_eq!(volts(-2000.0), (-10.0, true));
+        assert_eq!(volts(2001.0), (10.0, true));
+        assert_eq!(volts(f64::NAN), (0.0, true));
+        assert_eq!(volts(f64::NEG_INFINITY), (0.0, true));
+        let effort = DriveOutput {
+            control: control::ENABLE,
+            effort: 400.0,
+            velocity: 9.0,
+            mode: Mode::Torque,
+            ..output(0, 0.0)
+        };
+        assert_eq!(drive.write(&WIRING, &effort, 1_000_000), (2.0, true));
+        let other = DriveOutput { mode: Mode::Position, ..effort };
+        assert_eq!(drive.write(&WIRING, &other, 1_000_000), (0.0, true));
+    }
+
+    #[test]
+    fn without_ready_it_is_in_fault_until_it_is_ready_and_reset() {
+        let mut drive = enabled();
+        assert_eq!(shown(&mut drive, false), Fault);
+        assert_eq!(drive.write(&WIRING, &output(control::ENABLE, 500.0), 1_000_000), (0.0, false));
+        assert_eq!(shown(&mut drive, true), Fault, "nobody has reset it");
+        drive.write(&WIRING, &output(control::FAULT_RESET, 0.0), 1_000_000);
+        assert_eq!(shown(&mut drive, false), Fault, "reset, and not ready");
+        drive.write(&WIRING, &output(0, 0.0), 1_000_000);
+        assert_eq!(shown(&mut drive, true), Fault);
+        drive.write(&WIRING, &output(control::FAULT_RESET, 0.0), 1_000_000);
+        assert_eq!(shown(&mut drive, true), SwitchOnDisabled);
+    }
+
+    #[test]
+    fn before_it_is_ready_once_it_has_no_fault_and_is_not_enabled() {
+        let mut drive = AnalogDrive::default();
+        for word in [control::SHUTDOWN, control::SWITCH_ON, control::ENABLE, control::ENABLE] {
+            assert_eq!(shown(&mut drive, false), NotReady);
+            assert_eq!(drive.write(&WIRING, &output(word, 5.0), 1_000_000), (0.0, false));
+        }
+        assert_eq!(shown(&mut drive, true), SwitchOnDisabled);
+    }
+
+    /// In a quick stop it stays enabled at 0 V: a drive of velocities brakes with that. Disabled, it is neither.
+    #[test]
+    fn a_quick_stop_is_no_volts_and_disabling_no_enable() {
+        let mut drive = enabled();
+        drive.read(true);
+        assert_eq!(drive.write(&WIRING, &output(control::QUICK_STOP, 500.0), 1_000_000), (0.0, true));
+        assert_eq!(shown(&mut drive, true), QuickStop);
+        assert_eq!(
+            drive.write(&WIRING, &output(control::ENABLE, 500.0), 1_000_000),
+            (0.0, true),
+            "it does not come back"
+        );
+        drive.read(true);
+        assert_eq!(drive.write(&WIRING, &output(control::DISABLE_VOLTAGE, 500.0), 1_000_000), (0.0, false));
+        assert_eq!(shown(&mut drive, true), SwitchOnDisabled);
+    }
+}

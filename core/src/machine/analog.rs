@@ -1,0 +1,51 @@
+//! Drives without a bus: between inputs and outputs of the machine and those of a drive.
+
+use super::Machine;
+use crate::config::MachineConfig;
+use crate::drive::{AnalogDrive, AnalogWiring, Inputs, Outputs};
+
+/// Where such a drive is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AnalogPlace {
+    /// Among the drives.
+    drive: usize,
+    wiring: AnalogWiring,
+    /// Among the digital inputs.
+    ready: Option<usize>,
+}
+
+impl MachineConfig {
+    /// The drives without a bus, in file order of their axes.
+    pub(super) fn analog_places(&self) -> impl Iterator<Item = AnalogPlace> {
+        self.drives().enumerate().filter_map(|(drive, (_, axis, _))| {
+            let wiring = axis.analog?;
+            Some(AnalogPlace { drive, wiring, ready: wiring.ready.map(|entry| self.io_place(entry.into())) })
+        })
+    }
+}
+
+impl Machine {
+    /// Puts the words of drives without a bus where others tell theirs.
+    pub(super) fn tell_analog(&mut self, inputs: &mut Inputs) {
+        for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
+            let told = drive.read(place.ready.is_none_or(|input| inputs.digital(input)));
+            if let Some(input) = inputs.drive.get_mut(place.drive) {
+                *input = told;
+            }
+        }
+    }
+
+    /// Makes volts of what is asked of them.
+    pub(super) fn lead_analog(&mut self, outputs: &mut Outputs) {
+        for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
+            let asked = outputs.drive.get(place.drive).copied().unwrap_or_default();
+            let reference = drive.write(&place.wiring, &asked, self.config.cycle_ns);
+            self.signals.publish_reference(&mut self.state.board, &place.wiring, reference, outputs);
+        }
+    }
+}
+
+/// As many as the cell has, before anything was read.
+pub(super) fn at_rest(config: &MachineConfig) -> Vec<AnalogDrive> {
+    config.analog_places().map(|_| AnalogDrive::default()).collect()
+}

@@ -1,0 +1,113 @@
+//! Key `drive` of an axis whose drive is given a voltage: the entries of `io` by which it is driven.
+//!
+//! Law      10 V are full_velocity, or with interface torque full_effort; where the drive hangs is where its reference does
+//! Refuses  entries of another kind, or that something else switches; an ao that does not reach 10 V
+//! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
+
+use super::backends::{Backend, Context, Hardware};
+use super::devices::Io;
+use super::drives::{Drive, law};
+use super::names::quote;
+use super::safety::contact;
+use super::scale::Travel;
+use super::terminals::Kind;
+use super::times::time;
+use super::wiring;
+use crate::document::{Allowed, Map, Value};
+use lineshaft_core::axis::MISSED_CYCLES;
+use lineshaft_core::config::IoKind;
+use lineshaft_core::drive::{AnalogWiring, FULL_VOLTS, Interface};
+
+/// The key that makes a drive one of these.
+pub(super) const REFERENCE: &str = "reference";
+/// Longest time from the enable until such a drive follows (ns).
+const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
+
+/// Entries of section `io`, and which of them axes have already.
+pub(super) struct Outputs<'a, 'd> {
+    pub io: &'a Io<'d>,
+    pub taken: &'a mut wiring::Taken,
+}
+
+/// Reads the keys, behind those that all drives have.
+pub(super) fn read<'d>(
+    map: &mut Map<'d>,
+    travel: &Travel,
+    cx: &Context<'d>,
+    outputs: &mut Outputs<'_, 'd>,
+) -> Option<Drive> {
+    let interfaces = [Interface::Velocity, Interface::Torque].map(|interface| (interface.name(), interface));
+    let interface = map.required("interface").and_then(|value| value.choice(&interfaces));
+    let law = map.optional("regulator").map_or(Some(Default::default()), |value| law(&value, interface));
+    let reference = map.required(REFERENCE);
+    let reference = reference.and_then(|value| reference_of(&value, cx, outputs));
+    let enable = map.required("enable");
+    let enable =
+        enable.and_then(|value| wiring::place(&value, IoKind::DigitalOutput, cx, &outputs.io.entries, outputs.taken));
+    let ready = map.optional("ready").map_or(Some(None), |value| {
+        contact(&value, cx, &outputs.io.entries).and_then(|entry| u16::try_from(entry).ok()).map(Some)
+    });
+    let enable_ns = map.optional("enable_time").map_or(Some(0), |value| enable_time(&value));
+    let full = match interface {
+        Some(Interface::Torque) => map.required("full_effort").and_then(|value| effort(&value)),
+        Some(_) => map.required("full_velocity").and_then(|value| velocity(&value, travel)),
+        None => {
+            map.allow(&["full_velocity", "full_effort"]);
+            None
+        }
+    };
+    let (reference, at) = reference?;
+    let kind = cx.backends.get(at.backend).copied().flatten()?;
+    let analog = AnalogWiring { reference, enable: enable?, ready: ready?, full: full?, enable_ns: enable_ns? };
+    Some(Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: MISSED_CYCLES, analog: Some(analog) })
+}
+
+/// An ao that reaches 10 V, and where it is.
+fn reference_of<'d>(value: &Value<'d>, cx: &Context<'d>, outputs: &mut Outputs<'_, 'd>) -> Option<(u16, Hardware)> {
+    let Outputs { io, taken } = outputs;
+    let place = wiring::place(value, IoKind::AnalogOutput, cx, &io.entries, taken)?;
+    let name = value.peek().unwrap_or_default();
+    let on_can = io.on_can.iter().find(|terminal| terminal.name == name);
+    if let Some(Kind::Io { full_scale, .. }) = on_can.map(|terminal| terminal.kind)
+        && full_scale < FULL_VOLTS
+    {
+        let sentence = format!(
+            "reference is {}, whose full_scale is {full_scale} V; {FULL_VOLTS} V are the full reference, and an ao that reaches them is allowed",
+            quote(name)
+        );
+        value.refuse(sentence, None);
+        return None;
+    }
+    Some((place, io.terminals.get(usize::from(place)).copied().flatten()?))
+}
+
+fn enable_time(value: &Value<'_>) -> Option<u64> {
+    let time = time(value)?;
+    if time > LONGEST_ENABLE_NS {
+        let given = quote(value.peek().unwrap_or_default());
+        value.refuse(format!("{} is {given}; 0 s to 4 s is allowed", value.label()), None);
+        return None;
+    }
+    Some(time)
+}
+
+fn velocity(value: &Value<'_>, travel: &Travel) -> Option<f64> {
+    let quantity = value.quantity(&travel.any_scale()?.dimensions(1), &Allowed::Positive)?;
+    let rate = travel.scale?.rate(&quantity, 1);
+    rate.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
+}
+
+fn effort(value: &Value<'_>) -> Option<f64> {
+    let effort = value.number(f64::NEG_INFINITY..=f64::INFINITY)?;
+    if !(effort > 0.0 && effort.is_finite()) {
+        let given = quote(value.peek().unwrap_or_default());
+        value.refuse(format!("{} is {given}; a number above 0 is allowed", value.label()), None);
+        return None;
+    }
+    Some(effort)
+}
+
+/// Does a drive hang on no bus of its backend: is what it is given outputs alone?
+pub(super) fn is_off_bus(analog: Option<AnalogWiring>, kind: Option<Backend>) -> bool {
+    analog.is_some() && kind == Some(Backend::Can)
+}
