@@ -99,11 +99,13 @@ impl Axis {
             asked
         };
         let output = if output.is_finite() { output.clamp(-most, most) } else { 0.0 };
-        loops.output = if has_current_loop {
-            loops.current.step(stage, p, output, told)
-        } else {
-            loops.current = CurrentStage::default();
-            output
+        loops.output = match self.setup.interface {
+            Interface::Voltage if has_current_loop => loops.current.step(stage, p, output, told),
+            Interface::Voltage => {
+                loops.current = CurrentStage::default();
+                output
+            }
+            _ => output,
         };
         loops.output * p.max_effort.unwrap_or_default()
     }

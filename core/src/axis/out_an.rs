@@ -5,7 +5,7 @@
 //!          leaves the axis to the stop of its drive and takes the power then: no loop here knows yet whether it could stop it
 //! Reads    values that commands give, place and velocity of the axis, its limits
 //! Writes   the generator; the error of a limit that it would not stop before, and of too much velocity
-//! Refuses  a drive that closes its position loop, or is one of two; an axis that moves; values beyond 1, or further into a limit
+//! Refuses  a drive that closes its position loop, is one of two, or would coast where it has to stop; an axis that moves; values beyond 1, or further into a limit
 //! Source   MACS-AMP-02, MACS-CMD-28
 
 use super::power::Power;
@@ -52,6 +52,9 @@ impl Axis {
         }
         if self.gantry().is_some() {
             return Err(self.refuse(Code::OUT_AN_TWO_DRIVES));
+        }
+        if self.setup.analog.is_some() && self.takes_effort() {
+            return Err(self.refuse(Code::OUT_AN_COASTS));
         }
         if level == Level::Effort && !self.takes_effort() {
             return Err(self.refuse(Code::OUT_AN_NO_EFFORT));

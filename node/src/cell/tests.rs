@@ -1,6 +1,7 @@
 //! Cells that are good, and the exact text of every problem of those that are not.
 
 mod amc;
+mod analog;
 mod axes;
 mod compensation;
 mod encoders;

@@ -65,6 +65,14 @@ pub enum Unfit {
         /// The axis.
         axis: String,
     },
+    /// Nothing would stop it.
+    #[error(
+        "{axis}: its drive takes a torque as a voltage, and coasts where a trial leaves it to its stop; interface velocity, or a drive on a bus, can be tuned"
+    )]
+    Coasts {
+        /// The axis.
+        axis: String,
+    },
     /// Its model has one encoder.
     #[error(
         "{axis}: ampencno {number} gives its velocity loop another encoder than its position loop has, and a model knows one; \
@@ -240,6 +248,7 @@ fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
         Interface::OpenLoop => Err(no_loop("interface open_loop")),
         _ if axis.law == Law::Integer => Err(Unfit::Integer { axis: name }),
         Interface::Velocity => Ok(Takes::Velocity),
+        Interface::Torque if axis.analog.is_some() => Err(Unfit::Coasts { axis: name }),
         Interface::Torque => Ok(Takes::Effort),
         Interface::Voltage => Err(Unfit::Voltage { axis: name }),
     }

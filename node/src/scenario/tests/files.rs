@@ -83,6 +83,12 @@ fn the_structures_of_an_axis_with_interface_voltage_pass() {
     passes_on("voltage.yaml", "loops/voltage.yaml");
 }
 
+/// Proves: WF-CLC-04, MACS-CAN-01
+#[test]
+fn axes_whose_drives_are_given_voltages_pass() {
+    passes_on("analog.yaml", "loops/analog.yaml");
+}
+
 /// Proves: MACS-REG-09, MACS-REG-10
 #[test]
 fn feed_forward_passes() {

@@ -4,7 +4,7 @@ use super::super::rig::{Rig, X, at, config, to};
 use super::MS;
 use crate::axis::Wired;
 use crate::code::Code;
-use crate::command::{Action, OutputValue};
+use crate::command::{Action, Level, OutAn, OutputValue};
 use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig};
 use crate::drive::{AnalogWiring, Capabilities, Interface};
 use crate::machine::Machine;
@@ -290,6 +290,24 @@ fn more_than_10_v_and_words_that_no_voltage_brings_are_refused() {
     ] {
         let answer = set(&mut rig, key, value);
         assert!(rig.refusal(answer).contains(says), "{}", rig.refusal(answer));
+    }
+}
+
+/// One of torques coasts where it has to stop, so that it is never left to that; one of velocities brakes.
+#[test]
+fn out_an_needs_a_drive_that_stops_by_itself() {
+    for (interface, refuses) in [(Interface::Torque, true), (Interface::Velocity, false)] {
+        let mut rig = on(interface);
+        let answer = rig.give(Action::OutAn(OutAn { axis: X, value: 0.2, level: Level::Setpoint }));
+        assert_eq!(rig.answer(answer).err().map(|event| event.code), refuses.then_some(Code::OUT_AN_COASTS));
+        rig.run(200);
+        let volts = if refuses { 0.0 } else { 1.0 };
+        assert!((rig.real("reference") - volts).abs() < 0.05);
+        rig.give(Action::Halt(AxisSet::one(X)));
+        rig.run(1);
+        assert!(rig.real("reference").abs() < 0.05);
+        rig.run(200);
+        assert_eq!(rig.int("enable"), i64::from(refuses));
     }
 }
 
