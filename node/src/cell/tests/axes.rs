@@ -299,7 +299,10 @@ fn contradictions_stand_at_the_key_that_is_too_high() {
 #[test]
 fn drives() {
     for (drive, expected) in [
-        ("virtuel", "8:12: drive is `virtuel`; virtual or {backend: .., address: ..} is allowed"),
+        (
+            "virtuel",
+            "8:12: drive is `virtuel`; virtual, {backend: .., address: ..} or {reference: .., enable: ..} is allowed",
+        ),
         ("{backend: plant}", "8:12: missing key `address` in drive of axis `x`"),
         ("{address: 0}", "8:12: missing key `backend` in drive of axis `x`"),
         ("{backend: plants, address: 0}", "8:22: backend is `plants`; no backend has that name, did you mean `plant`?"),
