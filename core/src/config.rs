@@ -8,7 +8,7 @@ mod numbers;
 mod outputs;
 mod slots;
 
-pub use error::{ConfigError, GantryProblem, PitchProblem};
+pub use error::{AnalogProblem, ConfigError, GantryProblem, PitchProblem};
 pub use functions::{Function, OutputShared, Switcher};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, names_no_io};

@@ -1,6 +1,7 @@
 //! What an axis cannot have whose drive is given a voltage alone.
 //!
-//! Law      its reference does not go beyond 10 V, and nothing is read from its drive: neither position nor current
+//! Law      its reference does not go beyond 10 V, and nothing is read from its drive: neither position nor current. One of torques is never left to the
+//!          stop of its drive, which coasts
 //! Refuses  parameters that ask for more
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
@@ -22,7 +23,7 @@ pub fn may_be_analog(
     p: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
     let Some(analog) = analog else { return Ok(()) };
-    if matches!(Source::of(wired, encoders, p), Ok(Source::Drive(_))) {
+    if !matches!(Source::of(wired, encoders, p), Ok(Source::Encoder(_))) {
         return Err(("encodertype", Code::ANALOG_SILENT));
     }
     if p.amplifier.encoder.is_own() {
@@ -33,6 +34,7 @@ pub fn may_be_analog(
     }
     match interface {
         Interface::Velocity if p.max_velocity > analog.full => Err(("max_velocity", Code::ANALOG_FULL)),
+        Interface::Torque if p.error_reaction == 4 => Err(("error_reaction", Code::ANALOG_COASTS)),
         Interface::Torque if p.amplifier.max_effort.is_some_and(|effort| effort > analog.full) => {
             Err(("max_effort", Code::ANALOG_FULL))
         }
@@ -56,6 +58,7 @@ impl Axis {
             (Code::ANALOG_FULL, "max_velocity") => (Number::Velocity(candidate.max_velocity), Number::Velocity(full)),
             (Code::ANALOG_FULL, _) => (Number::Real(p.max_effort.unwrap_or_default()), Number::Real(full)),
             (_, "ampencno") => (Number::Count(p.encoder.number), Number::None),
+            (_, "error_reaction") => (Number::Count(candidate.error_reaction), Number::None),
             (_, "torque_constant") => (Number::Real(p.torque_constant), Number::None),
             _ => (Number::Count(candidate.encoder.encodertype), Number::None),
         };
@@ -93,5 +96,9 @@ mod tests {
         assert_eq!(check(torque, encoder, |p| p.amplifier.encoder.number = 1), Some("ampencno"));
         assert_eq!(check(velocity, Wired::Drive(Form::Incremental(64)), |_| {}), Some("encodertype"));
         assert_eq!(check(velocity, Wired::Drive(Form::Incremental(64)), |p| p.encoder.encodertype = 10), None);
+        // The command in the place of a position.
+        assert_eq!(check(velocity, encoder, |p| p.encoder.encodertype = 9), Some("encodertype"));
+        assert_eq!(check(torque, encoder, |p| p.error_reaction = 4), Some("error_reaction"));
+        assert_eq!(check(velocity, encoder, |p| p.error_reaction = 4), None);
     }
 }

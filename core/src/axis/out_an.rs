@@ -54,7 +54,7 @@ impl Axis {
             return Err(self.refuse(Code::OUT_AN_TWO_DRIVES));
         }
         if self.setup.analog.is_some() && self.takes_effort() {
-            return Err(self.refuse(Code::OUT_AN_COASTS));
+            return Err(self.refuse(Code::ANALOG_COASTS));
         }
         if level == Level::Effort && !self.takes_effort() {
             return Err(self.refuse(Code::OUT_AN_NO_EFFORT));

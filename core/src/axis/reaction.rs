@@ -213,7 +213,7 @@ impl Axis {
                 self.let_go(cx);
             }
             Deed::DriveStops => {
-                self.power = Power::DriveStops { since: cx.cycle, then_off: false };
+                self.power = Power::DriveStops { since: cx.cycle, then_off: self.creeps() };
                 self.stand_on_actual();
             }
             Deed::LeaveToDrive { then } => {
@@ -341,6 +341,11 @@ impl Axis {
         matches!(self.power, Power::On | Power::Opening { .. })
     }
 
+    /// Would it not stay where its drive has stopped it? No voltage is 0 V.
+    fn creeps(&self) -> bool {
+        self.setup.analog.is_some()
+    }
+
     pub(super) fn stand_on_actual(&mut self) {
         self.generator = Generator::Rest;
         self.command = Motion::at_rest(self.actual.position);
@@ -366,7 +371,9 @@ impl Axis {
             // A virtual axis has none but the one that o_brake names (MACS-IO-04).
             1 => self.ask_for_brake(self.parameters.outputs.brake != 0),
             3 => self.ask_for_brake(true),
-            4 if has_drive && self.is_at_work() => self.power = Power::DriveStops { since: cycle, then_off: false },
+            4 if has_drive && self.is_at_work() => {
+                self.power = Power::DriveStops { since: cycle, then_off: self.creeps() };
+            }
             _ => {}
         }
     }

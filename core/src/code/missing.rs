@@ -19,8 +19,11 @@ pub fn not_built_here(code: Code) -> &'static str {
         }
         Code::VELOCITY_ENCODER_TWO_DRIVES => "names one encoder for an axis that two drives carry; -1 is allowed",
         Code::ANALOG_FULL => "lies above what its drive does at 10 V; full_velocity or full_effort at most is allowed",
+        Code::ANALOG_COASTS => {
+            "leaves the axis to the stop of its drive, and one that takes a torque as a voltage coasts; 0, 1, 2, 3 and 5 are allowed"
+        }
         Code::ANALOG_SILENT => {
-            "is told by a drive on a bus, and this one is given a voltage; an entry of encoders as feedback, ampencno -1 and torque_constant 0 are allowed"
+            "asks for what no drive that is given a voltage tells; an entry of encoders as feedback (encodertype 0), ampencno -1 and torque_constant 0 are allowed"
         }
         Code::LOOP_PERIOD => {
             "is no whole number of cycles, and the position loop runs in cycles; a period that the cycle divides is allowed"

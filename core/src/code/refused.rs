@@ -495,10 +495,10 @@ codes! {
     }
 
     /// A drive that does not stop by itself.
-    OUT_AN_COASTS = 10250, NoError {
-        says: "its drive takes a torque as a voltage, and coasts where `out_an` leaves it to its stop",
-        cause: "out_an was asked of an axis whose drive takes a torque as a voltage: without its position loop nothing brakes it.",
-        remedy: "Use move_axis; or let the amplifier close its velocity loop, with interface velocity.",
+    ANALOG_COASTS = 10250, NoError {
+        says: "its drive takes a torque as a voltage, and coasts where it is left to its own stop",
+        cause: "out_an or error_reaction 4 was asked of an axis whose drive takes a torque as a voltage: without its position loop nothing brakes it.",
+        remedy: "Use move_axis and another error_reaction; or let the amplifier close its velocity loop, with interface velocity.",
     }
 
     /// A register of the integer PID that no command would load.

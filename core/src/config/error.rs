@@ -86,17 +86,13 @@ pub enum ConfigError {
         /// What it must be.
         kind: &'static str,
     },
-    /// Numbers of a drive without a bus.
-    #[error("{axis}: what its drive does at 10 V is no number above 0, or its enable takes more than 4 s")]
+    /// A drive that is given a voltage.
+    #[error("drive of {axis}: {problem}")]
     Analog {
         /// Whose.
         axis: String,
-    },
-    /// A drive without a bus where none can be.
-    #[error("{axis}: one drive alone can be given a voltage; it has none, or two")]
-    AnalogOne {
-        /// Whose.
-        axis: String,
+        /// What is wrong with it.
+        problem: AnalogProblem,
     },
     /// A contact of section safety.
     #[error("safety: {key} is digital input {place} (from 0), which does not exist")]
@@ -252,4 +248,24 @@ pub enum GantryProblem {
     /// They would be asked for the same at different times.
     #[error("the first one has a delay of {0} cycles, the second one of {1}; the same delay is expected")]
     Delays(u32, u32),
+}
+
+/// Why a drive cannot be given a voltage so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum AnalogProblem {
+    /// None, or two.
+    #[error("one drive alone is given a voltage; the axis has none, or two")]
+    Drives,
+    /// An interface that no voltage is for.
+    #[error("interface is {}; a drive that is given a voltage has velocity or torque", .0.name())]
+    Interface(Interface),
+    /// What it does at 10 V.
+    #[error("what it does at 10 V is no number above 0")]
+    Full,
+    /// Time of its enable (ms).
+    #[error("its enable takes {0} ms; 0 to 4000 ms are expected")]
+    Time(u64),
+    /// An output of the machine.
+    #[error("ready reads an output of the machine itself; an input with a terminal is expected")]
+    Ready,
 }

@@ -3,8 +3,8 @@
 //! Law      each is of its kind, and of one axis
 //! Source   contract section 3
 
-use super::{AxisConfig, ConfigError, IoKind, MachineConfig};
-use crate::drive::SpeedOutputs;
+use super::{AnalogProblem, AxisConfig, ConfigError, IoKind, MachineConfig};
+use crate::drive::{AnalogWiring, Interface, SpeedOutputs};
 
 /// Longest time from its enable until a drive follows (ns): less than an axis waits for it.
 const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
@@ -38,13 +38,26 @@ impl MachineConfig {
                 return Err(ConfigError::OutputTwice { axis: name(), key, entry });
             }
         }
-        if let Some(wiring) = wiring {
-            if !(wiring.full > 0.0 && wiring.full.is_finite()) || wiring.enable_ns > LONGEST_ENABLE_NS {
-                return Err(ConfigError::Analog { axis: name() });
-            }
-            if axis.drive.is_none() || axis.second.is_some() {
-                return Err(ConfigError::AnalogOne { axis: name() });
-            }
+        wiring.map_or(Ok(()), |wiring| self.check_analog(axis, &wiring))
+    }
+
+    fn check_analog(&self, axis: &AxisConfig, wiring: &AnalogWiring) -> Result<(), ConfigError> {
+        let refuse = |problem| Err(ConfigError::Analog { axis: axis.name.clone(), problem });
+        if axis.drive.is_none() || axis.second.is_some() {
+            return refuse(AnalogProblem::Drives);
+        }
+        if !matches!(axis.interface, Interface::Velocity | Interface::Torque) {
+            return refuse(AnalogProblem::Interface(axis.interface));
+        }
+        if !(wiring.full > 0.0 && wiring.full.is_finite()) {
+            return refuse(AnalogProblem::Full);
+        }
+        if wiring.enable_ns > LONGEST_ENABLE_NS {
+            return refuse(AnalogProblem::Time(wiring.enable_ns / 1_000_000));
+        }
+        let is_virtual = |entry: u16| self.is_virtual_input(self.io_place(entry.into()));
+        if wiring.ready.is_some_and(is_virtual) {
+            return refuse(AnalogProblem::Ready);
         }
         Ok(())
     }

@@ -259,8 +259,8 @@ impl SimDrive {
         self.analog = analog;
     }
 
-    pub(super) fn analog(&self) -> Option<Analog> {
-        self.analog
+    pub(super) fn analog(&self) -> Option<&Analog> {
+        self.analog.as_ref()
     }
 
     /// Does its contact tell that it may be enabled?
@@ -404,7 +404,7 @@ impl SimDrive {
         if let Some(brake) = &mut self.brake {
             brake.step(all, self.cycle_ns);
         }
-        let output = self.analog.map_or(output, |analog| analog.output(all, self.online));
+        let output = self.analog.as_ref().map_or(output, |analog| analog.output(all, self.online));
         let velocity = self.sign.map_or(output.velocity, |sign| sign.of(output.velocity, all));
         DriveOutput { velocity, ..output }
     }

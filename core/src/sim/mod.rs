@@ -125,6 +125,8 @@ pub struct Plant {
     axes: Vec<u16>,
     /// Switches that are wired to digital inputs, and whose drive they belong to.
     wires: Vec<(usize, Wire)>,
+    /// Digital inputs that are contacts of drives, and of which.
+    contacts: Vec<(usize, usize)>,
     /// Digital inputs that see printed marks.
     sensors: Vec<Sensor>,
     /// By place among the digital inputs: the entry of `io` that latches, if it does.
@@ -175,7 +177,7 @@ impl Plant {
         let encoders = config.encoders.iter().enumerate();
         let encoders = encoders.map(|(place, encoder)| SimEncoder::new(encoder, turned_by(place))).collect();
         let count_drives = drives.len();
-        let drives = drives
+        let drives: Vec<Option<SimDrive>> = drives
             .iter()
             .zip(models)
             .map(|((axis, offers), model)| {
@@ -190,6 +192,8 @@ impl Plant {
                 Some(drive)
             })
             .collect();
+        let contact = |(place, drive): (usize, &Option<SimDrive>)| Some((drive.as_ref()?.analog()?.ready()?, place));
+        let contacts = drives.iter().enumerate().filter_map(contact).collect();
         Self {
             drives,
             encoders,
@@ -204,6 +208,7 @@ impl Plant {
             },
             axes,
             wires: Vec::new(),
+            contacts,
             sensors: Vec::new(),
             latching,
             cycle_ns: config.cycle_ns,
@@ -252,6 +257,7 @@ impl Plant {
     /// Sets a digital input for good; a switch that is wired to it is stuck so, and it sees marks no more.
     pub fn set_digital(&mut self, place: usize, on: bool) {
         self.wires.retain(|(_, wire)| wire.input != place);
+        self.contacts.retain(|(input, _)| *input != place);
         self.sensors.retain(|sensor| sensor.input != place);
         self.put_digital(place, on);
     }
@@ -327,6 +333,19 @@ impl Plant {
 }
 
 impl Plant {
+    /// Contacts of drives, at their inputs: one that several share is closed while all of them are.
+    fn work_contacts(&mut self) {
+        for &(input, _) in &self.contacts {
+            set_bit(&mut self.digital, input, true);
+        }
+        for &(input, drive) in &self.contacts {
+            let drive = self.drives.get(drive).and_then(Option::as_ref);
+            if !drive.is_some_and(SimDrive::is_ready) {
+                set_bit(&mut self.digital, input, false);
+            }
+        }
+    }
+
     /// Switches that are wired to digital inputs, at their inputs; those that latch, in the inputs of the machine.
     fn work_wires(&mut self, inputs: &mut Inputs) {
         for place in 0..self.wires.len() {
@@ -356,18 +375,18 @@ impl Backend for Plant {
             for &Terminal { place, .. } in &bus.objects.drives {
                 let Some(drive) = self.drives.get_mut(place).and_then(Option::as_mut) else { continue };
                 let (told, Some(input)) = (drive.read(), inputs.drive.get_mut(place)) else { continue };
-                // A voltage has no way back but its encoder, and the input that tells of its drive.
-                if let Some(analog) = drive.analog() {
-                    if let Some(ready) = analog.ready() {
-                        set_bit(&mut self.digital, ready, drive.is_ready());
-                    }
-                } else if bus.is_off {
+                // A voltage has no way back but its encoder and its contact.
+                if drive.analog().is_some() {
+                    continue;
+                }
+                if bus.is_off {
                     input.bus = BusState::Off;
                 } else {
                     *input = told;
                 }
             }
         }
+        self.work_contacts();
         self.work_wires(inputs);
         for bus in &self.buses {
             for &Terminal { place, .. } in &bus.objects.encoders {

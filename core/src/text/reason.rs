@@ -128,6 +128,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         | Code::MARKS_INACTIVE => {
             format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
         }
+        Code::ANALOG_COASTS if event.parameter.is_some() => {
+            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
+        }
         // What is missing has no value.
         Code::EFFORT_MISSING | Code::CURRENT_LOOP => format!("{} {}", key(event), not_built_here(event.code)),
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {

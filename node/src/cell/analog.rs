@@ -1,10 +1,10 @@
 //! Key `drive` of an axis whose drive is given a voltage: the entries of `io` by which it is driven.
 //!
 //! Law      10 V are full_velocity, or with interface torque full_effort; where the drive hangs is where its reference does
-//! Refuses  entries of another kind, or that something else switches; an ao that does not reach 10 V
+//! Refuses  entries of another kind, or that something else switches; an ao that does not reach 10 V; on CAN what is not all at one node
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
-use super::backends::{Backend, Context, Hardware};
+use super::backends::{Backend, Context, Hardware, node_and_channel};
 use super::devices::Io;
 use super::drives::{Drive, law};
 use super::names::quote;
@@ -39,15 +39,17 @@ pub(super) fn read<'d>(
     let interfaces = [Interface::Velocity, Interface::Torque].map(|interface| (interface.name(), interface));
     let interface = map.required("interface").and_then(|value| value.choice(&interfaces));
     let law = map.optional("regulator").map_or(Some(Default::default()), |value| law(&value, interface));
-    let reference = map.required(REFERENCE);
-    let reference = reference.and_then(|value| reference_of(&value, cx, outputs));
-    let enable = map.required("enable");
-    let enable =
-        enable.and_then(|value| wiring::place(&value, IoKind::DigitalOutput, cx, &outputs.io.entries, outputs.taken));
-    let ready = map.optional("ready").map_or(Some(None), |value| {
-        contact(&value, cx, &outputs.io.entries).and_then(|entry| u16::try_from(entry).ok()).map(Some)
+    let reference_at = map.required(REFERENCE);
+    let reference = reference_at.as_ref().and_then(|value| reference_of(value, cx, outputs));
+    let enable_at = map.required("enable");
+    let enable = enable_at
+        .as_ref()
+        .and_then(|value| wiring::place(value, IoKind::DigitalOutput, cx, &outputs.io.entries, outputs.taken));
+    let contact_at = map.optional("ready");
+    let ready = contact_at.as_ref().map_or(Some(None), |value| {
+        contact(value, cx, &outputs.io.entries).and_then(|entry| u16::try_from(entry).ok()).map(Some)
     });
-    let enable_ns = map.optional("enable_time").map_or(Some(0), |value| enable_time(&value));
+    let enable_ns = map.required("enable_time").and_then(|value| enable_time(&value));
     let full = match interface {
         Some(Interface::Torque) => map.required("full_effort").and_then(|value| effort(&value)),
         Some(_) => map.required("full_velocity").and_then(|value| velocity(&value, travel)),
@@ -58,8 +60,35 @@ pub(super) fn read<'d>(
     };
     let (reference, at) = reference?;
     let kind = cx.backends.get(at.backend).copied().flatten()?;
-    let analog = AnalogWiring { reference, enable: enable?, ready: ready?, full: full?, enable_ns: enable_ns? };
+    let (enable, ready) = (enable?, ready?);
+    if kind == Backend::Can && ready.is_none() {
+        let sentence = "reference is on CAN, and nothing tells whether its module is there; ready, a di of the same node, is expected";
+        reference_at.as_ref()?.refuse(sentence, None);
+        return None;
+    }
+    let beside = |value: &Option<Value<'d>>, entry: Option<u16>| {
+        let Some((value, entry)) = value.as_ref().zip(entry) else { return Some(()) };
+        let found = outputs.io.terminals.get(usize::from(entry)).copied().flatten()?;
+        is_beside(at, found, kind).then_some(()).or_else(|| {
+            let one = if kind == Backend::Can { "node" } else { "backend" };
+            let (label, name) = (value.label(), quote(value.peek().unwrap_or_default()));
+            let sentence = format!(
+                "{label} is {name}, at another {one} than the reference; what drives an axis comes and goes together"
+            );
+            value.refuse(sentence, None);
+            None
+        })
+    };
+    let (by_enable, by_ready) = (beside(&enable_at, Some(enable)), beside(&contact_at, ready));
+    by_enable.and(by_ready)?;
+    let analog = AnalogWiring { reference, enable, ready, full: full?, enable_ns: enable_ns? };
     Some(Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: MISSED_CYCLES, analog: Some(analog) })
+}
+
+/// Is it lost together with what is there?
+fn is_beside(at: Hardware, other: Hardware, kind: Backend) -> bool {
+    let node = |at: Hardware| (kind == Backend::Can).then(|| node_and_channel(at.number).0);
+    at.backend == other.backend && node(at) == node(other)
 }
 
 /// An ao that reaches 10 V, and where it is.

@@ -2,7 +2,7 @@
 
 use super::amc;
 use super::analog::{Outputs, is_off_bus};
-use super::backends::{Context, Hardware};
+use super::backends::{Backend, Context, Hardware};
 use super::brake;
 use super::can::CellDrive;
 use super::compensation;
@@ -59,13 +59,20 @@ struct Onces<'d> {
     functions: machine::Functions<'d>,
 }
 
-/// Entries of sections `io`, `encoders` and `tables`.
-type Entries<'a, 'd> = (&'a Io<'d>, &'a [Option<EncoderConfig>], &'a [Option<TableConfig>]);
+/// Entries of other sections.
+#[derive(Clone, Copy)]
+pub(super) struct Entries<'a, 'd> {
+    pub io: &'a Io<'d>,
+    pub encoders: &'a [Option<EncoderConfig>],
+    /// Where those are.
+    pub encoders_at: &'a [Option<Hardware>],
+    pub tables: &'a [Option<TableConfig>],
+}
 
 /// The axes, none where one has problems.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
-    (io, coded, tables): Entries<'_, 'd>,
+    of: Entries<'_, 'd>,
     functions: machine::Functions<'d>,
     outputs: wiring::Taken,
     chains: &Chains,
@@ -75,8 +82,8 @@ pub(super) fn read<'d>(
     let mut once =
         Onces { taken: Once::new(), outputs, switches: Once::new(), masters: amc::Masters::new(), functions };
     let axes = entries.iter().enumerate();
-    let axes = axes.map(|(place, entry)| axis(place, entry, cx, (io, coded, tables), &mut once)).collect();
-    machine::refuse_shared(&once.functions, &io.entries, &once.outputs);
+    let axes = axes.map(|(place, entry)| axis(place, entry, cx, of, &mut once)).collect();
+    machine::refuse_shared(&once.functions, &of.io.entries, &once.outputs);
     amc::refuse_loops(&once.masters, chains, cx);
     axes
 }
@@ -85,10 +92,11 @@ fn axis<'d>(
     place: usize,
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    (entries, coded, tables): Entries<'_, 'd>,
+    of: Entries<'_, 'd>,
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
     let Onces { taken, outputs, switches, masters, functions } = once;
+    let Entries { io: entries, encoders: coded, tables, .. } = of;
     let io = &*entries.entries;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
@@ -122,6 +130,10 @@ fn axis<'d>(
     });
     sections.finish();
     map.finish();
+    let analog = match drive {
+        Some(Drive::Real { analog, .. }) => analog,
+        _ => None,
+    };
     let simulated = match drive {
         Some(Drive::Virtual) => {
             for value in sim.iter() {
@@ -144,6 +156,8 @@ fn axis<'d>(
                 let reads_encoder = matches!(wired, Some(Wired::Encoder(_)));
                 let model = model(&mut map, interface_of(drive), reads_encoder, cycle_ns);
                 let mechanics = fixtures::read(&mut map, &travel, cx, io, switches, indexed);
+                let mechanics =
+                    mechanics.filter(|mechanics| analog.is_none() || fixtures::are_wired(&value, mechanics));
                 // One with problems of its own is a brake, too.
                 let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
                 let times = fixtures::brake_times(&mut map, has_brake);
@@ -179,10 +193,6 @@ fn axis<'d>(
         _ => MISSED_CYCLES,
     };
     let beside = second.as_ref().map(|(drive, _)| *drive);
-    let analog = match drive {
-        Some(Drive::Real { analog, .. }) => analog,
-        _ => None,
-    };
     let missed_cycles = missed(drive).min(beside.map_or(u32::MAX, |drive| missed(Some(drive))));
     let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
@@ -225,6 +235,7 @@ fn axis<'d>(
         ..config
     };
     compensation::check(&config, &pitch_error?, tables);
+    check_beside(&config, first.as_ref(), of, feedback.as_ref(), cx);
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
     check_loop(&config, place, &entry.key, &given, cx);
@@ -238,6 +249,23 @@ fn check_carried(axis: &AxisConfig, given: &parameters::Given<'_>) {
     let Some(Err((key, code))) = axis.second.map(|_| may_carry(axis.wired, &axis.parameters)) else { return };
     if let Some((_, value)) = given.iter().find(|(given, _)| *given == key) {
         value.refuse(format!("{key} {} {}", value.peek().unwrap_or_default(), not_built_here(code)), None);
+    }
+}
+
+/// Refuses a real encoder for an axis whose drive is simulated, and the other way round, where the drive itself tells nothing.
+fn check_beside(
+    axis: &AxisConfig,
+    drive: Option<&Driven>,
+    of: Entries<'_, '_>,
+    feedback: Option<&Value<'_>>,
+    cx: &Context<'_>,
+) {
+    let (Some(_), Some(drive), Wired::Encoder(place)) = (axis.analog, drive, axis.wired) else { return };
+    let kind = |at: Hardware| cx.backends.get(at.backend).copied().flatten().map(Backend::kind);
+    let Some(at) = of.encoders_at.get(usize::from(place)).copied().flatten() else { return };
+    if let (Some(feedback), true) = (feedback, kind(at) != kind(drive.at)) {
+        let sentence = "names an encoder that is simulated while its reference is not, or the other way round";
+        feedback.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
     }
 }
 

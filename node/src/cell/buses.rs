@@ -49,6 +49,18 @@ impl Parts<'_> {
                 .filter_map(|(place, _)| Some((place, *axes.get(place)?, self.on_can.get(place)?.as_ref()?)))
                 .collect();
             let is_drive = |node| drives.iter().any(|(.., drive)| drive.device.node == node);
+            if bus.master.is_none() {
+                let here = |(place, (_, axis, _)): (usize, &Driven<'_>)| {
+                    let is_here = self.hardware.get(place).is_some_and(|hardware| hardware.backend == at);
+                    axis.analog.filter(|_| is_here).map(|_| quote(&axis.name))
+                };
+                if let Some(axis) = axes.iter().enumerate().find_map(here) {
+                    let sentence = format!(
+                        "master is none, and the reference of axis {axis} is at a module here, which would not hear that this program is gone"
+                    );
+                    problems.push(bus.place, sentence, None);
+                }
+            }
             let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
             let maker = Maker { folder, problems: &problems };
             let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {

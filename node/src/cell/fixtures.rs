@@ -61,6 +61,22 @@ pub(super) fn read<'d>(
     Some(Mechanics { fixtures, wires, ..Mechanics::default() })
 }
 
+/// Have the switches inputs of the machine? A drive that is given a voltage has none.
+pub(super) fn are_wired(sim: &Value<'_>, mechanics: &Mechanics) -> bool {
+    let Fixtures { home, negative, positive, .. } = mechanics.fixtures;
+    let switches = [
+        ("home_switch", home.is_some()),
+        ("negative_limit_switch", negative.is_some()),
+        ("positive_limit_switch", positive.is_some()),
+    ];
+    let bare = switches.iter().zip(&mechanics.wires).find(|((_, stands), wire)| *stands && wire.is_none());
+    if let Some(((key, _), _)) = bare {
+        let why = "has no input, and a drive that is given a voltage reads none itself; input is expected";
+        sim.refuse(format!("{key} {why}"), None);
+    }
+    bare.is_none()
+}
+
 /// Key `second`: what stands along the way of the second of two drives.
 pub(super) fn second<'d>(
     map: &mut Map<'d>,

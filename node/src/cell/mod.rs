@@ -60,7 +60,7 @@ use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::Dictionary;
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{AxisConfig, GlobalConfig, MachineConfig, ProgramConfig};
-use lineshaft_core::drive::Objects;
+use lineshaft_core::drive::{Objects, Terminal};
 use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
@@ -100,6 +100,8 @@ pub struct Cell {
     pub second_hardware: Vec<Option<Hardware>>,
     /// One for each drive, in their order: what the cell says of it where it is on CAN.
     pub on_can: Vec<Option<CellDrive>>,
+    /// The drives at modules of CAN, of which no bus knows: they are given voltages there.
+    is_off_bus: Vec<bool>,
     /// Inputs, outputs and encoders on CAN.
     pub terminals_on_can: Vec<CellTerminal>,
     /// How it appears in ROS 2.
@@ -194,11 +196,18 @@ impl Cell {
         let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
         let models = self.drives().zip(&self.models);
         let models: Vec<_> = models.map(|(at, model)| is_at_simulated(at).then_some(*model)).collect();
-        let objects = |backend: &CellBackend| match is_simulated(backend) {
-            true => backend.objects.clone(),
-            false => Objects::default(),
+        let off_bus = || self.drives().zip(&self.is_off_bus).enumerate().filter(|(_, (_, is_off_bus))| **is_off_bus);
+        let objects = |(place, backend): (usize, &CellBackend)| {
+            if !is_simulated(backend) {
+                return Objects::default();
+            }
+            let mut objects = backend.objects.clone();
+            let here = off_bus().filter(|(_, (at, _))| at.backend == place);
+            objects.drives.extend(here.map(|(drive, (at, _))| Terminal { place: drive, address: at.number }));
+            objects
         };
-        let mut plant = Plant::with_buses(&self.machine, &models, self.backends.iter().map(objects).collect());
+        let buses = self.backends.iter().enumerate().map(objects).collect();
+        let mut plant = Plant::with_buses(&self.machine, &models, buses);
         for (place, mechanics) in self.mechanics.iter().enumerate() {
             plant.install(place, mechanics);
         }
@@ -294,7 +303,8 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let objects = functions::Objects { io, memory: &memory, tables: &tables };
     let slots = functions::read(&cx, objects, &mut outputs, reads);
     masters::settle(&mut masters, &slots.slots, &cx);
-    let axes = axes::read(&cx, (&of_io, &encoders, &tables), named, outputs, &slots.chains);
+    let entries = axes::Entries { io: &of_io, encoders: &encoders, encoders_at: &encoders_at, tables: &tables };
+    let axes = axes::read(&cx, entries, named, outputs, &slots.chains);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, io));
     let groups = groups::read(&cx);
     let devices::Io { entries: io, terminals, on_can: mut terminals_on_can, filters, virtual_inputs, marks } = of_io;
@@ -338,6 +348,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
         .collect();
     let (models, mechanics): (_, Vec<_>) = drives.iter().map(|drive| drive.simulated).unzip();
+    let is_off_bus = drives.iter().map(|drive| drive.is_off_bus).collect();
     let on_can = drives.into_iter().map(|drive| drive.on_can).collect();
     let hung = marks::Hung { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
     let marks = marks::read(&marks, &cx, &machine, &hung);
@@ -349,6 +360,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         hardware,
         second_hardware,
         on_can,
+        is_off_bus,
         terminals_on_can,
         ros: ros?,
         groups,

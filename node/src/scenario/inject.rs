@@ -147,7 +147,7 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         value.refuse(format!("inject does one thing: one of {KINDS}"), None);
         return None;
     };
-    match kind.text()? {
+    let injection = match kind.text()? {
         "latch" => latch(arguments, names),
         "input" => input(arguments, names),
         "fault" => fault(arguments, names),
@@ -166,6 +166,28 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
             kind.refuse(format!("`{}` cannot be injected; {KINDS} can", kind.peek().unwrap_or_default()), None);
             None
         }
+    }?;
+    let axis = of_words(&injection).and_then(|drive| Some(names.config.drives().nth(drive)?.1));
+    if let Some(axis) = axis.filter(|axis| axis.analog.is_some()) {
+        let (said, axis) = (kind.peek().unwrap_or_default(), &axis.name);
+        let sentence =
+            format!("{said} is of what a drive tells, and that of {axis} is given a voltage and tells nothing");
+        kind.refuse(sentence, Some("an entry of encoders has its own".to_owned()));
+        return None;
+    }
+    Some(injection)
+}
+
+/// The drive whose words an injection is about.
+fn of_words(injection: &Injection) -> Option<usize> {
+    match injection {
+        Injection::Emergency { drive, .. }
+        | Injection::DriveJump { drive, .. }
+        | Injection::IndexLost { drive }
+        | Injection::Bits { of: Encoder::Drive(drive), .. }
+        | Injection::Cut { of: Encoder::Drive(drive) }
+        | Injection::Dead { of: Encoder::Drive(drive) } => Some(*drive),
+        _ => None,
     }
 }
 

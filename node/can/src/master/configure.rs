@@ -103,12 +103,12 @@ pub(crate) fn configure(
 /// Sees to it that the outputs of a module are off.
 pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Result<(), Refusal> {
     let fields = device.layout.asked.iter().flat_map(|pdo| &pdo.fields);
-    for Field { object, bits, .. } in fields {
+    // One that refuses leaves no other one on.
+    let written = fields.map(|Field { object, bits, .. }| {
         let zero = [0; 4];
-        let bytes = (bits / 8) as usize;
-        port.write(device.node, *object, zero.get(..bytes).unwrap_or(&zero))?;
-    }
-    Ok(())
+        port.write(device.node, *object, zero.get(..(bits / 8) as usize).unwrap_or(&zero))
+    });
+    written.fold(Ok(()), |first, written| first.and(written.map(drop)))
 }
 
 /// Sees to it that a drive does not run.
