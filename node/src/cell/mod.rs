@@ -100,8 +100,6 @@ pub struct Cell {
     pub second_hardware: Vec<Option<Hardware>>,
     /// One for each drive, in their order: what the cell says of it where it is on CAN.
     pub on_can: Vec<Option<CellDrive>>,
-    /// The drives at modules of CAN, of which no bus knows: they are given voltages there.
-    is_off_bus: Vec<bool>,
     /// Inputs, outputs and encoders on CAN.
     pub terminals_on_can: Vec<CellTerminal>,
     /// How it appears in ROS 2.
@@ -196,13 +194,16 @@ impl Cell {
         let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
         let models = self.drives().zip(&self.models);
         let models: Vec<_> = models.map(|(at, model)| is_at_simulated(at).then_some(*model)).collect();
-        let off_bus = || self.drives().zip(&self.is_off_bus).enumerate().filter(|(_, (_, is_off_bus))| **is_off_bus);
+        // No bus of CAN knows them: they are given voltages by its modules.
+        let analog = || {
+            self.drives().zip(self.machine.drives()).enumerate().filter(|(_, (_, (_, axis, _)))| axis.analog.is_some())
+        };
         let objects = |(place, backend): (usize, &CellBackend)| {
             if !is_simulated(backend) {
                 return Objects::default();
             }
             let mut objects = backend.objects.clone();
-            let here = off_bus().filter(|(_, (at, _))| at.backend == place);
+            let here = analog().filter(|(_, (at, _))| at.backend == place && !backend.is_simulated());
             objects.drives.extend(here.map(|(drive, (at, _))| Terminal { place: drive, address: at.number }));
             objects
         };
@@ -348,7 +349,6 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
         .collect();
     let (models, mechanics): (_, Vec<_>) = drives.iter().map(|drive| drive.simulated).unzip();
-    let is_off_bus = drives.iter().map(|drive| drive.is_off_bus).collect();
     let on_can = drives.into_iter().map(|drive| drive.on_can).collect();
     let hung = marks::Hung { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
     let marks = marks::read(&marks, &cx, &machine, &hung);
@@ -360,7 +360,6 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         hardware,
         second_hardware,
         on_can,
-        is_off_bus,
         terminals_on_can,
         ros: ros?,
         groups,

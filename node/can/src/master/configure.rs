@@ -108,7 +108,7 @@ pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Resu
         let zero = [0; 4];
         port.write(device.node, *object, zero.get(..(bits / 8) as usize).unwrap_or(&zero))
     });
-    written.fold(Ok(()), |first, written| first.and(written.map(drop)))
+    written.fold(Ok(()), |first, written| first.and(written.map(drop).map_err(Refusal::from)))
 }
 
 /// Sees to it that a drive does not run.

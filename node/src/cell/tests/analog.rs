@@ -86,7 +86,7 @@ fn a_module_on_can_is_simulated_with_what_hangs_on_it() {
             machine.cycle(&inputs, Commands::queue(due), &mut outputs);
             plant.write(&outputs);
         }
-        (outputs.analog[2], outputs.digital(1), inputs.encoder[0].count)
+        (outputs.analog[2], outputs.digital(0), inputs.encoder[0].count)
     };
     run(10, None);
     assert_eq!(run(100, Some(Action::Enable(AxisSet::one(0)))), (0.0, true, 0));
@@ -215,7 +215,7 @@ fn an_output_is_of_one_axis() {
     let one = cell(drive, ", feedback: {encoder: belt}");
     let other = drive.replace("enable: e", "enable: q");
     let both = said(&format!("{one}  y: {{{AXIS}, drive: {other}, feedback: {{encoder: belt}}}}\n"));
-    assert!(both.starts_with("19:") && both.contains("output `a` is taken already, at 18:"), "{both}");
+    assert!(both.starts_with("23:") && both.contains("output `a` is taken already, at 22:"), "{both}");
     let braked = said(&cell(&format!("{drive}, brake: {{output: e}}"), ", feedback: {encoder: belt}"));
-    assert!(braked.contains("output `e` is taken already, at 18:"), "{braked}");
+    assert!(braked.contains("output `e` is taken already, at 22:"), "{braked}");
 }
