@@ -108,3 +108,82 @@ expect:
     until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 0x80);
     run.passes();
 }
+
+const AMPLIFIER: &str = "io:
+  reference: {type: ao, backend: bus0, node: 10, address: 0}
+  enable: {type: do, backend: bus0, node: 10, address: 0}
+  ready: {type: di, backend: bus0, node: 10, address: 0}
+encoders:
+  belt: {backend: bus0, node: 12, type: linear, scale: {increments: 1000, per: 1 mm}}
+";
+
+/// 100 mm/s at 10 V.
+const OF_AMPLIFIER: &str = "  x: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: {reference: reference, enable: enable, ready: ready, \
+    enable_time: 100 ms, interface: velocity, full_velocity: 100 mm/s}, feedback: {encoder: belt}, max_velocity: 80 mm/s, \
+    max_acceleration: 400 mm/s^2, max_following_error: 20 mm, in_position_window: 0.5 mm, position_loop: {kv: 5}}\n";
+
+/// An amplifier of +-10 V at a module, and its motor's encoder: it is enabled by its contact, moves and lands. At the end it has neither reference
+/// nor enable.
+#[test]
+fn an_amplifier_at_a_module_moves_an_axis() {
+    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
+    devices.tell("amplifier 12 10 100000");
+    let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", AMPLIFIER, OF_AMPLIFIER);
+    let run = cell.run(
+        "scenario: volts
+for: 8 s
+steps:
+  - {when: {signal: ready, is: 1}, do: {enable: {axes: [x]}}}
+  - {when: {signal: x.state, is: STANDSTILL}, do: {move_axis: {axis: x, position: 30 mm, velocity: 40 mm/s}}}
+expect:
+  - {event: {kind: error}, count: 0}
+  - {signal: reference, min: 3.5 V, mode: eventually}
+  - {signal: reference, max: 5 V}
+  - {signal: x.actual.position, at: end, is: 30 mm, within: 0.5 mm}
+",
+    );
+    run.until_told(2, "ready after");
+    assert_eq!((object(&mut devices, 10, 0x6200, 1), object(&mut devices, 12, 0x6004, 0)), (0, 0));
+    devices.tell("set 10 0x6000 1 1");
+    until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 1);
+    run.passes();
+    let outputs = (object(&mut devices, 10, 0x6200, 1), object(&mut devices, 10, 0x6411, 1));
+    assert_eq!(outputs, (0, 0), "at the end");
+}
+
+/// Its module goes in motion, and with it the contact: the axis has the fault of its drive. What comes back comes back without enable, whatever
+/// the contact says.
+#[test]
+fn an_amplifier_whose_module_was_away_stays_off() {
+    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
+    devices.tell("amplifier 12 10 100000");
+    let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", AMPLIFIER, OF_AMPLIFIER);
+    let run = cell.run(
+        "scenario: volts away
+for: 12 s
+steps:
+  - {when: {signal: ready, is: 1}, do: {enable: {axes: [x]}}}
+  - {when: {signal: x.state, is: STANDSTILL}, do: {move_axis: {axis: x, mode: velocity, velocity: 10 mm/s}}}
+expect:
+  - {event: {kind: error, source: x}, count: 1}
+  - {signal: x.state, at: end, is: ERROR_STOP}
+  - {signal: enable, at: end, is: 0}
+",
+    );
+    run.until_told(2, "ready after");
+    devices.tell("set 10 0x6000 1 1");
+    until(&run, &mut devices, |devices| object(devices, 12, 0x6004, 0) > 2_000);
+    devices.tell("dead 10 1");
+    run.until_told(1, "x: drive fault 1000h");
+    thread::sleep(Duration::from_secs(1));
+    let place = object(&mut devices, 12, 0x6004, 0);
+    devices.tell("dead 10 0");
+    run.until_told(3, "ready after");
+    devices.tell("set 10 0x6000 1 1");
+    for _ in 0..100 {
+        thread::sleep(Duration::from_millis(10));
+        assert_eq!((object(&mut devices, 10, 0x6200, 1), object(&mut devices, 10, 0x6411, 1)), (0, 0));
+    }
+    assert_eq!(object(&mut devices, 12, 0x6004, 0), place);
+    run.passes();
+}

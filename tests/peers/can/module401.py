@@ -34,7 +34,22 @@ def build(node_id, profile):
 class Module(Drive):
     def __init__(self, node_id, sim, profile):
         self.profile = profile
+        self.amplifier = None
         super().__init__(node_id, sim, build(node_id, profile))
+
+    def turn_by(self, module, rate):
+        """An amplifier turns this encoder: `rate` counts/s at full scale of the first analog output of a module,
+        while its first digital one is 1."""
+        self.amplifier = (module, rate, float(self.v[k(0x6004)]))
+
+    def advance(self, dt):
+        super().advance(dt)
+        if self.amplifier:
+            module, rate, place = self.amplifier
+            if not module.dead and module.v[k(0x6200, 1)] & 1:
+                place += rate * module.v[k(0x6411, 1)] / 32767 * dt
+            self.amplifier = (module, rate, place)
+            self.v[k(0x6004)] = int(place) & 0xFFFFFFFF
 
     def _connection_lost(self, code=0x8130):
         if self.profile == 401:
