@@ -74,6 +74,12 @@ fn what_is_wrong_is_said_before_anything_moves() {
         (&["x", "--velocity", "60 rev/s"], 2, "x: velocity is 3932160 inc/s"),
         (&["x", "--effort", "2"], 2, "x: effort is 2 of the largest effort; 0.01 to 1"),
         (&["x", "--duration", "1 h"], 2, "duration"),
+        (
+            &["x", "--inertia-ratio", "-1"],
+            2,
+            "x: inertia_ratio is -1; 0 to 1000 times the inertia of the motor is allowed",
+        ),
+        (&["x", "--inertia-ratio", "NaN"], 2, "x: inertia_ratio is NaN; 0 to 1000"),
         (&["x", "--output", "x.gif"], 2, "x.gif"),
     ] {
         let (found, said, complaints) = bench.tune(line);
@@ -81,6 +87,18 @@ fn what_is_wrong_is_said_before_anything_moves() {
         assert!(complaints.contains(part), "{line:?}: {complaints}");
     }
     assert_eq!(bench.cell(), CELL);
+}
+
+/// Play in the coupling of an axis: the sentence names the option, and with it there are gains.
+#[test]
+fn play_asks_for_the_ratio_of_inertias() {
+    let bench = Bench::new(include_str!("../launch-configs/play.yaml"));
+    let (code, said, _) = bench.tune(&["x", "--velocity", "4 rev/s"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("there is play before the load") && said.contains("--inertia-ratio"), "{said}");
+    let (code, said, complaints) = bench.tune(&["x", "--velocity", "4 rev/s", "--inertia-ratio", "3"]);
+    assert_eq!((code, complaints.as_str()), (Some(0), ""), "{said}");
+    assert!(said.contains("told to have 3 times the inertia of the motor"), "{said}");
 }
 
 #[test]

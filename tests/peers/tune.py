@@ -19,6 +19,7 @@ class TuneGoal(IdlStruct, typename="TuneGoal"):
     velocity: t.float64 = 0.0
     effort: t.float64 = 0.0
     duration: t.float64 = 0.0
+    inertia_ratio: t.float64 = 0.0
     real: bool = False
     apply: bool = False
 
@@ -45,7 +46,7 @@ def tune(peer, a):
     parts = ("lineshaft_msgs/Tune", TuneGoal, TuneResult, TuneFeedback)
     client = peer.once(name, lambda: rw.ActionClient(peer.dp, name, *parts))
     units = int(a.units) if a.units.isdigit() else UNITS.index(a.units)
-    goal = TuneGoal(a.axis, units, a.travel, a.velocity, a.effort, a.duration, a.real, a.apply)
+    goal = TuneGoal(a.axis, units, a.travel, a.velocity, a.effort, a.duration, a.inertia_ratio, a.real, a.apply)
     gid, r = client.send_goal(goal)
     show(goal=gid.hex(), accepted=r.accepted)
     if not r.accepted:
@@ -75,7 +76,8 @@ def tune(peer, a):
 
 
 def add_commands(command):
-    p = command("tune", tune, units="si", travel=0.0, velocity=0.0, effort=0.0, duration=0.0, timeout=90.0,
+    p = command("tune", tune, units="si", travel=0.0, velocity=0.0, effort=0.0, duration=0.0, inertia_ratio=0.0,
+                timeout=90.0,
                 expect="SUCCEEDED", until="", progress=0.0)
     p.add_argument("--axis", required=True)
     p.add_argument("--real", action="store_true")

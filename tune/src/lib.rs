@@ -20,6 +20,7 @@
 //!     velocity: None,
 //!     max_velocity: 200_000.0,
 //!     max_acceleration: 1_000_000.0,
+//!     inertia_ratio: 0.0,
 //!     targets: Targets::default(),
 //! };
 //! let found = design(&model, &wish)?;
@@ -43,7 +44,10 @@ mod model;
 mod record;
 mod response;
 
-pub use design::{Design, DesignError, INNER_INTEGRAL, INTEGRAL, Law, Targets, Wish, design};
+pub use design::{
+    COUPLING_DAMPING, Design, DesignError, INNER_INTEGRAL, INTEGRAL, Law, MOST_INERTIA_RATIO, Targets, Wish, design,
+    regimes,
+};
 pub use excite::{Abort, Drive, Excitation, Permitted};
 pub use identify::{
     Deviation, Identified, LEAST_EXPLAINED, LEAST_MOTION, LEAST_REACTION, LEAST_WAY, Refusal, WORTH, identify,

@@ -126,7 +126,8 @@ fn pi(inner: &Inner) -> Open {
 }
 
 fn wish(law: Law, velocity: Option<VelocityMethod>, max_velocity: f64) -> Wish {
-    Wish { law, velocity, max_velocity, max_acceleration: 10.0 * max_velocity, targets: Targets::default() }
+    let (max_acceleration, targets) = (10.0 * max_velocity, Targets::default());
+    Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }
 }
 
 fn agree(margins: &Margins, open: &Open) -> Result<(), TestCaseError> {
@@ -253,6 +254,16 @@ fn what_cannot_be_designed_is_refused() {
     let targets = Targets { phase_margin: f64::NAN, ..Targets::default() };
     let none = Wish { targets, ..wish(Law::Proportional, None, 1e5) };
     assert_eq!(said(model(velocity), none), "phase_margin is NaN deg; 20 to 85 deg is permitted");
+    for (ratio, told) in [(-1.0, "-1"), (f64::NAN, "NaN"), (1001.0, "1001"), (f64::INFINITY, "inf")] {
+        let wish = Wish { inertia_ratio: ratio, ..wish(Law::Pid { timer: 1 }, None, 1e5) };
+        let expected = format!("inertia_ratio is {told} times the motor's; 0 to 1000 times the motor's is permitted");
+        assert_eq!(said(model(effort), wish), expected);
+    }
+    let wish_of_load = Wish { inertia_ratio: 5.0, ..wish(Law::Proportional, None, 1e5) };
+    assert_eq!(
+        said(model(velocity), wish_of_load),
+        "inertia_ratio is 5 times the motor's; 0 to 0 times the motor's is permitted"
+    );
     // A KPROP of 1 is too much already.
     let wild = Dynamics::Velocity { gain: 1e9, time_constant: 0.01, offset: 0.0 };
     assert!(matches!(
@@ -268,6 +279,25 @@ fn designed(model: &Model, wish: &Wish) -> Option<Design> {
         Err(DesignError::Unreachable { .. }) => None,
         Err(error) => panic!("{error}"),
     }
+}
+
+/// Open velocity loop and open position loop of kv above it, the velocity by the difference of two samples.
+fn cascade(loops: &Loops, acceleration: f64, viscous: f64, late: usize) -> (Open, Open) {
+    let (most, inner) = (loops.max_velocity, loops.velocity.expect("a velocity loop"));
+    let PositionLaw::Proportional { kv } = loops.position else { panic!("{loops:?}") };
+    let p = (-CYCLE * viscous).exp();
+    let axis = axis(acceleration / viscous, 1.0 / viscous, CYCLE, late);
+    // Position to velocity: (z - 1) / (z T), whose zero is the integrator of the axis.
+    let seen = times(&power_of_z(late + 1), &[-p, 1.0]);
+    let scale = 1.0 / (CYCLE * most);
+    let law = pi(&inner);
+    let numerator: Polynomial = times(&law.0, &axis.0).iter().map(|x| x * scale).collect();
+    let inner_loop = Open(numerator, times(&law.1, &seen));
+    // Closed, to the position: law axis / (1 + law axis (z - 1) / (z T most)), without what stands twice.
+    let closed = plus(&inner_loop.0, &inner_loop.1);
+    let forward = times(&times(&law.0, &axis.0), &[0.0, 1.0]);
+    let scaled: Polynomial = forward.iter().map(|x| x * kv / most).collect();
+    (inner_loop, Open(scaled, times(&closed, &[-1.0, 1.0])))
 }
 
 /// Between two values, each order of magnitude as often.
@@ -325,24 +355,47 @@ proptest! {
         let model = Model { cycle: CYCLE, delay: late as f64 * CYCLE, dynamics };
         let wish = wish(Law::Proportional, Some(VelocityMethod::Difference), most);
         if let Some(found) = designed(&model, &wish) {
-            let inner = found.loops.velocity.unwrap();
-            let PositionLaw::Proportional { kv } = found.loops.position else { panic!() };
-            let p = (-CYCLE * viscous).exp();
-            let axis = axis(acceleration / viscous, 1.0 / viscous, CYCLE, late);
-            // Position to velocity: (z - 1) / (z T), whose zero is the integrator of the axis.
-            let seen = times(&power_of_z(late + 1), &[-p, 1.0]);
-            let scale = 1.0 / (CYCLE * most);
-            let law = pi(&inner);
-            let numerator: Polynomial = times(&law.0, &axis.0).iter().map(|x| x * scale).collect();
-            let inner_loop = Open(numerator, times(&law.1, &seen));
+            let (inner_loop, outer_loop) = cascade(&found.loops, acceleration, viscous, late);
             agree(&found.velocity.unwrap(), &inner_loop)?;
             let told = velocity_bode(&model, &found.loops).unwrap().unwrap().margins;
             prop_assert!((told.phase - found.velocity.unwrap().phase).abs() < 1e-6);
-            // Closed, to the position: law axis / (1 + law axis (z - 1) / (z T most)), without what stands twice.
-            let closed = plus(&inner_loop.0, &inner_loop.1);
-            let forward = times(&times(&law.0, &axis.0), &[0.0, 1.0]);
-            let scaled: Polynomial = forward.iter().map(|x| x * kv / most).collect();
-            agree(&found.position, &Open(scaled, times(&closed, &[-1.0, 1.0])))?;
+            agree(&found.position, &outer_loop)?;
+        }
+    }
+    /// With the ratio of inertias each regime has them: the whole inertia, and the motor alone with none and with all of the friction. And a
+    /// coupling that swings with a damping of 0.02 or more stays stable, however stiff it is.
+    #[test]
+    fn a_cascade_with_a_ratio_keeps_its_margins_in_each_regime(
+        acceleration in spread(1e6, 1e8), viscous in spread(0.1, 10.0), late in 0_usize..3, ratio in spread(0.5, 30.0),
+    ) {
+        let dynamics = Dynamics::Effort { acceleration, viscous, coulomb: 0.0, load: 0.0, resonance: None };
+        let model = Model { cycle: CYCLE, delay: late as f64 * CYCLE, dynamics };
+        // One unit of VELKPROP is a small part of what the motor alone takes.
+        let most = acceleration * (1.0 + ratio) * 0.05;
+        let wish = Wish { inertia_ratio: ratio, ..wish(Law::Proportional, Some(VelocityMethod::Difference), most) };
+        if let Some(found) = designed(&model, &wish) {
+            let times = 1.0 + ratio;
+            let (mut phases, mut gains) = ([180.0_f64; 2], [f64::INFINITY; 2]);
+            for (by, friction) in [(1.0, viscous), (times, 1e-4), (times, times * viscous)] {
+                let loops = cascade(&found.loops, by * acceleration, friction, late);
+                for (i, open) in [loops.0, loops.1].iter().enumerate() {
+                    let (phase, gain) = open.margins();
+                    prop_assert!(open.closed() < 1.0 && phase >= 59.7 && gain >= 5.9, "{by} {friction}: {phase} {gain}");
+                    (phases[i], gains[i]) = (phases[i].min(phase), gains[i].min(gain));
+                }
+            }
+            for (i, told) in [found.velocity.unwrap(), found.position].iter().enumerate() {
+                prop_assert!((told.phase - phases[i]).abs() < 0.5, "{} {}", told.phase, phases[i]);
+                prop_assert!((told.gain - gains[i]).abs() < 0.2, "{} {}", told.gain, gains[i]);
+            }
+            for k in 0..40 {
+                let frequency = 5.0 * libm::exp2(f64::from(k) / 6.1);
+                let damping = 0.02 + viscous * ratio / (2.0 * TAU * frequency);
+                let resonance = Some(Resonance { frequency, damping: damping.min(1.0), inertia_ratio: ratio });
+                let dynamics = Dynamics::Effort { acceleration, viscous, coulomb: 0.0, load: 0.0, resonance };
+                let bode = velocity_bode(&Model { dynamics, ..model }, &found.loops).unwrap().unwrap();
+                prop_assert!(bode.margins.is_stable(), "{frequency} Hz: {}", bode.margins.radius);
+            }
         }
     }
 }

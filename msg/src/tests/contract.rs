@@ -143,7 +143,7 @@ const OWN_INTERFACES: [(&str, &str); 35] = [
         "uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
         string axis
         uint8 units
-        float64 travel velocity effort duration
+        float64 travel velocity effort duration inertia_ratio
         bool real apply
         ---
         uint32 code

@@ -208,6 +208,9 @@ struct TuneArgs {
     /// Time of the motion to and fro, as `6 s` (1 s to 60 s); left out: 6 s
     #[arg(long, value_name = "TIME", value_parser = plot::time)]
     duration: Option<f64>,
+    /// Inertia of the load in parts of the motor's (0 to 1000), for interface torque with the encoder on the motor: gains that keep their margins within play, too; left out, or 0: an axis with play gets no gains
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    inertia_ratio: Option<f64>,
     /// Draw what was found: FILE.svg or FILE.png; one that exists is replaced
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,

@@ -128,6 +128,7 @@ fn bounds(args: &TuneArgs, config: &MachineConfig) -> Result<Bounds, TuneError> 
         velocity: amount("velocity", &args.velocity, 1)?,
         effort: args.effort,
         duration: args.duration,
+        inertia_ratio: args.inertia_ratio,
     })
 }
 

@@ -54,8 +54,8 @@ pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result
     let (config, parameters) = (handle.config(), handle.parameters());
     let place = usize::from(order.axis);
     let Some(axis) = config.axes.get(place) else { return Err(format!("there is no axis {place}")) };
-    let &TuneOrder { travel, velocity, effort, duration, .. } = order;
-    let bounds = Bounds { travel, velocity, effort, duration };
+    let &TuneOrder { travel, velocity, effort, duration, inertia_ratio, .. } = order;
+    let bounds = Bounds { travel, velocity, effort, duration, inertia_ratio };
     let in_force = |place: usize| *parameters.effective.get(place).unwrap_or(&axis.parameters);
     let subject = Subject::of(axis, &in_force(place));
     let setting = Setting::of(config, &axis.name, in_force, &bounds).map_err(|unfit| unfit.to_string())?;

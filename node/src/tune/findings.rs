@@ -6,14 +6,17 @@
 //! Writes   figures, curves and gains; nothing that moves
 //! Refuses  a record without a model ([`Refusal`]). Loops that cannot be shown, and gains that do not exist, are sentences of the findings
 //!
+//! With a ratio of inertias an axis has the whole inertia in contact and that of its motor within the play: margins are the worse ones of both,
+//! curves, step and move those in contact.
+//!
 //! What a designed loop says nothing of (BANDWIDTH, KILIMTIME, REGWMIN, REGWMAX) stays as it is, and is part of what is shown.
 
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
-    Bode, Design, DesignError, Identified, LoopError, Loops, Move, PositionLaw, Record, Refusal, Trace, Wish, bode,
-    check_fit, design, identify, simulate, velocity_bode,
+    Bode, Design, DesignError, Identified, LoopError, Loops, Margins, Model, Move, PositionLaw, Record, Refusal, Trace,
+    Wish, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
 };
 use serde::Serialize;
 
@@ -90,6 +93,10 @@ pub struct Answer {
     pub position: Bode,
     /// Of the velocity loop; none where there is none.
     pub velocity: Option<Bode>,
+    /// Of the position loop, the worse ones of all regimes.
+    pub margins: Margins,
+    /// Of the velocity loop, likewise.
+    pub velocity_margins: Option<Margins>,
     /// A step of the command.
     pub step: Trace,
     /// A move.
@@ -99,8 +106,7 @@ pub struct Answer {
 impl Answer {
     /// Are all loops stable?
     pub fn is_stable(&self) -> bool {
-        let inner = self.velocity.as_ref().is_none_or(|bode| bode.margins.is_stable());
-        inner && self.position.margins.is_stable()
+        self.margins.is_stable() && self.velocity_margins.is_none_or(|margins| margins.is_stable())
     }
 }
 
@@ -111,6 +117,8 @@ pub struct Findings {
     pub subject: Subject,
     /// The model, its deviations, how much it explains.
     pub identified: Identified,
+    /// The record is that of an axis with play, or of another one that the model does not know.
+    pub is_misfit: bool,
     /// What was wished.
     pub wish: Wish,
     /// The step of both answers.
@@ -151,9 +159,12 @@ impl Findings {
     /// Why there is no model.
     pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
         let identified = identify(record)?;
-        let designed = design(&identified.model, wish);
+        let designed = design(&identified.for_design(wish.inertia_ratio), wish);
         let mut found = Self::of(subject, identified, wish, before, designed);
-        if let Err(refusal) = check_fit(&identified.model, record) {
+        let misfit = check_fit(&identified.model, record).err();
+        found.is_misfit = misfit.is_some();
+        // Whoever tells the ratio says what is between motor and load.
+        if let Some(refusal) = misfit.filter(|_| wish.inertia_ratio == 0.0) {
             (found.after, found.gains) = (Err(refusal.to_string()), Vec::new());
         }
         Ok(found)
@@ -168,7 +179,8 @@ impl Findings {
         designed: Result<Design, DesignError>,
     ) -> Self {
         let after = designed.map_err(|error| error.to_string()).and_then(|found| as_set(&found.loops, before));
-        let trials = Trials::new(&subject, &identified, before, after.as_ref().ok());
+        let model = identified.for_design(wish.inertia_ratio);
+        let trials = Trials::new(&subject, model, wish.inertia_ratio, before, after.as_ref().ok());
         let answer = |loops: &Loops| trials.answer(loops).map_err(|error| error.to_string());
         let gains = after.as_ref().map_or_else(|_| Vec::new(), |after| gains(before, after));
         Self {
@@ -180,6 +192,7 @@ impl Findings {
             gains,
             subject,
             identified,
+            is_misfit: false,
         }
     }
 
@@ -251,8 +264,9 @@ fn gains(before: &Loops, after: &Loops) -> Vec<Gain> {
 }
 
 /// What both sides are shown by.
-struct Trials<'a> {
-    identified: &'a Identified,
+struct Trials {
+    model: Model,
+    inertia_ratio: f64,
     window: f64,
     step_window: f64,
     step: Move,
@@ -260,11 +274,10 @@ struct Trials<'a> {
     to: Move,
 }
 
-impl<'a> Trials<'a> {
-    fn new(subject: &Subject, identified: &'a Identified, before: &Loops, after: Option<&Loops>) -> Self {
-        let model = &identified.model;
+impl Trials {
+    fn new(subject: &Subject, model: Model, inertia_ratio: f64, before: &Loops, after: Option<&Loops>) -> Self {
         let distance = round_down((STEP_OUTPUT / stiffness(after.unwrap_or(before))).clamp(STEPS.0, STEPS.1));
-        let crossover = bode(model, after.unwrap_or(before)).map_or(0.0, |bode| bode.margins.crossover);
+        let crossover = bode(&model, after.unwrap_or(before)).map_or(0.0, |bode| bode.margins.crossover);
         let (periods, least, most) = STEP_TIME;
         let (least, most) = (least.max(100.0 * model.cycle), most.max(200.0 * model.cycle));
         let step_time = (periods / crossover).clamp(least, most);
@@ -274,16 +287,25 @@ impl<'a> Trials<'a> {
         let way = 2.0 * velocity * velocity / subject.acceleration;
         let to = Move::Trapezoid { distance: way.max(1.0), velocity, acceleration: subject.acceleration };
         let (step, window) = (Move::Step { distance }, subject.window);
-        Self { identified, window, step_window: subject.step_window(&step), step, step_time, to }
+        Self { model, inertia_ratio, window, step_window: subject.step_window(&step), step, step_time, to }
     }
 
     fn answer(&self, loops: &Loops) -> Result<Answer, LoopError> {
-        let model = &self.identified.model;
+        let model = &self.model;
         let move_time = self.to.duration() + REST.max(100.0 * model.cycle);
+        let (position, velocity) = (bode(model, loops)?, velocity_bode(model, loops)?);
+        let (mut margins, mut velocity_margins) = (position.margins, velocity.as_ref().map(|bode| bode.margins));
+        for other in regimes(model, self.inertia_ratio)?.iter().skip(1) {
+            margins = margins.worse(&bode(other, loops)?.margins);
+            let inner = velocity_bode(other, loops)?;
+            velocity_margins = velocity_margins.zip(inner).map(|(margins, inner)| margins.worse(&inner.margins));
+        }
         Ok(Answer {
             loops: *loops,
-            position: bode(model, loops)?,
-            velocity: velocity_bode(model, loops)?,
+            position,
+            velocity,
+            margins,
+            velocity_margins,
             step: simulate(model, loops, &self.step, self.step_time, self.step_window)?,
             moved: simulate(model, loops, &self.to, move_time, self.window)?,
         })
@@ -291,7 +313,7 @@ impl<'a> Trials<'a> {
 }
 
 /// Output of a lasting error of one increment, by the proportional gains.
-fn stiffness(loops: &Loops) -> f64 {
+pub(super) fn stiffness(loops: &Loops) -> f64 {
     use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN};
     let position = match loops.position {
         PositionLaw::Proportional { kv } => kv / loops.max_velocity,

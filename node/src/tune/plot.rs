@@ -249,4 +249,6 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
 }
 
 #[cfg(test)]
+mod six;
+#[cfg(test)]
 mod tests;

@@ -4,14 +4,16 @@
 //!          an effort. Without other bounds: 30 % of max_velocity and of the effort, 0.4 s of that velocity either way, 6 s
 //! Reads    the configuration of the axis and its parameters in force
 //! Writes   the bounds of the excitation, the loops as they are, what to design
-//! Refuses  an axis without such loops, one with two drives or with two encoders, bounds beyond those of the axis
+//! Refuses  an axis without such loops, one with two drives or with two encoders, bounds beyond those of the axis, a ratio of inertias of a drive that
+//!          takes velocities or of an encoder that need not be the motor's
 
+use lineshaft_core::axis::Source;
 use lineshaft_core::command::Level;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
-use lineshaft_tune::{Inner, Loops, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
+use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
 
 /// What the user bounds; none: as the axis has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +26,8 @@ pub struct Bounds {
     pub effort: Option<f64>,
     /// Time of the motion to and fro (s).
     pub duration: Option<f64>,
+    /// No bound: the inertia of the load in parts of the motor's, where there may be play between them.
+    pub inertia_ratio: Option<f64>,
 }
 
 /// Why an axis is not tuned.
@@ -97,6 +101,24 @@ pub enum Unfit {
     NoEffort {
         /// The axis.
         axis: String,
+    },
+    /// A ratio that nothing is made of.
+    #[error(
+        "{axis}: inertia_ratio suits a drive that takes efforts; this one takes velocities, and closes its velocity loop through play itself"
+    )]
+    NoRatio {
+        /// The axis.
+        axis: String,
+    },
+    /// Play would be within its loop.
+    #[error(
+        "{axis}: inertia_ratio suits an axis whose encoder sits on its motor and is told by its drive; its position comes from {from}"
+    )]
+    NotOfMotor {
+        /// The axis.
+        axis: String,
+        /// Where its position comes from.
+        from: String,
     },
     /// A bound beyond its range.
     #[error("{axis}: {name} is {value}; {allowed} is allowed")]
@@ -180,6 +202,7 @@ impl Setting {
             return Err(Unfit::TwoEncoders { axis: name.to_owned(), number: p.amplifier.encoder.number });
         }
         let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
+        let wish = Wish { inertia_ratio: inertia_ratio(config, axis, &p, takes, bounds)?, ..wish };
         Ok(Self {
             axis: u16::try_from(place).unwrap_or(u16::MAX),
             level: if takes == Takes::Effort { Level::Effort } else { Level::Setpoint },
@@ -272,7 +295,37 @@ fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> 
     let before = Loops { position, velocity: inner, max_velocity, max_acceleration };
     let targets = Targets::default();
     let velocity = inner.map(|inner| inner.method);
-    Ok((before, Wish { law, velocity, max_velocity, max_acceleration, targets }))
+    Ok((before, Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
+}
+
+/// 0: none is told.
+fn inertia_ratio(
+    config: &MachineConfig,
+    axis: &AxisConfig,
+    p: &AxisParameters,
+    takes: Takes,
+    bounds: &Bounds,
+) -> Result<f64, Unfit> {
+    let Some(ratio) = bounds.inertia_ratio else { return Ok(0.0) };
+    let name = || axis.name.clone();
+    if !(0.0..=MOST_INERTIA_RATIO).contains(&ratio) {
+        let allowed = format!("0 to {MOST_INERTIA_RATIO} times the inertia of the motor");
+        return Err(Unfit::Bound { axis: name(), name: "inertia_ratio", value: ratio.to_string(), allowed });
+    }
+    if ratio == 0.0 {
+        return Ok(0.0);
+    }
+    if takes == Takes::Velocity {
+        return Err(Unfit::NoRatio { axis: name() });
+    }
+    match Source::of(axis.wired, config.encoders.len(), p) {
+        Ok(Source::Encoder(place)) => {
+            let entry = config.encoders.get(usize::from(place)).map_or("an encoder", |entry| entry.name.as_str());
+            Err(Unfit::NotOfMotor { axis: name(), from: format!("encoder {entry}") })
+        }
+        Ok(Source::Simulated) => Err(Unfit::NotOfMotor { axis: name(), from: "its command".to_owned() }),
+        _ => Ok(ratio),
+    }
 }
 
 fn permitted(

@@ -25,6 +25,7 @@ pub(super) fn wish() -> Wish {
         velocity: None,
         max_velocity: 95_493.0,
         max_acceleration: 400.0 * TURN,
+        inertia_ratio: 0.0,
         targets: Targets::default(),
     }
 }

@@ -9,8 +9,8 @@
 //! A deviation counts as large beyond a tenth of its figure, where it also is more than a loop could tell: a tenth of a cycle, or two
 //! hundredths of the full output.
 
-use super::findings::{Answer, Findings, Subject};
-use lineshaft_tune::{Bode, Dynamics, Move};
+use super::findings::{Answer, Findings, Subject, stiffness};
+use lineshaft_tune::{Dynamics, Margins, Move};
 use std::fmt::Write as _;
 
 /// Below this share (%) a model is weak.
@@ -85,6 +85,41 @@ impl Findings {
         }
         if let Err(sentence) = &self.after {
             said.push(format!("There are no gains: {sentence}."));
+        }
+        said.extend(self.of_play());
+        said
+    }
+
+    /// What play, and a ratio of inertias that was told, mean for them.
+    fn of_play(&self) -> Vec<String> {
+        let Dynamics::Effort { acceleration, coulomb, .. } = self.identified.model.dynamics else { return Vec::new() };
+        let ratio = self.wish.inertia_ratio;
+        if ratio == 0.0 {
+            let hint = "Where there is play, tell the inertia of the load by the motor's: --inertia-ratio, or inertia_ratio of ~/tune.";
+            return if self.is_misfit { vec![hint.to_owned()] } else { Vec::new() };
+        }
+        let shows = if self.is_misfit { "play, or what else the model does not know" } else { "no play" };
+        let mut said = vec![
+            format!(
+                "The load was told to have {} times the inertia of the motor; the record shows {shows}.",
+                short(ratio)
+            ),
+            "Margins are the worse ones of the whole inertia and of the motor alone; all else is that of the whole."
+                .to_owned(),
+        ];
+        let (model, designed) = (&self.identified.model, self.identified.for_design(ratio));
+        if designed.delay > model.delay + TELLS.0 * model.cycle {
+            let delay = rounded(1000.0 * designed.delay, 3);
+            said.push(format!("Play hides a part of the delay, which counts as {delay} ms."));
+        }
+        if let Ok(after) = &self.after {
+            let held = coulomb / acceleration / stiffness(&after.loops);
+            if held > self.subject.window {
+                let held = self.subject.place(held.round());
+                said.push(format!(
+                    "Dry friction holds it up to {held} from its target until an integral part has overcome it."
+                ));
+            }
         }
         said
     }
@@ -170,9 +205,9 @@ impl Findings {
             vec![name, of(sides[0]), of(sides[1])]
         };
         let mut rows = vec![vec![String::new(), "before".to_owned(), "after".to_owned()]];
-        rows.extend(margin_rows("position loop", &row, &|answer| Some(&answer.position)));
+        rows.extend(margin_rows("position loop", &row, &|answer| Some(answer.margins)));
         if sides.iter().flatten().any(|side| side.velocity.is_some()) {
-            rows.extend(margin_rows("velocity loop", &row, &|answer| answer.velocity.as_ref()));
+            rows.extend(margin_rows("velocity loop", &row, &|answer| answer.velocity_margins));
         }
         let subject = &self.subject;
         let window = subject.place(subject.window);
@@ -214,18 +249,18 @@ impl Findings {
 
 type Row<'r> = &'r dyn Fn(String, &dyn Fn(&Answer) -> String) -> Vec<String>;
 
-fn margin_rows(name: &str, row: Row<'_>, bode: &dyn Fn(&Answer) -> Option<&Bode>) -> Vec<Vec<String>> {
-    let of = |answer: &Answer, text: &dyn Fn(&Bode) -> String| {
-        bode(answer).map_or_else(
+fn margin_rows(name: &str, row: Row<'_>, of: &dyn Fn(&Answer) -> Option<Margins>) -> Vec<Vec<String>> {
+    let of = |answer: &Answer, text: &dyn Fn(&Margins) -> String| {
+        of(answer).map_or_else(
             || "-".to_owned(),
-            |bode| if bode.margins.is_stable() { text(bode) } else { "unstable".to_owned() },
+            |margins| if margins.is_stable() { text(&margins) } else { "unstable".to_owned() },
         )
     };
     vec![
         vec![name.to_owned()],
-        row("  crossover".to_owned(), &|answer| of(answer, &|bode| frequency(bode.margins.crossover))),
-        row("  phase margin".to_owned(), &|answer| of(answer, &|bode| format!("{:.0} deg", bode.margins.phase))),
-        row("  gain margin".to_owned(), &|answer| of(answer, &|bode| decibel(bode.margins.gain))),
+        row("  crossover".to_owned(), &|answer| of(answer, &|margins| frequency(margins.crossover))),
+        row("  phase margin".to_owned(), &|answer| of(answer, &|margins| format!("{:.0} deg", margins.phase))),
+        row("  gain margin".to_owned(), &|answer| of(answer, &|margins| decibel(margins.gain))),
     ]
 }
 

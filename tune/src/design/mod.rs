@@ -8,11 +8,16 @@
 //! Refuses  targets beyond their range, structures that do not suit the drive, margins that no gains within their ranges keep
 //! Source   MACS-REG-01, MACS-REG-05, MACS-REG-09, MACS-REG-10, MACS-AMP-01, MACS-AMP-04, WF-CLC-03
 //!
+//! An axis that may have play has more regimes than one (`regimes.rs`), and the gains keep their margins in each.
+//!
 //! An encoder that is coarse limits the gain as well: one increment may move the output by [`Targets::ripple`].
 
 mod position;
+mod regimes;
 mod search;
 mod velocity;
+
+pub use regimes::{COUPLING_DAMPING, MOST_INERTIA_RATIO, regimes};
 
 use crate::loops::{LoopError, Loops};
 use crate::model::{Model, ModelError, Takes, judge};
@@ -64,6 +69,8 @@ pub struct Wish {
     pub max_velocity: f64,
     /// What FFACC refers to (inc/s^2).
     pub max_acceleration: f64,
+    /// Inertia of the load in parts of the motor's, of an axis that may have play between them: 0 to 1000, 0 where none is told.
+    pub inertia_ratio: f64,
     /// What the loops have to keep.
     pub targets: Targets,
 }
@@ -73,9 +80,9 @@ pub struct Wish {
 pub struct Design {
     /// With gains as they can be set.
     pub loops: Loops,
-    /// Of the position loop with these gains.
+    /// Of the position loop with these gains, the worse ones of all regimes.
     pub position: Margins,
-    /// Of the velocity loop with these gains; none where there is none.
+    /// Of the velocity loop with these gains, likewise; none where there is none.
     pub velocity: Option<Margins>,
 }
 
@@ -95,7 +102,7 @@ pub enum DesignError {
     },
     /// None keeps them.
     #[error(
-        "no gains of the {which} loop within their ranges keep a phase margin of {phase} deg and a gain margin of {gain} dB"
+        "no gains of the {which} loop within their ranges keep a phase margin of {phase} deg and a gain margin of {gain} dB{regimes}"
     )]
     Unreachable {
         /// Which.
@@ -104,6 +111,8 @@ pub enum DesignError {
         phase: f64,
         /// dB
         gain: f64,
+        /// Empty where there is one alone.
+        regimes: &'static str,
     },
 }
 
@@ -132,9 +141,13 @@ impl Targets {
             && margins.gain >= self.gain_margin
             && margins.reduction >= self.gain_margin
     }
+}
 
+impl Wish {
     fn unreachable(&self, which: &'static str) -> DesignError {
-        DesignError::Unreachable { which, phase: self.phase_margin, gain: self.gain_margin }
+        let Targets { phase_margin: phase, gain_margin: gain, .. } = self.targets;
+        let both = ", with the whole inertia and with the motor alone";
+        DesignError::Unreachable { which, phase, gain, regimes: if self.inertia_ratio > 0.0 { both } else { "" } }
     }
 }
 
@@ -166,7 +179,8 @@ pub fn design(model: &Model, wish: &Wish) -> Result<Design, DesignError> {
         (Takes::Effort, None, Law::Proportional) => return Err(LoopError::NoDamping.into()),
         _ => {}
     }
-    let inner = wish.velocity.map(|method| velocity::design(model, wish, method)).transpose()?;
-    let (loops, position) = position::design(model, wish, cycles, inner.map(|(inner, _)| inner))?;
+    let regimes = regimes(model, wish.inertia_ratio)?;
+    let inner = wish.velocity.map(|method| velocity::design(model, &regimes, wish, method)).transpose()?;
+    let (loops, position) = position::design(model, &regimes, wish, cycles, inner.map(|(inner, _)| inner))?;
     Ok(Design { loops, position, velocity: inner.map(|(_, margins)| margins) })
 }

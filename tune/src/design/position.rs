@@ -1,7 +1,7 @@
 //! The position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
 
 use super::search::{Found, Search};
-use super::{DesignError, INTEGRAL, Law, Targets, Wish};
+use super::{DesignError, INTEGRAL, Law, Targets, Wish, regimes};
 use crate::discrete::{Discrete, radius, turn};
 use crate::loops::{Inner, Loops, PositionLaw, gain, pid};
 use crate::model::{Dynamics, Model};
@@ -24,8 +24,10 @@ const INTEGRAL_WORTH: f64 = 0.5;
 /// Output that the integral part may hold beside what friction and load need, and how much more of that.
 const RESERVE: (f64, f64) = (0.05, 1.5);
 
+/// Of the regimes, the first of which is the model.
 pub(super) fn design(
     model: &Model,
+    models: &[Model],
     wish: &Wish,
     cycles: u32,
     velocity: Option<Inner>,
@@ -35,50 +37,52 @@ pub(super) fn design(
         Law::Pid { .. } => PositionLaw::Pid { gains: PidGains::default(), cycles },
     };
     let loops = Loops { position, velocity, max_velocity: wish.max_velocity, max_acceleration: wish.max_acceleration };
-    let axis = loops.axis(model)?;
+    let axes = models.iter().map(|regime| loops.axis(regime)).collect::<Result<Vec<_>, _>>()?;
     let period = model.cycle * f64::from(cycles);
     let grid = grid(model, period);
     let found = match wish.law {
-        Law::Proportional => proportional(&axis, &grid, period, wish),
-        Law::Pid { timer } => with_pid(model, &loops, &axis, &grid, period, wish, timer),
+        Law::Proportional => proportional(&axes, &grid, period, wish),
+        Law::Pid { timer } => with_pid(model, &loops, &axes, &grid, period, wish, timer),
     };
-    let found = found.ok_or_else(|| wish.targets.unreachable("position"))?;
+    let found = found.ok_or_else(|| wish.unreachable("position"))?;
     Ok((Loops { position: found.gains, ..loops }, found.margins))
 }
 
-fn proportional(axis: &Discrete, grid: &[f64], period: f64, wish: &Wish) -> Option<Found<PositionLaw>> {
+fn proportional(axes: &[Discrete], grid: &[f64], period: f64, wish: &Wish) -> Option<Found<PositionLaw>> {
     let targets = &wish.targets;
-    let search = Search::new(grid, period, axis, &[gain(1.0)], targets);
+    let search = Search::new(grid, period, axes, &[gain(1.0)], targets, None);
     let rounded = |weights: &[f64]| {
         let weight = *weights.first()?;
         let law = PositionLaw::Proportional { kv: weight * wish.max_velocity };
         (weight <= targets.ripple).then(|| (law, vec![weight]))
     };
-    let poles = |law: &PositionLaw| radius(&law.law(wish.max_velocity).then(axis).closed());
+    let poles = |law: &PositionLaw| poles(law, axes, wish);
     search.fastest(|_| vec![1.0], rounded, poles, 0.0)
 }
 
 fn with_pid(
     model: &Model,
     loops: &Loops,
-    axis: &Discrete,
+    axes: &[Discrete],
     grid: &[f64],
     period: f64,
     wish: &Wish,
     timer: u32,
 ) -> Option<Found<PositionLaw>> {
     let targets = &wish.targets;
+    // Below a velocity loop a swing is that loop's matter.
+    let swing = if loops.velocity.is_some() { None } else { regimes::most_imaginary(wish) };
     let laws = [pid(1.0, 0.0, 0.0), pid(0.0, 1.0, 0.0), pid(0.0, 0.0, 1.0)];
-    let search = Search::new(grid, period, axis, &laws, targets);
+    let search = Search::new(grid, period, axes, &laws, targets, swing);
     let base = PidGains {
         bandwidth: 1000,
         window: Window::default(),
         period_ms: i64::from(timer),
-        ..forward(model, loops, axis, period)
+        ..forward(model, loops, axes, period)
     };
     let need = need(model, loops);
     let cycles = loops.cycles();
-    let poles = |law: &PositionLaw| radius(&law.law(wish.max_velocity).then(axis).closed());
+    let poles = |law: &PositionLaw| poles(law, axes, wish);
     let times = times(model, loops, period);
     let best = |least: f64| {
         let rounded = |weights: &[f64]| rounded(weights, least, &base, need, cycles, targets);
@@ -100,6 +104,12 @@ fn with_pid(
     // The least integral part there is may be too much, or cost too much.
     let price = INTEGRAL_WORTH * free.as_ref().map_or(0.0, |free| free.weight);
     best(1.0).filter(|whole| whole.weight >= price).or(free)
+}
+
+/// Largest magnitude of a pole of the loops that are closed.
+fn poles(law: &PositionLaw, axes: &[Discrete], wish: &Wish) -> f64 {
+    let law = law.law(wish.max_velocity);
+    axes.iter().fold(0.0_f64, |most, axis| most.max(radius(&law.then(axis).closed())))
 }
 
 /// Derivative times (samples).
@@ -155,13 +165,14 @@ fn need(model: &Model, loops: &Loops) -> f64 {
 }
 
 /// FFVEL and FFACC.
-fn forward(model: &Model, loops: &Loops, axis: &Discrete, period: f64) -> PidGains {
+fn forward(model: &Model, loops: &Loops, axes: &[Discrete], period: f64) -> PidGains {
     let per = |value: f64| (1000.0 * value).round().clamp(0.0, MOST_FORWARD) as i64;
     let (velocity, acceleration) = match (model.dynamics, loops.velocity) {
         (Dynamics::Effort { acceleration, viscous, .. }, None) => {
             (viscous * loops.max_velocity / acceleration, loops.max_acceleration / acceleration)
         }
         _ => {
+            let Some(axis) = axes.first() else { return PidGains::default() };
             // At a low frequency what takes velocities is a gain and a delay.
             let omega = TAU * 1e-3 * 0.5 / period;
             let seen = axis.at(turn(omega * period)) * crate::discrete::C64::new(0.0, omega);

@@ -1,8 +1,9 @@
 //! The fastest gains of a law that keep their margins.
 //!
 //! Law      for each shape of a law its gain is set for one crossover after the other, from high to low, and rounded as its rows want it;
-//!          the first one whose rounded gains are stable and keep all margins is the shape's best
-//! Reads    what each part of the law makes of the axis, over frequency
+//!          the first one whose rounded gains are stable and keep all margins in each regime of the axis is the shape's best. The crossover is
+//!          that of the first regime
+//! Reads    what each part of the law makes of each regime, over frequency
 //! Writes   gains
 //! Refuses  nothing: where none keeps them, there is none
 
@@ -20,9 +21,11 @@ const STRIDE: usize = 4;
 pub(super) struct Search<'a> {
     pub(super) grid: &'a [f64],
     pub(super) period: f64,
-    /// What each part of the law with the gain 1 makes of the axis, at each frequency.
-    pub(super) parts: Vec<Vec<C64>>,
+    /// For each regime what each part of the law with the gain 1 makes of the axis, at each frequency.
+    pub(super) regimes: Vec<Vec<Vec<C64>>>,
     pub(super) targets: &'a Targets,
+    /// Largest imaginary part of the open loop of a motor alone beyond its crossover; none where there is no such regime.
+    pub(super) most: Option<f64>,
 }
 
 /// Gains with their margins.
@@ -30,22 +33,39 @@ pub(super) struct Found<G> {
     pub(super) gains: G,
     /// The first of its weights.
     pub(super) weight: f64,
+    /// The worse ones of all regimes, the crossover of the first.
     pub(super) margins: Margins,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(grid: &'a [f64], period: f64, axis: &Discrete, laws: &[Discrete], targets: &'a Targets) -> Self {
-        let axis = sampled(axis, grid, period);
-        let of = |law: &Discrete| sampled(law, grid, period).iter().zip(&axis).map(|(l, g)| l * g).collect();
-        Self { grid, period, parts: laws.iter().map(of).collect(), targets }
+    /// `axes` are the regimes.
+    pub(super) fn new(
+        grid: &'a [f64],
+        period: f64,
+        axes: &[Discrete],
+        laws: &[Discrete],
+        targets: &'a Targets,
+        most: Option<f64>,
+    ) -> Self {
+        let laws: Vec<Vec<C64>> = laws.iter().map(|law| sampled(law, grid, period)).collect();
+        let of = |axis: &Discrete| {
+            let axis = sampled(axis, grid, period);
+            laws.iter().map(|law| law.iter().zip(&axis).map(|(l, g)| l * g).collect()).collect()
+        };
+        Self { grid, period, regimes: axes.iter().map(of).collect(), targets, most }
     }
 
-    fn open(&self, weights: &[f64], at: usize) -> C64 {
-        self.parts.iter().zip(weights).fold(C64::new(0.0, 0.0), |sum, (part, weight)| sum + part[at] * *weight)
+    fn open(parts: &[Vec<C64>], weights: &[f64], at: usize) -> C64 {
+        parts.iter().zip(weights).fold(C64::new(0.0, 0.0), |sum, (part, weight)| sum + part[at] * *weight)
+    }
+
+    /// Of the first regime.
+    fn first(&self, weights: &[f64], at: usize) -> C64 {
+        self.regimes.first().map_or(C64::new(0.0, 0.0), |parts| Self::open(parts, weights, at))
     }
 
     /// `shape` gives the weights of the parts at a crossover (rad per sample); `rounded` what can be set of them, with its
-    /// weights; `poles` the largest magnitude of a pole of the loop that they close. A first weight of `softer` or less is not looked for.
+    /// weights; `poles` the largest magnitude of a pole of the loops that they close. A first weight of `softer` or less is not looked for.
     pub(super) fn fastest<G: Copy>(
         &self,
         shape: impl Fn(f64) -> Vec<f64>,
@@ -71,7 +91,7 @@ impl<'a> Search<'a> {
     /// For a crossover at that point of the grid.
     fn weights(&self, at: usize, shape: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
         let mut weights = shape(core::f64::consts::TAU * self.grid[at] * self.period);
-        let size = size(self.open(&weights, at));
+        let size = size(self.first(&weights, at));
         weights.iter_mut().for_each(|weight| *weight /= size);
         weights
     }
@@ -85,18 +105,28 @@ impl<'a> Search<'a> {
     ) -> Option<Found<G>> {
         let weights = self.weights(at, shape);
         // Far from its margin before it is rounded: not worth the rest.
-        if self.angle(self.open(&weights, at)) < self.targets.phase_margin - 5.0 {
+        if self.angle(self.first(&weights, at)) < self.targets.phase_margin - 5.0 {
             return None;
         }
         let (gains, weights) = rounded(&weights)?;
-        let open: Vec<C64> = (0..self.grid.len()).map(|at| self.open(&weights, at)).collect();
-        let found = margins(self.grid, &open);
-        if !self.targets.are_kept(&found) {
-            return None;
+        let mut found: Option<Margins> = None;
+        for (regime, parts) in self.regimes.iter().enumerate() {
+            let open: Vec<C64> = (0..self.grid.len()).map(|at| Self::open(parts, &weights, at)).collect();
+            let margins = margins(self.grid, &open);
+            if !self.targets.are_kept(&margins) || regime > 0 && self.swings(&open, margins.crossover) {
+                return None;
+            }
+            found = Some(found.map_or(margins, |found| found.worse(&margins)));
         }
-        let margins = Margins { radius: poles(&gains), ..found };
+        let margins = Margins { radius: poles(&gains), ..found? };
         let weight = weights.first().copied().unwrap_or(0.0);
         margins.is_stable().then_some(Found { gains, weight, margins })
+    }
+
+    /// May a coupling swing it, however stiff it is?
+    fn swings(&self, open: &[C64], crossover: f64) -> bool {
+        let beyond = self.grid.iter().zip(open).filter(|(f, _)| **f > crossover);
+        self.most.is_some_and(|most| beyond.into_iter().any(|(_, open)| open.im > most))
     }
 
     /// From -1 (degrees, 0 to 180).

@@ -1,7 +1,7 @@
 //! The velocity loop: VELKPROP, VELKINT, VELKILIM.
 
 use super::search::Search;
-use super::{DesignError, INNER_INTEGRAL, Wish};
+use super::{DesignError, INNER_INTEGRAL, Wish, regimes};
 use crate::discrete::Discrete;
 use crate::loops::{Inner, LoopError, pi};
 use crate::model::Model;
@@ -25,31 +25,43 @@ fn gains(proportional: f64, integral: f64, cycle: f64) -> Option<VelocityGains> 
     })
 }
 
-pub(super) fn design(model: &Model, wish: &Wish, method: VelocityMethod) -> Result<(Inner, Margins), DesignError> {
+/// Of the regimes, the first of which is the model.
+pub(super) fn design(
+    model: &Model,
+    models: &[Model],
+    wish: &Wish,
+    method: VelocityMethod,
+) -> Result<(Inner, Margins), DesignError> {
     let (targets, cycle) = (&wish.targets, model.cycle);
-    let axis = Discrete::of(model);
     let estimator = Discrete::estimator(method, cycle).map_err(LoopError::from)?;
     // What one increment does at once.
     let per_increment = estimator.d.abs() * VELOCITY_GAIN / wish.max_velocity;
-    let seen = axis.then(&estimator).scaled(1.0 / wish.max_velocity);
+    let seen = |model| Discrete::of(model).then(&estimator).scaled(1.0 / wish.max_velocity);
+    let seen: Vec<Discrete> = models.iter().map(seen).collect();
     let grid = grid(model, cycle);
-    let search = Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets);
+    let search =
+        Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets, regimes::most_imaginary(wish));
     let shape = |crossover: f64| {
         let integral = if targets.integral { crossover / INNER_INTEGRAL } else { 0.0 };
         vec![1.0, integral]
     };
+    // Gains that one motor alone bounds are small ones: without an integral part friction would keep the axis where it stands.
+    let least = if targets.integral && models.len() > 1 { 1.0 } else { 0.0 };
     let rounded = |weights: &[f64]| {
         let [proportional, integral] = *weights else { return None };
         let gains = gains(
             (proportional / VELOCITY_GAIN).round(),
-            (integral / (VELOCITY_GAIN * 1000.0 * cycle)).round(),
+            (integral / (VELOCITY_GAIN * 1000.0 * cycle)).round().max(least),
             cycle,
         )?;
         let is_calm = f64::from(gains.proportional) * per_increment <= targets.ripple;
         let (proportional, integral) = Inner { gains, method }.weights();
         is_calm.then_some((gains, vec![proportional, integral]))
     };
-    let radius = |gains: &VelocityGains| velocity_radius(&Inner { gains: *gains, method }.law().then(&seen).closed());
-    let found = search.fastest(shape, rounded, radius, 0.0).ok_or_else(|| targets.unreachable("velocity"))?;
+    let radius = |gains: &VelocityGains| {
+        let law = Inner { gains: *gains, method }.law();
+        seen.iter().fold(0.0_f64, |most, seen| most.max(velocity_radius(&law.then(seen).closed())))
+    };
+    let found = search.fastest(shape, rounded, radius, 0.0).ok_or_else(|| wish.unreachable("velocity"))?;
     Ok((Inner { gains: found.gains, method }, found.margins))
 }

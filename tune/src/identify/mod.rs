@@ -60,6 +60,18 @@ pub struct Deviation {
     pub inertia_ratio: f64,
 }
 
+/// Standard deviations of a delay that count where play may hide some of it.
+const HIDDEN: f64 = 3.0;
+
+impl Identified {
+    /// The model for gains of an axis whose ratio of inertias is told (above 0): a motor that is alone within its play answers sooner than with
+    /// its load, which hides a part of the delay, and the delay becomes [`HIDDEN`] of its deviations longer. Without a ratio the model as it is.
+    pub fn for_design(&self, inertia_ratio: f64) -> Model {
+        let hidden = if inertia_ratio > 0.0 { HIDDEN * self.deviation.delay } else { 0.0 };
+        Model { delay: self.model.delay + hidden, ..self.model }
+    }
+}
+
 /// Below this way (inc) an axis is stuck.
 pub const LEAST_MOTION: i64 = 3;
 

@@ -38,6 +38,19 @@ impl Margins {
     pub fn is_stable(&self) -> bool {
         self.radius < 1.0
     }
+
+    /// The worse of both for each margin; the crossover is that of the first.
+    #[must_use]
+    pub fn worse(&self, other: &Self) -> Self {
+        Self {
+            crossover: self.crossover,
+            phase: self.phase.min(other.phase),
+            gain: self.gain.min(other.gain),
+            reduction: self.reduction.min(other.reduction),
+            sensitivity: self.sensitivity.max(other.sensitivity),
+            radius: self.radius.max(other.radius),
+        }
+    }
 }
 
 /// A frequency of the response.

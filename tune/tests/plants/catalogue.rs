@@ -1,5 +1,6 @@
 //! The axes, with what is true of them and what is expected of their loops.
 
+use super::coupled::Drawn;
 use super::simulator::{Axis, Mechanics};
 use lineshaft_core::regulator::VelocityMethod;
 use lineshaft_tune::{Dynamics, Law, Model, Resonance};
@@ -29,6 +30,9 @@ const MOTOR: f64 = 2e-4;
 /// Viscous friction (Nm s/rad).
 const VISCOUS: f64 = 2e-3;
 
+/// Stiction of a motor in parts of its dry friction.
+const STICTION: f64 = 1.1;
+
 /// At full command (Nm).
 const FULL: f64 = 2.0;
 
@@ -40,15 +44,16 @@ fn torque(ratio: f64, coulomb: f64, gravity: f64, spring: Option<(f64, f64)>) ->
         load,
         viscous: VISCOUS,
         coulomb,
-        stiction: 1.1 * coulomb,
+        stiction: STICTION * coulomb,
         gravity,
         spring,
         play: 0.0,
+        dragged: 0.0,
     }
 }
 
 fn axis(mechanics: Mechanics, encoder: f64, delay: f64) -> Axis {
-    Axis { mechanics, encoder, cycle: 1e-3, delay, wired: 1.0 }
+    Axis { mechanics, encoder, cycle: 1e-3, delay, wired: 1.0, sees_load: false }
 }
 
 /// Stiffness and damping of a spring on which a motor and a load of that ratio swing so, without friction.
@@ -119,7 +124,23 @@ pub(crate) fn with_play(ratio: f64) -> Axis {
         unreachable!("torque makes a torque")
     };
     let (spring, play) = (spring(ratio, 150.0, 0.03), 0.5_f64.to_radians());
-    axis(Mechanics::Torque { full, motor, load, viscous, coulomb, stiction, gravity, spring, play }, 8192.0, 2.5e-4)
+    let mechanics =
+        Mechanics::Torque { full, motor, load, viscous, coulomb, stiction, gravity, spring, play, dragged: 0.0 };
+    axis(mechanics, 8192.0, 2.5e-4)
+}
+
+/// A motor and a load behind a coupling with play, as it was drawn.
+pub(crate) fn coupled(drawn: &Drawn) -> Axis {
+    let mut axis = with_play(drawn.ratio);
+    let inc = axis.encoder / TAU;
+    axis.delay = drawn.delay * axis.cycle;
+    let (hz, by) = drawn.coupling;
+    if let Mechanics::Torque { coulomb, stiction, dragged, spring: flank, play, .. } = &mut axis.mechanics {
+        (*coulomb, *stiction, *dragged) =
+            (FULL * drawn.friction.0, STICTION * FULL * drawn.friction.0, FULL * drawn.friction.1);
+        (*flank, *play) = (spring(drawn.ratio, hz, by), drawn.play / inc);
+    }
+    axis
 }
 
 impl Axis {

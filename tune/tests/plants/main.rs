@@ -3,6 +3,7 @@
 //! With `--nocapture` the tests print their tables.
 
 mod catalogue;
+mod coupled;
 mod play;
 mod refusals;
 mod simulator;
@@ -152,6 +153,7 @@ fn tuned(axis: &Axis, model: &lineshaft_tune::Model, tried: &Tried) -> Design {
         velocity: tried.velocity,
         max_velocity: full_velocity(axis),
         max_acceleration: 100.0 * axis.encoder,
+        inertia_ratio: 0.0,
         targets: Targets::default(),
     };
     design(model, &wish).expect("gains")

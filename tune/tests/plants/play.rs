@@ -43,6 +43,7 @@ fn gains_of_a_model_without_play_would_swing() {
         velocity: Some(VelocityMethod::Filtered { time: 0.001 }),
         max_velocity: 45.0 * axis.encoder,
         max_acceleration: 100.0 * axis.encoder,
+        inertia_ratio: 0.0,
         targets: Targets::default(),
     };
     let loops = design(&identify(&record).unwrap().model, &wish).unwrap().loops;

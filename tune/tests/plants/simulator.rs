@@ -32,6 +32,8 @@ pub(crate) enum Mechanics {
         spring: Option<(f64, f64)>,
         /// Of the spring, from flank to flank (rad).
         play: f64,
+        /// Dry friction of the load behind a spring (Nm).
+        dragged: f64,
     },
 }
 
@@ -45,6 +47,17 @@ pub(crate) struct Axis {
     pub(crate) delay: f64,
     /// 1, or -1 where it is wired the other way round; 0: nothing reaches it.
     pub(crate) wired: f64,
+    /// Where the encoder is: at the load behind a spring, or at the motor.
+    pub(crate) sees_load: bool,
+}
+
+/// Dry friction of the load in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Drag {
+    /// Against its motion (Nm).
+    torque: f64,
+    /// It does not let it move.
+    holds: bool,
 }
 
 pub(crate) struct Simulator {
@@ -61,9 +74,13 @@ impl Simulator {
         Self { axis, state: [0.0; 4], commands: Vec::new(), disturbance: 0.0 }
     }
 
+    fn seen(&self) -> usize {
+        if self.axis.sees_load { 2 } else { 0 }
+    }
+
     /// inc, not rounded
     pub(crate) fn place(&self) -> f64 {
-        self.state[0] / TAU * self.axis.encoder
+        self.state[self.seen()] / TAU * self.axis.encoder
     }
 
     pub(crate) fn position(&self) -> i64 {
@@ -72,7 +89,7 @@ impl Simulator {
 
     /// inc/s
     pub(crate) fn velocity(&self) -> f64 {
-        self.state[1] / TAU * self.axis.encoder
+        self.state[self.seen() + 1] / TAU * self.axis.encoder
     }
 
     fn command_at(&self, time: f64) -> f64 {
@@ -100,17 +117,32 @@ impl Simulator {
             let Mechanics::Torque { spring: Some(_), .. } = self.axis.mechanics else { return };
         }
         let held = self.state[1] == 0.0 && pull.abs() <= self.stiction();
-        let slope = |x: [f64; 4]| self.slope(x, u, sense, held);
+        let load = self.drag(self.state);
+        let slope = |x: [f64; 4]| self.slope(x, u, (sense, held), load);
         let a = slope(self.state);
         let b = slope(add(self.state, a, h / 2.0));
         let c = slope(add(self.state, b, h / 2.0));
         let d = slope(add(self.state, c, h));
         let sum = add(add(add(a, b, 2.0), c, 2.0), d, 1.0);
-        let before = self.state[1];
+        let before = [self.state[1], self.state[3]];
         self.state = add(self.state, sum, h / 6.0);
-        if self.stiction() > 0.0 && before != 0.0 && before.signum() != self.state[1].signum() {
+        let turns = |before: f64, now: f64| before != 0.0 && before.signum() != now.signum();
+        if self.stiction() > 0.0 && turns(before[0], self.state[1]) {
             self.state[1] = 0.0;
         }
+        if load != Drag::default() && turns(before[1], self.state[3]) {
+            self.state[3] = 0.0;
+        }
+    }
+
+    /// Dry friction of the load, which has one sense in a step as well.
+    fn drag(&self, x: [f64; 4]) -> Drag {
+        let Mechanics::Torque { spring: Some(spring), play, dragged, .. } = self.axis.mechanics else {
+            return Drag::default();
+        };
+        let pull = Self::twist(x, spring, play);
+        let sense = if x[3] == 0.0 { pull.signum() } else { x[3].signum() };
+        Drag { torque: dragged * sense, holds: dragged > 0.0 && x[3] == 0.0 && pull.abs() <= dragged }
     }
 
     fn stiction(&self) -> f64 {
@@ -142,14 +174,15 @@ impl Simulator {
         }
     }
 
-    fn slope(&self, x: [f64; 4], u: f64, sense: f64, held: bool) -> [f64; 4] {
+    fn slope(&self, x: [f64; 4], u: f64, (sense, held): (f64, bool), drag: Drag) -> [f64; 4] {
         match self.axis.mechanics {
             Mechanics::Velocity { full, lag } => [x[1], (full * u - x[1]) / lag, 0.0, 0.0],
             Mechanics::Torque { motor, load, coulomb, spring, play, .. } => {
                 let torque = self.pull(x, u) - coulomb * sense;
                 let inertia = if spring.is_some() { motor } else { motor + load };
                 let acceleration = if held { 0.0 } else { torque / inertia };
-                let other = spring.map_or(0.0, |spring| Self::twist(x, spring, play) / load);
+                let twist = spring.filter(|_| !drag.holds).map(|spring| Self::twist(x, spring, play));
+                let other = twist.map_or(0.0, |twist| (twist - drag.torque) / load);
                 [x[1], acceleration, x[3], other]
             }
         }
@@ -216,6 +249,18 @@ pub(crate) type Command = (f64, f64, f64);
 
 /// Command and place (inc) of each cycle of an axis behind the laws of the core.
 pub(crate) fn run(axis: Axis, loops: &Loops, seconds: f64, command: impl Fn(f64) -> Command) -> Vec<(f64, f64)> {
+    run_until(axis, loops, seconds, command, |_| false)
+}
+
+/// The same, until it is over: asked once a second.
+pub(crate) fn run_until(
+    axis: Axis,
+    loops: &Loops,
+    seconds: f64,
+    command: impl Fn(f64) -> Command,
+    is_over: impl Fn(&[(f64, f64)]) -> bool,
+) -> Vec<(f64, f64)> {
+    let second = (1.0 / axis.cycle).round() as usize;
     let mut simulator = Simulator::new(axis);
     let (mut pid, mut inner) = (Pid::default(), VelocityLoop::default());
     let mut estimator =
@@ -225,6 +270,9 @@ pub(crate) fn run(axis: Axis, loops: &Loops, seconds: f64, command: impl Fn(f64)
         let (place, velocity, acceleration) = command(f64::from(k) * axis.cycle);
         let actual = simulator.position();
         way.push((place, simulator.place()));
+        if way.len() % second == 0 && is_over(&way) {
+            break;
+        }
         let error = Position::from_f64(place) - Position::whole(actual);
         let asked = match loops.position {
             PositionLaw::Proportional { kv } => {

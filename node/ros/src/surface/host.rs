@@ -137,6 +137,8 @@ pub struct TuneOrder {
     pub effort: Option<f64>,
     /// Time of the motion to and fro (s).
     pub duration: Option<f64>,
+    /// Inertia of the load in parts of the motor's, where there may be play between them.
+    pub inertia_ratio: Option<f64>,
     /// A real drive may be moved.
     pub real: bool,
 }

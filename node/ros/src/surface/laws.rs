@@ -188,7 +188,7 @@ mod tests {
             any_goal(&[&[1], encode(&probe).as_slice()].concat());
             let ProbeAxisGoal { axis, .. } = probe;
             let (travel, effort, duration) = (position, acceleration, deceleration);
-            let tune = TuneGoal { axis, units, travel, velocity, effort, duration, real: false, apply: false };
+            let tune = TuneGoal { axis, units, travel, velocity, effort, duration, inertia_ratio: effort, real: false, apply: false };
             any_goal(&[&[5], encode(&tune).as_slice()].concat());
         }
 

@@ -71,6 +71,7 @@ pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder
         velocity: amount("velocity", goal.velocity, 1)?,
         effort: given(goal.effort),
         duration: given(goal.duration),
+        inertia_ratio: given(goal.inertia_ratio),
         real: goal.real,
     })
 }
@@ -188,14 +189,22 @@ mod tests {
     fn a_goal_becomes_an_order_in_increments_and_0_is_what_the_axis_has() {
         let goal = TuneGoal { axis: "x".to_owned(), units: TuneGoal::INCREMENTS, ..TuneGoal::default() };
         assert_eq!(resolve(&goal), Ok(TuneOrder::default()));
-        let bounded =
-            TuneGoal { travel: 4000.0, velocity: 2500.5, effort: 0.25, duration: 4.0, real: true, ..goal.clone() };
+        let bounded = TuneGoal {
+            travel: 4000.0,
+            velocity: 2500.5,
+            effort: 0.25,
+            duration: 4.0,
+            inertia_ratio: 5.0,
+            real: true,
+            ..goal.clone()
+        };
         let order = TuneOrder {
             axis: 0,
             travel: Some(4000.0),
             velocity: Some(2500.5),
             effort: Some(0.25),
             duration: Some(4.0),
+            inertia_ratio: Some(5.0),
             real: true,
         };
         assert_eq!(resolve(&bounded), Ok(order));
@@ -205,7 +214,10 @@ mod tests {
         for travel in [f64::NAN, f64::INFINITY] {
             assert!(sentence(TuneGoal { travel, ..goal.clone() }).contains("travel"), "{travel}");
         }
-        assert!(sentence(TuneGoal { velocity: f64::NAN, ..goal }).contains("velocity"));
+        assert!(sentence(TuneGoal { velocity: f64::NAN, ..goal.clone() }).contains("velocity"));
+        // Whoever knows the axis judges it; what is no number is not taken for none.
+        let order = resolve(&TuneGoal { inertia_ratio: f64::NAN, ..goal }).expect("an order");
+        assert!(order.inertia_ratio.is_some_and(f64::is_nan));
     }
 
     #[test]

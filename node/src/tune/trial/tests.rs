@@ -90,6 +90,41 @@ fn gains_of_a_trial_move_the_axis() {
     }
 }
 
+/// A degree of play before twice the inertia, 23 inc: without the ratio the sentence says what is missing; with it there are gains, and they
+/// move the axis.
+#[test]
+fn play_asks_for_the_ratio_of_inertias() {
+    let sim = "      inertia_ratio: 2\n      load_coulomb_friction: 0.02 Nm\n      stiffness: 130 Nm/rad\n      \
+               coupling_damping: 0.01 Nm*s/rad\n      backlash: 1 deg\n";
+    let text = torque("interface: torque", 8192, sim, EFFORT);
+    // A short way: what play leaves counts in parts of it.
+    let short = Bounds { velocity: Some(8.0 * 8192.0), effort: Some(0.6), ..Bounds::default() };
+    let without = found(&text, short);
+    assert!(without.gains.is_empty(), "{}", without.text());
+    let said = without.warnings();
+    assert!(said.iter().any(|line| line.contains("there is play before the load")), "{said:?}");
+    assert_eq!(
+        said.last().map(String::as_str),
+        Some(
+            "Where there is play, tell the inertia of the load by the motor's: --inertia-ratio, or inertia_ratio of ~/tune."
+        )
+    );
+    let with = found(&text, Bounds { inertia_ratio: Some(2.0), ..short });
+    println!("{}", with.text());
+    let after = with.after.as_ref().expect("loops");
+    assert!(after.is_stable() && after.margins.phase >= 60.0 && after.margins.gain >= 6.0);
+    let inner = after.velocity_margins.expect("a velocity loop");
+    assert!(inner.phase >= 60.0 && inner.gain >= 6.0);
+    // The worse ones: those of the motor alone are not those in contact.
+    assert!(inner.gain < after.velocity.as_ref().expect("a velocity loop").margins.gain);
+    assert!(
+        with.warnings()
+            .iter()
+            .any(|line| line.starts_with("The load was told to have 2 times the inertia of the motor"))
+    );
+    moves(&text, &with, 3 * 8192, 60);
+}
+
 /// A drive that takes velocities.
 #[test]
 fn a_drive_of_velocities_is_tuned() {
@@ -109,7 +144,13 @@ fn a_drive_of_velocities_is_tuned() {
 #[test]
 fn a_trial_keeps_its_bounds() {
     let text = torque(PID, 8192, "      inertia_ratio: 3\n      coulomb_friction: 0.06 Nm\n", EFFORT);
-    let bounds = Bounds { travel: Some(8192.0), velocity: Some(40_960.0), effort: Some(0.5), duration: Some(3.0) };
+    let bounds = Bounds {
+        travel: Some(8192.0),
+        velocity: Some(40_960.0),
+        effort: Some(0.5),
+        duration: Some(3.0),
+        ..Bounds::default()
+    };
     let (_, ended, record) = tried(&text, bounds, |_| {});
     assert_eq!(ended, Ended::Done);
     let start = record.positions[0];
@@ -183,6 +224,26 @@ fn axes_that_cannot_be_tuned_are_refused_by_name() {
     );
     let bounds = Bounds { effort: Some(f64::NAN), ..Bounds::default() };
     assert!(refused(PID, EFFORT, bounds).starts_with("x: effort is NaN"));
+    for (ratio, value) in [(-1.0, "-1"), (f64::NAN, "NaN"), (1000.5, "1000.5"), (f64::INFINITY, "inf")] {
+        let bounds = Bounds { inertia_ratio: Some(ratio), ..Bounds::default() };
+        assert_eq!(
+            refused(PID, EFFORT, bounds),
+            format!("x: inertia_ratio is {value}; 0 to 1000 times the inertia of the motor is allowed")
+        );
+    }
+    let bounds = Bounds { inertia_ratio: Some(5.0), ..Bounds::default() };
+    assert_eq!(
+        refused("interface: velocity", "", bounds),
+        "x: inertia_ratio suits a drive that takes efforts; this one takes velocities, and closes its velocity loop through play itself"
+    );
+    let table = include_str!("../../../../launch-configs/dual.yaml").replace("ampencno", "# ampencno");
+    let cell = Cell::parse("dual.yaml", table.replace("ampencres", "# ampencres").replace("ampencrpm", "# ampencrpm"));
+    let said =
+        setting(&cell.unwrap_or_else(|problems| panic!("{problems}")), bounds).expect_err("a refusal").to_string();
+    assert!(
+        said.starts_with("x: inertia_ratio suits an axis whose encoder sits on its motor and is told by its drive; its position comes from encoder "),
+        "{said}"
+    );
     let two = format!("{EFFORT}    ampencno: 1\n    ampencres: 65536\n");
     assert_eq!(
         refused(PID, &two, Bounds::default()),
