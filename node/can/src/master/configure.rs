@@ -103,12 +103,15 @@ pub(crate) fn configure(
 /// Sees to it that the outputs of a module are off.
 pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Result<(), Refusal> {
     let fields = device.layout.asked.iter().flat_map(|pdo| &pdo.fields);
-    // One that refuses leaves no other one on.
-    let written = fields.map(|Field { object, bits, .. }| {
+    let mut refused = Ok(());
+    for Field { object, bits, .. } in fields {
         let zero = [0; 4];
-        port.write(device.node, *object, zero.get(..(bits / 8) as usize).unwrap_or(&zero))
-    });
-    written.fold(Ok(()), |first, written| first.and(written.map(drop).map_err(Refusal::from)))
+        let bytes = (bits / 8) as usize;
+        let written = port.write(device.node, *object, zero.get(..bytes).unwrap_or(&zero));
+        // One that refuses leaves no other one on.
+        refused = refused.and(written.map(drop).map_err(Refusal::from));
+    }
+    refused
 }
 
 /// Sees to it that a drive does not run.

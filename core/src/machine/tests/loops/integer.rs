@@ -81,6 +81,26 @@ fn the_commands_of_the_module_run_on_its_regulator() {
     assert_eq!(rig.int("x.saia.output"), code as i64, "what drives it is what is shown");
 }
 
+/// While commands of the module run, its regulator is sampled once for each of its samples: held 100 inc away, 20 ms are 58.6 of 341 us, in which
+/// KInt 1 adds 100 to U each, and the output is a sixteenth of that.
+///
+/// Proves: SAIA-PID-02, SAIA-SW-01
+#[test]
+fn commands_of_the_module_sample_its_regulator_once() {
+    let mut rig = enabled(Model::Ideal, integer_config(0, 1, 0));
+    rig.give(Action::Disable(AxisSet::one(X)));
+    rig.run(200);
+    rig.give(saia_verb(&[Command::Initialise]));
+    rig.give(saia_verb(&[Command::Start]));
+    rig.run(500);
+    rig.plant.drive(0).unwrap().jam(true);
+    rig.plant.drive(0).unwrap().jump(-100);
+    let before = rig.real("x.regulator.output") * 2048.0;
+    rig.run(20);
+    let code = rig.real("x.regulator.output") * 2048.0 - before;
+    assert!((350.0..=380.0).contains(&code), "{code}");
+}
+
 #[test]
 fn a_register_out_of_range_closes_no_loop() {
     let mut config = integer_config(40_000, 0, 0);

@@ -157,6 +157,28 @@ fn a_blocked_axis_draws_its_largest_current_for_a_tenth_of_a_second() {
     }
 }
 
+/// A current that is always told as 0: what is asked for is a part of what ampmaxcur allows, and the voltage goes to its limit for it.
+#[test]
+fn a_dead_current_sensor_ends_at_the_largest_voltage() {
+    let mut config = looped(Interface::Voltage, Law::Pid, 0);
+    let p = &mut config.axes[1].parameters;
+    super::voltage::loops(p, 0);
+    (p.amplifier.integral, p.error_reaction) = (0, 0);
+    let mut rig = Rig::with(config, [model(Interface::Voltage, motor(2.5e-4, 0.0)), Model::Ideal]);
+    rig.enable();
+    rig.plant.drive(0).unwrap().jam(true);
+    rig.tamper = |inputs| inputs.drive[0].effort = 0.0;
+    rig.give(Action::Move(to(X, 300)));
+    let mut most: f64 = 0.0;
+    for _ in 0..3_000 {
+        rig.run(1);
+        most = most.max(rig.real("x.regulator.current_setpoint").abs());
+    }
+    assert!(most > 0.0 && most < 5_000.0, "{most} mA of 10 A");
+    assert!(rig.events.iter().any(|event| event.code == Code::ENCODER_STANDS));
+    assert_eq!((rig.int("x.enabled"), rig.real("x.output.effort")), (0, 0.0));
+}
+
 proptest! {
     #![proptest_config(cases(40))]
 
