@@ -6,17 +6,17 @@
 
 use super::backends::{Backend, Context, Hardware, node_and_channel};
 use super::devices::Io;
-use super::drives::{Drive, law};
 use super::names::quote;
+use super::regulator::law;
 use super::safety::contact;
 use super::scale::Travel;
 use super::terminals::Kind;
 use super::times::time;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::{AnalogWiring, FULL_VOLTS, Interface};
+use lineshaft_core::regulator::Law;
 
 /// The key that makes a drive one of these.
 pub(super) const REFERENCE: &str = "reference";
@@ -29,13 +29,23 @@ pub(super) struct Outputs<'a, 'd> {
     pub taken: &'a mut wiring::Taken,
 }
 
+/// What the keys say.
+pub(super) struct Analog {
+    pub at: Hardware,
+    /// What that hangs on.
+    pub kind: Backend,
+    pub interface: Interface,
+    pub law: Law,
+    pub wiring: AnalogWiring,
+}
+
 /// Reads the keys, behind those that all drives have.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     travel: &Travel,
     cx: &Context<'d>,
     outputs: &mut Outputs<'_, 'd>,
-) -> Option<Drive> {
+) -> Option<Analog> {
     let interfaces = [Interface::Velocity, Interface::Torque].map(|interface| (interface.name(), interface));
     let interface = map.required("interface").and_then(|value| value.choice(&interfaces));
     let law = map.optional("regulator").map_or(Some(Default::default()), |value| law(&value, interface));
@@ -81,8 +91,8 @@ pub(super) fn read<'d>(
     };
     let (by_enable, by_ready) = (beside(&enable_at, Some(enable)), beside(&contact_at, ready));
     by_enable.and(by_ready)?;
-    let analog = AnalogWiring { reference, enable, ready, full: full?, enable_ns: enable_ns? };
-    Some(Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: MISSED_CYCLES, analog: Some(analog) })
+    let wiring = AnalogWiring { reference, enable, ready, full: full?, enable_ns: enable_ns? };
+    Some(Analog { at, kind, interface: interface?, law: law?, wiring })
 }
 
 /// Is it lost together with what is there?

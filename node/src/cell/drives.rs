@@ -3,10 +3,11 @@
 //! Law      an axis has a drive, or two that carry it between them, or none: then it is virtual
 //! Refuses  two that differ in what they are asked for, or in how or when they do it
 
-use super::analog::{self, Outputs};
+use super::analog::{self, Analog, Outputs};
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::can::{self, CellDrive};
 use super::names::{Once, quote};
+use super::regulator::law;
 use super::scale::Travel;
 use crate::document::{Map, Value};
 use lineshaft_can::drive::DriveMode;
@@ -173,7 +174,9 @@ pub(super) fn drive<'d>(
     if let Some(outputs) = outputs.filter(|_| map.has(analog::REFERENCE)) {
         let read = analog::read(&mut map, travel, cx, outputs);
         map.finish();
-        return read.map(|drive| (drive, None));
+        let Analog { at, kind, interface, law, wiring } = read?;
+        let analog = Some(wiring);
+        return Some((Drive::Real { at, kind, interface, law, missed_cycles: MISSED_CYCLES, analog }, None));
     }
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
@@ -215,22 +218,6 @@ fn take(
     let number = value.integer(range)?;
     let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
     taken.take((backend, key, number), &value, what).then_some(number)
-}
-
-/// Key `regulator`; `interface` is that of the drive, if it is known.
-pub(super) fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
-    let law = value.choice(&Law::ALL.map(|law| (law.name(), law)))?;
-    match interface {
-        Some(interface) if !interface.closes_loop_here() => {
-            let sentence = format!(
-                "regulator is for a drive whose position loop is closed here, with interface velocity, torque or voltage; this one has {}",
-                interface.name()
-            );
-            value.refuse(sentence, Some("leave it out".to_owned()));
-            None
-        }
-        _ => Some(law),
-    }
 }
 
 /// Key `interface`; `backend` is what the drive hangs on, if it is known.

@@ -39,6 +39,7 @@ mod names;
 mod parameters;
 mod preset;
 mod programs;
+mod regulator;
 mod robot;
 mod ros;
 mod row;
