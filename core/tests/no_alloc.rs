@@ -7,7 +7,7 @@ mod cell;
 
 use actions::{Numbers, action, command, leaving, open, run, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use cell::{absolute, config, long_table, models, slots, table, wild};
+use cell::{absolute, analog, config, long_table, models, slots, table, wild};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     Action, Command, CommandFunction, Commands, HomeAxis, HomingMethod, SetPosition, Setpoint, Setpoints, Source,
@@ -94,6 +94,11 @@ fn no_cycle_takes_or_gives_back_memory() {
 #[test]
 fn no_cycle_of_absolute_encoders_takes_or_gives_back_memory() {
     assert!(cycles_take_and_give_back_no_memory(absolute()) > 0);
+}
+
+#[test]
+fn no_cycle_of_a_drive_behind_a_voltage_takes_or_gives_back_memory() {
+    assert_eq!(cycles_take_and_give_back_no_memory(analog()), 0);
 }
 
 /// Everything that there is comes by chance; the number of words of an encoder that were replaced.

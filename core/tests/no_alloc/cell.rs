@@ -5,7 +5,7 @@ use lineshaft_core::config::{
     AxisConfig, EncoderConfig, FilterConfig, GlobalConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig,
     MemoryKind, ProgramConfig, SinkConfig, SlotConfig, SourceConfig, SumConfig, TableConfig,
 };
-use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
+use lineshaft_core::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
 use lineshaft_core::function::{self, Room, TYPES};
 use lineshaft_core::object::{Leader, Object};
@@ -100,6 +100,24 @@ pub(super) fn absolute() -> MachineConfig {
     config.axes[5].wired = Wired::Encoder(1);
     let module = &mut config.axes[7].parameters;
     (module.encoder.kind, module.encoder.steps, module.encoder.reference_or_parity) = (1, 16_384, 1);
+    config
+}
+
+/// The same machine where an axis is given a voltage.
+pub(super) fn analog() -> MachineConfig {
+    let mut config = config();
+    let place = config.io.len() as u16;
+    let entry = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
+    config.io.push(entry("reference", IoKind::AnalogOutput));
+    config.io.push(entry("enable", IoKind::DigitalOutput));
+    config.io.push(entry("ready", IoKind::DigitalInput));
+    let scale = config.encoders[0].scale;
+    let form = Form::Incremental(32);
+    config.encoders.push(EncoderConfig { name: "motor".into(), form, check: None, scale });
+    let axis = &mut config.axes[1];
+    axis.wired = Wired::Encoder(1);
+    let [reference, enable, ready] = [place, place + 1, place + 2];
+    axis.analog = Some(AnalogWiring { reference, enable, ready: Some(ready), full: 1e5, enable_ns: 10_000_000 });
     config
 }
 
