@@ -200,6 +200,13 @@ impl Rig {
         self.events.extend_from_slice(events);
     }
 
+    /// One cycle with a new value for a parameter of x.
+    #[track_caller]
+    pub(crate) fn set(&mut self, key: &str, value: parameter::Value) -> u64 {
+        let row = parameter::Row::find(key).unwrap_or_else(|| panic!("no row {key}")).0;
+        self.give(Action::SetParameters([parameter::Change { axis: X, row, value }].into()))
+    }
+
     /// What a vocabulary asks of an axis, before the next cycle.
     pub(crate) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
         for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {

@@ -11,7 +11,7 @@ use crate::drive::{BusState, Capabilities, DriveInput, DriveState, Inputs, Inter
 use crate::encoder::{Absolute, Form};
 use crate::event::Kind;
 use crate::object::AxisSet;
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use crate::position::Length;
 use crate::sim::{Model, SecondOrder};
 use crate::vocabulary::saia::Command;
@@ -53,11 +53,6 @@ fn controls(rig: &Rig) -> [u16; 2] {
 
 fn setpoints(rig: &Rig) -> [i64; 2] {
     [FIRST, SECOND].map(|place| rig.outputs().drive[place].position)
-}
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    let (row, _) = Row::find(key).expect("a row");
-    rig.give(Action::SetParameters([Change { axis: X, row, value }].into()))
 }
 
 fn errors(rig: &Rig) -> Vec<Code> {
@@ -144,7 +139,7 @@ fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
     for jammed in [FIRST, SECOND] {
         let mut rig = enabled(40);
         // Nothing else is to stop it first.
-        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        rig.set("max_following_error", Value::Int(1_000_000));
         rig.give(Action::Move(at(X, 10_000.0)));
         rig.run(100);
         rig.plant.drive(jammed).unwrap().jam(true);
@@ -171,14 +166,14 @@ fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
 #[test]
 fn a_new_limit_counts_at_once() {
     let mut rig = enabled(0);
-    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    rig.set("max_following_error", Value::Int(1_000_000));
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(100);
     rig.plant.drive(SECOND).unwrap().jam(true);
     while rig.int("x.skew").abs() < 100 {
         rig.run(1);
     }
-    set(&mut rig, "max_skew", Value::Int(99));
+    rig.set("max_skew", Value::Int(99));
     assert_eq!((rig.int("x.error"), controls(&rig)), (i64::from(Code::SKEW.0), [control::DISABLE_VOLTAGE; 2]));
 }
 
@@ -189,8 +184,8 @@ fn the_skew_has_a_reaction_of_its_own() {
         [(0, control::DISABLE_VOLTAGE), (1, control::DISABLE_VOLTAGE), (2, control::ENABLE), (4, control::QUICK_STOP)]
     {
         let mut rig = enabled(0);
-        set(&mut rig, "skew_reaction", Value::Int(reaction));
-        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        rig.set("skew_reaction", Value::Int(reaction));
+        rig.set("max_following_error", Value::Int(1_000_000));
         rig.give(Action::Move(at(X, 10_000.0)));
         rig.run(100);
         rig.plant.drive(SECOND).unwrap().jam(true);
@@ -207,8 +202,8 @@ fn the_skew_has_a_reaction_of_its_own() {
 fn the_skew_is_supervised_in_stops_too() {
     for stop in [Action::Halt(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
         let mut rig = enabled(0);
-        set(&mut rig, "max_following_error", Value::Int(1_000_000));
-        set(&mut rig, "max_deceleration", Value::Real(20_000.0));
+        rig.set("max_following_error", Value::Int(1_000_000));
+        rig.set("max_deceleration", Value::Real(20_000.0));
         rig.give(Action::Move(at(X, 10_000.0)));
         rig.run(100);
         rig.plant.drive(SECOND).unwrap().jam(true);
@@ -217,8 +212,8 @@ fn the_skew_is_supervised_in_stops_too() {
         assert_eq!((errors(&rig), controls(&rig)), (vec![Code::SKEW], [control::DISABLE_VOLTAGE; 2]));
     }
     let mut rig = enabled(0);
-    set(&mut rig, "max_deceleration", Value::Real(20_000.0));
-    set(&mut rig, "max_following_error", Value::Int(50));
+    rig.set("max_deceleration", Value::Real(20_000.0));
+    rig.set("max_following_error", Value::Int(50));
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(100);
     rig.plant.drive(FIRST).unwrap().jam(true);
@@ -232,10 +227,10 @@ fn the_skew_is_supervised_in_stops_too() {
 /// Moves at 10 inc in a cycle with one drive held, until the error.
 fn skewed(reaction: i64) -> Rig {
     let mut rig = enabled(0);
-    set(&mut rig, "skew_reaction", Value::Int(reaction));
-    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    rig.set("skew_reaction", Value::Int(reaction));
+    rig.set("max_following_error", Value::Int(1_000_000));
     // It stops within 50 cycles and 250 inc.
-    set(&mut rig, "max_deceleration", Value::Real(200_000.0));
+    rig.set("max_deceleration", Value::Real(200_000.0));
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(100);
     rig.plant.drive(SECOND).unwrap().jam(true);
@@ -265,7 +260,7 @@ fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
 fn a_skew_beside_another_error_is_told_once() {
     for reaction in [2, 3, 4, 5] {
         let mut rig = enabled(0);
-        set(&mut rig, "skew_reaction", Value::Int(reaction));
+        rig.set("skew_reaction", Value::Int(reaction));
         rig.plant.drive(FIRST).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(5);
         assert_eq!(rig.state("x"), "ERROR_STOP");
@@ -278,9 +273,9 @@ fn a_skew_beside_another_error_is_told_once() {
     }
     // Beside one that only is reported, with a skew that is as well.
     let mut rig = enabled(0);
-    set(&mut rig, "skew_reaction", Value::Int(5));
-    set(&mut rig, "error_reaction", Value::Int(5));
-    set(&mut rig, "max_following_error", Value::Int(50));
+    rig.set("skew_reaction", Value::Int(5));
+    rig.set("error_reaction", Value::Int(5));
+    rig.set("max_following_error", Value::Int(50));
     rig.plant.drive(FIRST).unwrap().jam(true);
     rig.plant.drive(SECOND).unwrap().jam(true);
     rig.give(Action::Move(to(X, 100)));
@@ -338,7 +333,7 @@ fn nothing_switches_it_on_beyond_the_limit() {
     assert_eq!(rig.int("x.enabled"), 1);
     for reaction in [0, 2, 5] {
         let mut rig = apart(0);
-        set(&mut rig, "skew_reaction", Value::Int(reaction));
+        rig.set("skew_reaction", Value::Int(reaction));
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(1);
         rig.plant.drive(SECOND).unwrap().jump(MAX_SKEW + 1);
@@ -570,10 +565,10 @@ fn what_two_drives_cannot_do_is_refused_by_name() {
         ("homing.in_drive", Value::Int(1), "homing.in_drive 1 would let each of two drives"),
         ("encodertype", Value::Int(9), "encodertype 9 names another source than the two drives"),
     ] {
-        let sequence = set(&mut rig, key, value);
+        let sequence = rig.set(key, value);
         assert!(rig.refusal(sequence).contains(expected), "{key}: {}", rig.refusal(sequence));
     }
-    let sequence = set(&mut rig, "homing.method", Value::Int(23));
+    let sequence = rig.set("homing.method", Value::Int(23));
     assert!(rig.was_accepted(sequence));
 }
 

@@ -16,7 +16,7 @@ use super::rig::{Rig, X, config};
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::{IoConfig, IoKind, MachineConfig};
 use crate::event::{Event, Kind, Number};
-use crate::parameter::{AxisParameters, Change, Row, Value};
+use crate::parameter::{AxisParameters, Row, Value};
 use crate::sim::{Fixtures, Index, Model};
 
 /// Far beyond both ends.
@@ -73,11 +73,6 @@ fn method(number: i64) -> HomingMethod {
 
 fn home(rig: &mut Rig, number: i64) -> u64 {
     rig.give(Action::HomeAxis(HomeAxis { axis: X, method: method(number) }))
-}
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    let (row, _) = Row::find(key).unwrap_or_else(|| panic!("no row {key}"));
-    rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value }])))
 }
 
 /// Runs until the goal has ended and the axis stands, and gives its end.

@@ -4,13 +4,8 @@ use super::rig::{LINE, Rig, X, at, cases, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::object::{AxisSet, Leader};
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use proptest::prelude::*;
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    let (row, _) = Row::find(key).expect("a row");
-    rig.give(Action::SetParameters([Change { axis: X, row, value }].into()))
-}
 
 fn over(distance: i64) -> Move {
     Move { mode: MoveMode::Superimposed, ..to(X, distance) }
@@ -95,7 +90,7 @@ fn it_gets_no_more_than_the_motion_under_way_leaves() {
 #[test]
 fn its_end_lies_within_the_limits_of_position() {
     let mut rig = Rig::enabled();
-    set(&mut rig, "max_position", Value::Int(20_000));
+    rig.set("max_position", Value::Int(20_000));
     rig.give(Action::Move(to(X, 19_000)));
     let beyond = rig.give(Action::Move(over(1_001)));
     assert_eq!(rig.refusal(beyond), "x: target 20.001 mm lies above max_position 20 mm");
@@ -139,14 +134,14 @@ fn the_override_slows_a_goal_down_and_lets_it_go_again() {
     let goal = rig.give(Action::Move(Move { velocity: 80_000.0, ..to(X, 100_000) }));
     rig.run(300);
     assert_eq!(rig.real("x.command.velocity"), 80_000.0);
-    set(&mut rig, "velocity_override", Value::Real(25.0));
+    rig.set("velocity_override", Value::Real(25.0));
     rig.run(300);
     assert_eq!(rig.real("x.command.velocity"), 25_000.0, "a quarter of max_velocity");
-    set(&mut rig, "velocity_override", Value::Real(0.0));
+    rig.set("velocity_override", Value::Real(0.0));
     rig.run(300);
     assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "DISCRETE_MOTION"));
     assert!(rig.done(goal).is_empty(), "it waits");
-    set(&mut rig, "velocity_override", Value::Real(90.0));
+    rig.set("velocity_override", Value::Real(90.0));
     rig.run(400);
     assert_eq!(rig.real("x.command.velocity"), 80_000.0, "no more than it asked for");
     rig.run(2_000);
@@ -157,10 +152,10 @@ fn the_override_slows_a_goal_down_and_lets_it_go_again() {
 fn the_override_holds_for_velocities_and_for_new_goals() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(at(X, -60_000.0)));
-    set(&mut rig, "velocity_override", Value::Real(50.0));
+    rig.set("velocity_override", Value::Real(50.0));
     rig.run(500);
     assert_eq!((rig.real("x.command.velocity"), rig.int("x.in_velocity")), (-50_000.0, 0));
-    set(&mut rig, "velocity_override", Value::Real(0.0));
+    rig.set("velocity_override", Value::Real(0.0));
     rig.run(500);
     let goal = rig.give(Action::Move(to(X, 0)));
     rig.run(500);
@@ -169,7 +164,7 @@ fn the_override_holds_for_velocities_and_for_new_goals() {
     rig.run(2);
     assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::HALTED, "STANDSTILL"));
     for share in [-1.0, 100.5, f64::NAN] {
-        let refused = set(&mut rig, "velocity_override", Value::Real(share));
+        let refused = rig.set("velocity_override", Value::Real(share));
         assert!(rig.refusal(refused).contains("velocity_override is"), "{share}");
     }
 }
@@ -183,7 +178,7 @@ fn the_override_changes_only_the_motion_below() {
     rig.run(200);
     let mut before = rig.real("x.command.velocity");
     assert!((before - 60_000.0).abs() < 1e-6);
-    set(&mut rig, "velocity_override", Value::Real(40.0));
+    rig.set("velocity_override", Value::Real(40.0));
     for _ in 0..1_000 {
         rig.run(1);
         let now = rig.real("x.command.velocity");
@@ -311,8 +306,8 @@ fn against_a_goal_that_has_its_velocity_its_acceleration_counts() {
     for cycle in 0..2_000 {
         match cycle {
             // At 5 mm/s it has 0.5 s to go, and 50 ms to slow down from 1.1 s on.
-            150 => _ = set(&mut rig, "velocity_override", Value::Real(10.0)),
-            1_120 => _ = set(&mut rig, "velocity_override", Value::Real(100.0)),
+            150 => _ = rig.set("velocity_override", Value::Real(10.0)),
+            1_120 => _ = rig.set("velocity_override", Value::Real(100.0)),
             _ => rig.run(1),
         }
         let rate = rig.real("x.command.acceleration").abs();

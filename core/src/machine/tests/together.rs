@@ -5,17 +5,12 @@ use crate::code::Code;
 use crate::command::{Action, BufferMode, Move, MoveMode};
 use crate::modulo::{Direction, Modulo};
 use crate::object::AxisSet;
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use crate::position::{Length, Position};
 use proptest::prelude::*;
 
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    let (row, _) = Row::find(key).expect("a row");
-    rig.give(Action::SetParameters([Change { axis: X, row, value }].into()))
-}
-
 fn share(rig: &mut Rig, percent: f64) {
-    let sequence = set(rig, "velocity_override", Value::Real(percent));
+    let sequence = rig.set("velocity_override", Value::Real(percent));
     assert!(rig.was_accepted(sequence));
 }
 
@@ -51,12 +46,12 @@ fn no_limit_is_set_that_leaves_out_what_waits() {
     rig.give(Action::Move(quick(10_000)));
     rig.give(after(BufferMode::Buffered, quick(30_000)));
     rig.give(after(BufferMode::Buffered, quick(-5_000)));
-    let high = set(&mut rig, "max_position", Value::Int(29_999));
+    let high = rig.set("max_position", Value::Int(29_999));
     assert!(rig.refusal(high).contains("max_position"), "{}", rig.refusal(high));
-    let low = set(&mut rig, "min_position", Value::Int(-4_999));
+    let low = rig.set("min_position", Value::Int(-4_999));
     assert!(rig.refusal(low).contains("min_position"), "{}", rig.refusal(low));
     for (key, value) in [("max_position", 30_000), ("min_position", -5_000)] {
-        let good = set(&mut rig, key, Value::Int(value));
+        let good = rig.set(key, Value::Int(value));
         assert!(rig.was_accepted(good), "{key}");
     }
     rig.run(3_000);
@@ -69,9 +64,9 @@ fn no_limit_is_set_that_leaves_out_a_superimposed_motion() {
     rig.give(Action::Move(to(X, 20_000)));
     rig.run(50);
     rig.give(Action::Move(over(5_000)));
-    let refused = set(&mut rig, "max_position", Value::Int(24_999));
+    let refused = rig.set("max_position", Value::Int(24_999));
     assert!(rig.refusal(refused).contains("max_position"));
-    let good = set(&mut rig, "max_position", Value::Int(25_000));
+    let good = rig.set("max_position", Value::Int(25_000));
     assert!(rig.was_accepted(good));
     rig.run(2_000);
     assert_eq!((rig.state("x"), position(&rig)), ("STANDSTILL", 25_000.0));
@@ -85,7 +80,7 @@ fn no_limit_is_set_that_leaves_out_a_goal_that_is_held() {
     share(&mut rig, 0.0);
     rig.run(300);
     assert_eq!(velocity(&rig), 0.0);
-    let refused = set(&mut rig, "max_position", Value::Int(19_999));
+    let refused = rig.set("max_position", Value::Int(19_999));
     assert!(rig.refusal(refused).contains("max_position"));
     share(&mut rig, 100.0);
     rig.run(1_000);
@@ -96,13 +91,13 @@ fn no_limit_is_set_that_leaves_out_a_goal_that_is_held() {
 #[test]
 fn no_limit_is_set_that_leaves_out_what_waits_for_the_window() {
     let mut rig = Rig::enabled();
-    set(&mut rig, "in_position_window", Value::Int(5));
-    set(&mut rig, "in_position_time", Value::Int(500_000_000));
+    rig.set("in_position_window", Value::Int(5));
+    rig.set("in_position_time", Value::Int(500_000_000));
     rig.give(Action::Move(quick(100)));
     rig.give(after(BufferMode::Buffered, quick(30_000)));
     rig.run(200);
     assert_eq!((position(&rig), rig.int("x.in_position")), (100.0, 0));
-    let refused = set(&mut rig, "max_position", Value::Int(29_999));
+    let refused = rig.set("max_position", Value::Int(29_999));
     assert!(rig.refusal(refused).contains("max_position"));
 }
 
@@ -130,7 +125,7 @@ fn a_superimposed_motion_that_outlasts_the_move_ends_on_its_increment() {
 fn goals_and_superimposed_motion_together_keep_the_limits_of_position() {
     let limited = || {
         let mut rig = Rig::enabled();
-        set(&mut rig, "max_position", Value::Int(20_000));
+        rig.set("max_position", Value::Int(20_000));
         rig
     };
     // The goal first, then what is added.
@@ -278,7 +273,7 @@ fn an_override_holds_for_the_sum() {
 #[test]
 fn a_target_behind_a_velocity_is_checked_at_once() {
     let mut rig = Rig::enabled();
-    set(&mut rig, "max_position", Value::Int(20_000));
+    rig.set("max_position", Value::Int(20_000));
     rig.give(Action::Move(at(X, 1_000.0)));
     let refused = rig.give(after(BufferMode::Buffered, quick(20_001)));
     assert_eq!(rig.refusal(refused), "x: target 20.001 mm lies above max_position 20 mm");

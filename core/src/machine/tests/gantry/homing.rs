@@ -1,7 +1,7 @@
 //! Homing of an axis with two drives: each has its reference switch, and both come square.
 
 use super::super::rig::{Rig, X, cases};
-use super::{FIRST, MAX_SKEW, SECOND, cell, controls, errors, set};
+use super::{FIRST, MAX_SKEW, SECOND, cell, controls, errors};
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::{IoConfig, IoKind};
@@ -232,15 +232,15 @@ fn the_reference_switches_may_be_inputs() {
         ["one", "other"].map(|name| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: false }).into();
     let mut rig = Rig::of(config);
     rig.run(2);
-    set(&mut rig, "i_refswitch_second", Value::Int(-2));
+    rig.set("i_refswitch_second", Value::Int(-2));
     // One input is no two switches.
     for same in [2, -2] {
-        let sequence = set(&mut rig, "i_refswitch", Value::Int(same));
+        let sequence = rig.set("i_refswitch", Value::Int(same));
         let refusal = rig.refusal(sequence);
         assert!(refusal.contains("i_refswitch_second -2 names the input of i_refswitch"), "{refusal}");
     }
     assert_eq!((rig.int("x.second.reference_switch"), rig.int("x.reference_switch")), (1, 0));
-    set(&mut rig, "i_refswitch", Value::Int(1));
+    rig.set("i_refswitch", Value::Int(1));
     assert_eq!(rig.int("x.reference_switch"), 0);
     for (one, other, expected) in
         [(true, false, 1), (true, true, 1), (false, true, 0), (false, false, 0), (true, true, 0), (true, false, 1)]
@@ -255,7 +255,7 @@ fn the_reference_switches_may_be_inputs() {
     }
     rig.enable();
     home(&mut rig, 19);
-    let sequence = set(&mut rig, "i_refswitch_second", Value::Int(2));
+    let sequence = rig.set("i_refswitch_second", Value::Int(2));
     assert_eq!(rig.refusal(sequence), "x: the axis is homing; wait for its end, or cancel it");
 }
 
@@ -265,7 +265,7 @@ fn the_skew_is_supervised_while_homing() {
     for side in [FIRST, SECOND] {
         let starts = [-12_000, -11_000];
         let mut rig = rig(starts, [(5_000, FAR); 2]);
-        set(&mut rig, "max_following_error", Value::Int(1_000_000));
+        rig.set("max_following_error", Value::Int(1_000_000));
         home(&mut rig, 19);
         rig.run(400);
         rig.plant.drive(side).unwrap().jam(true);
@@ -284,7 +284,7 @@ fn the_skew_is_supervised_while_homing() {
 fn squaring(method: i8) -> (Rig, [i64; 2]) {
     let starts = [-12_000, -10_500];
     let mut rig = rig(starts, [(5_000, FAR); 2]);
-    set(&mut rig, "max_following_error", Value::Int(1_000_000));
+    rig.set("max_following_error", Value::Int(1_000_000));
     home(&mut rig, method);
     while skew_of(&rig, starts) > 700 {
         rig.run(1);
@@ -343,13 +343,13 @@ fn the_power_waits_for_the_second_drive_that_is_squared() {
     for stop in [Action::Disable(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X))] {
         let starts = [-12_000, -10_500];
         let mut rig = rig(starts, [(5_000, FAR); 2]);
-        set(&mut rig, "homing.index_velocity", Value::Real(10_000.0));
+        rig.set("homing.index_velocity", Value::Real(10_000.0));
         home(&mut rig, 19);
         while skew_of(&rig, starts) > 700 {
             rig.run(1);
         }
         // 10 inc/ms with 200 inc/s in each ms: 50 cycles and 250 inc, from 660 on: three cycles pass before it begins.
-        set(&mut rig, "max_deceleration", Value::Real(200_000.0));
+        rig.set("max_deceleration", Value::Real(200_000.0));
         assert!((690..=700).contains(&skew_of(&rig, starts)));
         let disables = stop == Action::Disable(AxisSet::one(X));
         let sequence = rig.give(stop);
@@ -405,7 +405,7 @@ proptest! {
         if turned {
             rig.give(Action::Disable(AxisSet::one(X)));
             rig.run(10);
-            set(&mut rig, "posdrct", Value::Int(-1));
+            rig.set("posdrct", Value::Int(-1));
             rig.run(1);
             rig.enable();
         }

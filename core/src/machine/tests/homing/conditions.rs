@@ -1,7 +1,7 @@
 //! Homing under what else holds for the axis: the override, the shape of its ramps, inverted counts, contacts of the cell.
 
 use super::super::rig::{Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
 use crate::axis::Safety;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
@@ -20,7 +20,7 @@ fn an_override_of_0_holds_it_and_later_it_goes_on() {
         for phase in 1..=4 {
             let switch = if method == 3 || method == -1 { (5_000, FAR) } else { (5_000, 7_000) };
             let mut rig = rig(way(START, switch));
-            set(&mut rig, "homing.offset", Value::Int(-250));
+            rig.set("homing.offset", Value::Int(-250));
             let sequence = home(&mut rig, method);
             let mut waited = 0;
             while rig.int("x.homing.phase") != phase && rig.state("x") == "HOMING" && waited < 20_000 {
@@ -31,7 +31,7 @@ fn an_override_of_0_holds_it_and_later_it_goes_on() {
                 continue;
             }
             rig.run(3);
-            set(&mut rig, "velocity_override", Value::Real(0.0));
+            rig.set("velocity_override", Value::Real(0.0));
             rig.run(400);
             let what = format!("method {method}, phase {phase}");
             if rig.state("x") == "HOMING" {
@@ -39,9 +39,9 @@ fn an_override_of_0_holds_it_and_later_it_goes_on() {
                 rig.run(100);
                 assert_eq!((place(&rig, START), rig.done(sequence).len()), (before, 0), "{what}");
             }
-            set(&mut rig, "velocity_override", Value::Real(0.3));
+            rig.set("velocity_override", Value::Real(0.3));
             rig.run(300);
-            set(&mut rig, "velocity_override", Value::Real(100.0));
+            rig.set("velocity_override", Value::Real(100.0));
             assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{what}");
             assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, expected - 250), "{what}");
         }

@@ -1,7 +1,7 @@
 //! What ends homing before its time, and what it refuses meanwhile.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, set, way};
+use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, way};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Move, MoveMode, Source};
 use crate::object::{AxisSet, Leader};
@@ -162,7 +162,7 @@ fn errors_end_it_in_the_same_cycle() {
 fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
     for reaction in 0..=5 {
         let mut rig = rig(way(-12_000, (5_000, FAR)));
-        set(&mut rig, "error_reaction", Value::Int(reaction));
+        rig.set("error_reaction", Value::Int(reaction));
         rig.plant.drive(0).unwrap().stick(4, 0);
         let sequence = home(&mut rig, 3);
         while rig.done(sequence).is_empty() {
@@ -196,7 +196,7 @@ fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
     for (value, method) in [(0, 19), (4, 19), (0, 23), (4, 27), (0, -2), (4, -4)] {
         let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
         let mut rig = rig(fixtures);
-        set(&mut rig, "homing.max_distance", Value::Int(3_000));
+        rig.set("homing.max_distance", Value::Int(3_000));
         let gone = gone_without_a_switch(&mut rig, value, method);
         assert!((3_001..=3_010).contains(&gone), "{method}, stuck at {value}: {gone}");
     }

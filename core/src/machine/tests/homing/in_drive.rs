@@ -1,7 +1,7 @@
 //! Homing that the drive runs by itself.
 
 use super::super::rig::{Rig, X, Y, couple, to};
-use super::{FAR, assign, cell, home, place, rig_with, run_to_end, set, way, zero};
+use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::command::Action;
 use crate::drive::{MODE_CSP, Mode};
@@ -172,7 +172,7 @@ fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     rig.plant.drive(0).unwrap().fit(fixtures);
     rig.plant.drive(0).unwrap().stick(4, 0);
     let before = rig.int("x.actual.position");
-    let refused = set(&mut rig, "homing.max_distance", Value::Int(3_000));
+    let refused = rig.set("homing.max_distance", Value::Int(3_000));
     assert!(rig.was_accepted(refused));
     let sequence = home(&mut rig, 3);
     while rig.done(sequence).is_empty() {

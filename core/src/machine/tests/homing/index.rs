@@ -1,7 +1,7 @@
 //! INDEX: to the next index pulse, without a zero.
 
 use super::super::rig::{Rig, X};
-use super::{cell, home, place, rig, rig_with, run_to_end, set, way};
+use super::{cell, home, place, rig, rig_with, run_to_end, way};
 use crate::axis::Wired;
 use crate::code::Code;
 use crate::command::{Action, Probe, ProbeEdge};
@@ -74,7 +74,7 @@ fn it_goes_to_the_next_index_pulse_and_sets_no_zero() {
 fn without_a_pulse_in_a_revolution_comes_an_error() {
     for reaction in [2, 5] {
         let mut rig = rig(way(START, NOWHERE));
-        set(&mut rig, "error_reaction", Value::Int(reaction));
+        rig.set("error_reaction", Value::Int(reaction));
         rig.plant.drive(0).unwrap().lose_index();
         let sequence = give(&mut rig, index(9_000, 0));
         for _ in 0..3_000 {

@@ -1,7 +1,7 @@
 //! Homing where it meets switches, encoders, parameters, goals that wait.
 
 use super::super::rig::{X, to};
-use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, set, way, zero};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::command::{Action, BufferMode, Move};
 use crate::parameter::Value;
@@ -14,7 +14,7 @@ const START: i64 = -12_000;
 fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
     for (offset, end) in [(30_000, 20_000), (-30_000, -20_000)] {
         let mut rig = rig(way(START, (5_000, 7_000)));
-        set(&mut rig, "homing.offset", Value::Int(offset));
+        rig.set("homing.offset", Value::Int(offset));
         let sequence = home(&mut rig, -2);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_AT_LIMIT);
         rig.run(500);
@@ -55,9 +55,9 @@ fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
     let mut rig = rig(way(START, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
     rig.run(100);
-    let refused = set(&mut rig, "homing.offset", Value::Int(77));
+    let refused = rig.set("homing.offset", Value::Int(77));
     assert_eq!(rig.refusal(refused), "x: the axis is homing; wait for its end, or cancel it");
-    let taken = set(&mut rig, "velocity_override", Value::Real(50.0));
+    let taken = rig.set("velocity_override", Value::Real(50.0));
     assert!(rig.was_accepted(taken));
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 4_300));
@@ -75,12 +75,12 @@ fn the_switches_stay_where_they_are_while_it_homes() {
     for (key, value) in
         [("i_refswitch", -1), ("i_refswitch", 0), ("i_poslimitsw", 1), ("i_neglimitsw", -1), ("wf.md15", 0)]
     {
-        let refused = set(&mut rig, key, Value::Int(value));
+        let refused = rig.set(key, Value::Int(value));
         assert_eq!(rig.refusal(refused), "x: the axis is homing; wait for its end, or cancel it", "{key}");
     }
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 5_000));
-    let taken = set(&mut rig, "i_refswitch", Value::Int(-1));
+    let taken = rig.set("i_refswitch", Value::Int(-1));
     assert!(rig.was_accepted(taken));
     rig.run(2);
     assert_eq!(rig.int("x.homed"), 1, "A-15: it does not ask for homing");

@@ -1,7 +1,7 @@
 //! Homing in the words of the sources: reference 5 of the AMC, reference travel of the positioning modules.
 
 use super::super::rig::{Rig, X};
-use super::{FAR, assign, cell, place, rig_with, set, way, zero};
+use super::{FAR, assign, cell, place, rig_with, way, zero};
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::MachineConfig;
@@ -23,7 +23,7 @@ fn amc() -> Rig {
 #[test]
 fn reference_5_homes_and_then_is_0() {
     let mut rig = amc();
-    let sequence = set(&mut rig, "amc.reference_select", Value::Int(5));
+    let sequence = rig.set("amc.reference_select", Value::Int(5));
     assert!(rig.was_accepted(sequence));
     assert_eq!((rig.state("x"), rig.int("x.reference"), rig.int("x.amc.select")), ("HOMING", 5, 5));
     rig.run_until("x.amc.select", 0);
@@ -32,8 +32,8 @@ fn reference_5_homes_and_then_is_0() {
     let p = rig.machine.parameters(X).copied().unwrap();
     assert_eq!(p.vocabularies.amc.reference_select, 0);
     // The next reference counts from the new zero.
-    set(&mut rig, "amc.position_reference", Value::Int(150));
-    set(&mut rig, "amc.reference_select", Value::Int(1));
+    rig.set("amc.position_reference", Value::Int(150));
+    rig.set("amc.reference_select", Value::Int(1));
     rig.run(3_000);
     assert_eq!((rig.int("x.command.position"), place(&rig, START)), (150, 4_450));
 }
@@ -43,16 +43,16 @@ fn reference_5_homes_and_then_is_0() {
 fn an_end_before_its_time_is_0_too() {
     for action in [Action::Halt(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X))] {
         let mut rig = amc();
-        set(&mut rig, "amc.reference_select", Value::Int(5));
+        rig.set("amc.reference_select", Value::Int(5));
         rig.run(200);
         rig.give(action);
         rig.run(1);
         assert_eq!((rig.int("x.amc.select"), rig.int("x.homed")), (0, 0));
     }
     let mut rig = amc();
-    set(&mut rig, "amc.reference_select", Value::Int(5));
+    rig.set("amc.reference_select", Value::Int(5));
     rig.run(200);
-    set(&mut rig, "amc.reference_select", Value::Int(0));
+    rig.set("amc.reference_select", Value::Int(0));
     rig.run(400);
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.homing.phase")), ("STANDSTILL", 0, 0));
 }
@@ -60,7 +60,7 @@ fn an_end_before_its_time_is_0_too() {
 #[test]
 fn reference_5_without_a_method_is_refused() {
     let mut rig = rig_with(cell(0), Model::Ideal, way(START, (5_000, FAR)));
-    let sequence = set(&mut rig, "amc.reference_select", Value::Int(5));
+    let sequence = rig.set("amc.reference_select", Value::Int(5));
     let sentence = "x: homing.method is 0: give the axis a method, or name one in the command";
     assert_eq!(rig.refusal(sequence), sentence);
     // A virtual axis has nothing that most of them look for.
@@ -171,7 +171,7 @@ fn a_side_of_the_cam_that_there_is_not_is_refused() {
     let mut rig = wf(START, |_| ());
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(50);
-    let sequence = set(&mut rig, "wf.md7", Value::Int(3));
+    let sequence = rig.set("wf.md7", Value::Int(3));
     let sentence = "x: wf.md7 3 is no side of the cam; with an incremental encoder 0 (the one that JOG leads to), 1 (plus) and 2 \
                     (minus) are allowed";
     assert_eq!(rig.refusal(sequence), sentence);
@@ -271,12 +271,12 @@ fn what_has_no_number_has_a_name() {
         ("max_jerk", Value::Real(1e7)),
         ("wf.md21", Value::Int(4)),
     ] {
-        let sequence = set(&mut rig, key, value);
+        let sequence = rig.set(key, value);
         rig.run(1);
         assert!(rig.was_accepted(sequence), "{key}");
         assert_eq!(Row::find(key).unwrap().1.value(rig.machine.parameters(X).unwrap()), value, "{key}");
     }
-    let sequence = set(&mut rig, "wf.md21", Value::Int(2));
+    let sequence = rig.set("wf.md21", Value::Int(2));
     assert!(rig.refusal(sequence).contains("md21"), "the drive counts all edges");
     // The jerk limit and the new speeds act: 3 hundredths of 100000 inc/s in setup, up its ramp with 10^7 inc/s^3.
     let setup = Request { axis: X, mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
@@ -372,10 +372,10 @@ fn in_open_loop_whatever_ends_it_leaves_an_axis_that_stands() {
 #[test]
 fn reference_0_with_a_stop_on_the_actual_position_ends_homing() {
     let mut rig = amc();
-    set(&mut rig, "amc.stop_mode", Value::Int(1));
-    set(&mut rig, "amc.reference_select", Value::Int(5));
+    rig.set("amc.stop_mode", Value::Int(1));
+    rig.set("amc.reference_select", Value::Int(5));
     rig.run(200);
-    set(&mut rig, "amc.reference_select", Value::Int(0));
+    rig.set("amc.reference_select", Value::Int(0));
     rig.run(50);
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.homing.phase")), ("STANDSTILL", 0, 0));
 }
@@ -388,7 +388,7 @@ fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     assign(p, "homing.method", Value::Int(3));
     assign(p, "homing.in_drive", Value::Int(1));
     let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
-    set(&mut rig, "amc.reference_select", Value::Int(5));
+    rig.set("amc.reference_select", Value::Int(5));
     rig.run(100);
     let zero = crate::command::SetPosition { axis: X, position: crate::position::Length::whole(1_000) };
     let refused = rig.give(Action::SetPosition(zero));

@@ -1,7 +1,7 @@
 //! The zero: who needs it, when it is kept, what goes with it.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, set, way, zero};
+use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::command::{Action, SetPosition};
 use crate::drive::{Edge, Latch};
@@ -30,7 +30,7 @@ fn set_position(rig: &mut Rig, position: i64) -> u64 {
 fn forced_homing_comes_before_every_motion() {
     let sentence = "x: homing is required and has not been done; home the axis first";
     let mut rig = rig(way(START, (5_000, FAR)));
-    let sequence = set(&mut rig, "home_force", Value::Int(1));
+    let sequence = rig.set("home_force", Value::Int(1));
     assert!(rig.was_accepted(sequence));
     let moves = || {
         [
@@ -73,7 +73,7 @@ fn compulsory_and_done_is_shown_as_it_was_set_and_acts_as_1() {
         let p = rig.machine.parameters(X).copied().unwrap();
         ["home_force", "homing.required"].map(|key| crate::parameter::Row::find(key).unwrap().1.value(&p))
     };
-    let given = set(&mut rig, "home_force", Value::Int(255));
+    let given = rig.set("home_force", Value::Int(255));
     assert!(rig.was_accepted(given));
     assert_eq!(shown(&rig), [Value::Int(255), Value::Int(1)]);
     let refused = rig.give(Action::Move(to(X, 1_000)));
@@ -84,13 +84,13 @@ fn compulsory_and_done_is_shown_as_it_was_set_and_acts_as_1() {
     for (key, value, force) in
         [("home_force", 1, 1), ("home_force", 255, 255), ("homing.required", 1, 1), ("home_force", 255, 255)]
     {
-        set(&mut rig, key, Value::Int(value));
+        rig.set(key, Value::Int(value));
         rig.run(2);
         assert_eq!((shown(&rig), rig.int("x.homed")), ([Value::Int(force), Value::Int(1)], 1), "{key} {value}");
     }
-    set(&mut rig, "home_force", Value::Int(0));
+    rig.set("home_force", Value::Int(0));
     assert_eq!(shown(&rig), [Value::Int(0), Value::Int(0)]);
-    let refused = set(&mut rig, "home_force", Value::Int(2));
+    let refused = rig.set("home_force", Value::Int(2));
     assert_eq!(rig.refusal(refused), "x: home_force is 2; 0 to 1, 255 is allowed");
 }
 
@@ -119,7 +119,7 @@ fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
         rig.give(Action::Disable(AxisSet::one(X)));
         rig.run(20);
         assert_eq!(rig.int("x.homed"), 1);
-        let sequence = set(&mut rig, key, value);
+        let sequence = rig.set(key, value);
         assert!(rig.was_accepted(sequence), "{key}");
         rig.run(2);
         assert_eq!(rig.int("x.homed"), i64::from(keeps), "{key}");
@@ -164,7 +164,7 @@ fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
         // The index left of the edge lies at 4300, the edge at 5000.
         for (method, reference) in [(3, 4_300), (19, 5_000), (35, START), (-1, 4_300), (-2, 5_000)] {
             let mut rig = rig(way(START, (5_000, FAR)));
-            set(&mut rig, "homing.offset", Value::Int(offset));
+            rig.set("homing.offset", Value::Int(offset));
             let sequence = home(&mut rig, method);
             let mut moved = false;
             while rig.done(sequence).is_empty() {
@@ -208,8 +208,8 @@ fn inverted_units_keep_the_places_of_switches_and_offset() {
 #[test]
 fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_next_homing() {
     let mut rig = homed();
-    set(&mut rig, "min_position", Value::Int(-10_000));
-    set(&mut rig, "max_position", Value::Int(1_000));
+    rig.set("min_position", Value::Int(-10_000));
+    rig.set("max_position", Value::Int(1_000));
     let here = rig.int("x.command.position");
     set_position(&mut rig, here + 7_000);
     let limits = |rig: &Rig| {
@@ -241,8 +241,8 @@ fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_
 #[test]
 fn limits_at_the_end_of_their_range_keep_their_places() {
     let on = |rig: &mut Rig, value: i64| {
-        set(rig, "swposlimact", Value::Int(value));
-        set(rig, "swneglimact", Value::Int(value));
+        rig.set("swposlimact", Value::Int(value));
+        rig.set("swneglimact", Value::Int(value));
     };
     for (was_on, turned, by) in
         [(1, 1, 1_000), (0, 1, 1_000), (1, 1, -1_000), (0, 1, -1_000), (0, -1, 1_000), (1, -1, -7)]
@@ -251,8 +251,8 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
         let p = &mut config.axes[usize::from(X)].parameters;
         assign(p, "posdrct", Value::Int(turned));
         let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
-        set(&mut rig, "poslimit", Value::Int(MLONG));
-        set(&mut rig, "neglimit", Value::Int(-MLONG));
+        rig.set("poslimit", Value::Int(MLONG));
+        rig.set("neglimit", Value::Int(-MLONG));
         on(&mut rig, was_on);
         let here = rig.int("x.command.position");
         set_position(&mut rig, here + by);
@@ -264,7 +264,7 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
         on(&mut rig, 1);
         assert_eq!(limits(&rig), guarded, "{was_on} {turned} {by}");
         // Another value of one leaves the place of the other.
-        set(&mut rig, "in_position_window", Value::Int(3));
+        rig.set("in_position_window", Value::Int(3));
         on(&mut rig, 0);
         set_position(&mut rig, here + by);
         on(&mut rig, 1);
@@ -380,12 +380,12 @@ fn assigned_inputs_are_read_in_the_next_cycle() {
         let mut rig = rig(Fixtures::default());
         rig.plant.set_digital(0, true);
         for (value, expected) in [(0, 0), (1, 1), (-1, 0), (1, 1)] {
-            set(&mut rig, key, Value::Int(value));
+            rig.set(key, Value::Int(value));
             rig.run(1);
             assert_eq!(rig.int(signal), expected, "{key} {value}");
         }
         rig.plant.set_digital(0, false);
-        set(&mut rig, key, Value::Int(-1));
+        rig.set(key, Value::Int(-1));
         rig.run(1);
         assert_eq!(rig.int(signal), 1, "{key}");
     }

@@ -9,7 +9,7 @@ use crate::config::{AnalogProblem, ConfigError, IoConfig, IoKind, MachineConfig,
 use crate::drive::{AnalogWiring, Capabilities, Interface};
 use crate::machine::Machine;
 use crate::object::AxisSet;
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use crate::regulator::Law;
 use crate::sim::{
     Amplifier, Friction, Load, Mechanics, Model, Motor, MotorData, Reading, Sign, SimBrake, Stage, VelocityLag,
@@ -69,10 +69,6 @@ fn on(interface: Interface) -> Rig {
     rig.run(60);
     assert_eq!(rig.state("x"), "STANDSTILL");
     rig
-}
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    rig.give(Action::SetParameters(Box::new([Change { axis: X, row: Row::find(key).expect("a row").0, value }])))
 }
 
 /// 50 of 200 mm/s are 2.5 V, by any law whose feed-forward or error asks for it, and a move lands.
@@ -351,12 +347,12 @@ fn a_unipolar_drive_has_no_volts_below_zero() {
 #[test]
 fn more_than_10_v_and_words_that_no_voltage_brings_are_refused() {
     let mut rig = on(Interface::Velocity);
-    let answer = set(&mut rig, "max_velocity", Value::Real(200_001.0));
+    let answer = rig.set("max_velocity", Value::Real(200_001.0));
     assert_eq!(
         rig.refusal(answer),
         "x: max_velocity 200.001 mm/s lies above 200 mm/s, which is what its drive does at 10 V"
     );
-    let answer = set(&mut rig, "max_velocity", Value::Real(200_000.0));
+    let answer = rig.set("max_velocity", Value::Real(200_000.0));
     assert!(rig.was_accepted(answer));
     let mut rig = self::rig(analog_config(Interface::Torque), motor());
     for (key, value, says) in [
@@ -367,7 +363,7 @@ fn more_than_10_v_and_words_that_no_voltage_brings_are_refused() {
             "torque_constant 0.5 asks for what no drive that is given a voltage tells",
         ),
     ] {
-        let answer = set(&mut rig, key, value);
+        let answer = rig.set(key, value);
         assert!(rig.refusal(answer).contains(says), "{}", rig.refusal(answer));
     }
 }

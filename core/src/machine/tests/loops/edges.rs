@@ -7,13 +7,9 @@ use crate::command::Action;
 use crate::config::{ConfigError, IoConfig, IoKind, MachineConfig};
 use crate::drive::Interface;
 use crate::object::AxisSet;
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    rig.give(Action::SetParameters(Box::new([Change { axis: X, row: Row::find(key).expect("a row").0, value }])))
-}
 
 fn motor() -> Model {
     let data = MotorData {
@@ -54,7 +50,7 @@ fn a_new_full_reference_waits_for_rest() {
         let seen =
             |rig: &Rig| (rig.real("x.output.velocity"), rig.real("x.output.effort"), rig.int("x.regulator.error"));
         let before = seen(&rig);
-        set(&mut rig, "max_velocity", Value::Real(200_000.0));
+        rig.set("max_velocity", Value::Real(200_000.0));
         for _ in 0..200 {
             rig.run(1);
             let now = seen(&rig);
@@ -129,7 +125,7 @@ fn an_integral_part_that_is_switched_on_moves_nothing() {
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(4_000);
     assert_eq!((rig.int("x.regulator.error"), rig.real("x.regulator.sum")), (0, 0.0));
-    set(&mut rig, "kint", Value::Int(6));
+    rig.set("kint", Value::Int(6));
     rig.run(300);
     assert_eq!((rig.int("x.actual.position"), rig.real("x.output.velocity")), (50_000, 0.0));
 }

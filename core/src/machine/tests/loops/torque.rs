@@ -7,7 +7,7 @@ use crate::command::Action;
 use crate::config::{ConfigError, MachineConfig};
 use crate::drive::{Capabilities, Interface};
 use crate::object::AxisSet;
-use crate::parameter::{Change, Row, Value};
+use crate::parameter::Value;
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
@@ -39,10 +39,6 @@ fn rig(config: MachineConfig, data: MotorData) -> Rig {
     let mut rig = Rig::with(config, [Model::Motor(Motor::new(data).unwrap()), Model::Ideal]);
     rig.enable();
     rig
-}
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    rig.give(Action::SetParameters(Box::new([Change { axis: X, row: Row::find(key).expect("a row").0, value }])))
 }
 
 /// The cascade moves the axis where it is to be, in the mode of torque, and the effort at constant speed is what friction takes: 1e-3
@@ -112,13 +108,13 @@ fn the_current_is_capped_where_it_is_known() {
     let mut rig = rig(config, motor());
     let mut most: f64 = 0.0;
     rig.give(Action::Move(to(X, 50_000)));
-    set(&mut rig, "velkprop", Value::Int(30_000));
+    rig.set("velkprop", Value::Int(30_000));
     for _ in 0..500 {
         rig.run(1);
         most = most.max(rig.real("x.output.effort").abs());
     }
     assert_eq!(most, 500.0);
-    set(&mut rig, "ampmaxcur", Value::Int(1000));
+    rig.set("ampmaxcur", Value::Int(1000));
     most = 0.0;
     rig.give(Action::Move(to(X, 0)));
     for _ in 0..500 {
@@ -196,7 +192,7 @@ fn the_velocity_is_found_by_any_estimator() {
         let found = rig.real("x.regulator.velocity");
         assert!((found - 50_000.0).abs() <= within, "{place}: {found}");
         assert!(rig.int("x.regulator.error").abs() < 100, "{place}: {}", rig.int("x.regulator.error"));
-        let refused = set(&mut rig, "velocity_loop.bandwidth", Value::Real(50.0));
+        let refused = rig.set("velocity_loop.bandwidth", Value::Real(50.0));
         let sentence = rig.refusal(refused);
         assert!(sentence.starts_with("x: velocity_loop.bandwidth"), "{sentence}");
     }
@@ -222,7 +218,7 @@ fn a_restored_machine_goes_on_with_all_loops() {
     let mut rig = rig(config, motor());
     rig.give(Action::Move(to(X, 30_000)));
     rig.run(151);
-    set(&mut rig, "velkprop", Value::Int(300));
+    rig.set("velkprop", Value::Int(300));
     rig.run(3);
     rig.mirror();
     rig.run(2_000);

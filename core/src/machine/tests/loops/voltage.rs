@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::command::{Action, Level, OutAn};
 use crate::config::{ConfigError, MachineConfig};
 use crate::drive::{Capabilities, Interface};
-use crate::parameter::{AxisParameters, Change, Row, Value};
+use crate::parameter::{AxisParameters, Value};
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
@@ -65,10 +65,6 @@ fn rig(config: MachineConfig, data: MotorData) -> Rig {
     let mut rig = Rig::with(config, [Model::Motor(Motor::new(data).unwrap()), Model::Ideal]);
     rig.enable();
     rig
-}
-
-fn set(rig: &mut Rig, key: &str, value: Value) -> u64 {
-    rig.give(Action::SetParameters(Box::new([Change { axis: X, row: Row::find(key).expect("a row").0, value }])))
 }
 
 fn near(actual: f64, expected: f64, within: f64, what: &str) {
@@ -228,7 +224,7 @@ fn gains_of_the_current_loop_change_without_a_bump() {
             rig.give(Action::Move(to(X, 30_000)));
             rig.run(31);
             if change {
-                set(&mut rig, key, Value::Int(value));
+                rig.set(key, Value::Int(value));
             } else {
                 rig.run(1);
             }
@@ -254,7 +250,7 @@ fn a_restored_machine_goes_on_with_all_loops() {
         let mut rig = rig(config, motor());
         rig.give(Action::Move(to(X, 30_000)));
         rig.run(151);
-        set(&mut rig, "curkprop", Value::Int(1_000));
+        rig.set("curkprop", Value::Int(1_000));
         rig.run(3);
         rig.mirror();
         rig.run(2_000);
@@ -324,7 +320,7 @@ fn a_motor_that_would_be_commutated_is_refused() {
     }
     let mut rig = Rig::with(voltage_config(Law::Pid, 0), [Model::Motor(Motor::new(motor()).unwrap()), Model::Ideal]);
     for kind in 2..=6 {
-        let refused = set(&mut rig, "ampcommtype", Value::Int(kind));
+        let refused = rig.set("ampcommtype", Value::Int(kind));
         assert_eq!(
             rig.refusal(refused),
             format!(
@@ -333,13 +329,13 @@ fn a_motor_that_would_be_commutated_is_refused() {
             )
         );
     }
-    let refused = set(&mut rig, "ampcommtype", Value::Int(7));
+    let refused = rig.set("ampcommtype", Value::Int(7));
     assert!(rig.refusal(refused).contains("0 to 6"), "the range of the source");
-    let taken = set(&mut rig, "ampcommtype", Value::Int(1));
+    let taken = rig.set("ampcommtype", Value::Int(1));
     assert!(rig.answer(taken).is_ok());
     rig.enable();
     for (key, value) in [("ampcommtype", 0), ("ampmode", 1)] {
-        let refused = set(&mut rig, key, Value::Int(value));
+        let refused = rig.set(key, Value::Int(value));
         assert_eq!(rig.refusal(refused), format!("x: {key} becomes {value} only while x is disabled"));
     }
 }
@@ -351,15 +347,15 @@ fn a_motor_that_would_be_commutated_is_refused() {
 #[test]
 fn another_frequency_of_the_power_stage_is_refused() {
     let mut rig = rig(voltage_config(Law::Pid, 0), motor());
-    let taken = set(&mut rig, "amppwmfreq", Value::Int(24_000));
+    let taken = rig.set("amppwmfreq", Value::Int(24_000));
     assert!(rig.answer(taken).is_ok());
     for hertz in [10_000, 16_000, 23_999, 32_000, 40_000, 48_000, 50_000] {
-        let refused = set(&mut rig, "amppwmfreq", Value::Int(hertz));
+        let refused = rig.set("amppwmfreq", Value::Int(hertz));
         let missing = "a power stage whose frequency is set here does not exist yet; only 24000 is allowed";
         assert_eq!(rig.refusal(refused), format!("x: amppwmfreq is {hertz}: {missing}"));
     }
     for hertz in [9_999, 50_001] {
-        let refused = set(&mut rig, "amppwmfreq", Value::Int(hertz));
+        let refused = rig.set("amppwmfreq", Value::Int(hertz));
         let sentence = rig.refusal(refused);
         assert!(sentence.contains("10000 to 50000"), "{sentence}");
     }
