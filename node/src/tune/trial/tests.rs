@@ -257,6 +257,12 @@ fn axes_that_cannot_be_tuned_are_refused_by_name() {
             .to_string(),
         "x: interface is voltage, and no model here is one of a winding; interface velocity or torque can be tuned"
     );
+    let analog = Cell::parse("analog.yaml", include_str!("../../../../launch-configs/analog.yaml")).expect("a cell");
+    let config = &analog.machine;
+    let of = |name: &str| Setting::of(config, name, |place| config.axes[place].power_on(), &Bounds::default());
+    assert!(of("x").is_ok(), "one of velocities brakes at 0 V");
+    let said = of("y").expect_err("a refusal").to_string();
+    assert!(said.starts_with("y: its drive takes a torque as a voltage, and coasts where a trial leaves it"), "{said}");
     let demo = Cell::demo();
     let config = &demo.machine;
     let of = |name: &str| Setting::of(config, name, |place| config.axes[place].power_on(), &Bounds::default());
