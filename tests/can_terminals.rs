@@ -109,6 +109,31 @@ expect:
     run.passes();
 }
 
+/// At the end a module refuses to write its first outputs: the others are switched off all the same, and it is told.
+#[test]
+fn an_output_that_refuses_leaves_no_other_one_on() {
+    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10"]);
+    let sections = "io:
+  lamp: {type: do, backend: bus0, node: 10, address: 7}
+  speed: {type: ao, backend: bus0, node: 10, address: 1}
+";
+    let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", sections, &axis("x", 1, "", ""));
+    let run = cell.run(
+        "scenario: on
+for: 3 s
+steps:
+  - {at: 100, do: {set_output: {lamp: 1, speed: 5 V}}}
+expect:
+  - {event: {kind: error}, count: 0}
+",
+    );
+    run.until_told(2, "ready after");
+    until(&run, &mut devices, |devices| object(devices, 10, 0x6411, 2) == 16384);
+    devices.tell("sdo_abort 10 0x6200 1 0x06090030");
+    run.passes();
+    assert_eq!(object(&mut devices, 10, 0x6411, 2), 0);
+}
+
 const AMPLIFIER: &str = "io:
   reference: {type: ao, backend: bus0, node: 10, address: 0}
   enable: {type: do, backend: bus0, node: 10, address: 0}
