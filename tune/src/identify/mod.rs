@@ -65,7 +65,7 @@ const HIDDEN: f64 = 3.0;
 
 impl Identified {
     /// The model for gains of an axis whose ratio of inertias is told (above 0): a motor that is alone within its play answers sooner than with
-    /// its load, which hides a part of the delay, and the delay becomes [`HIDDEN`] of its deviations longer. Without a ratio the model as it is.
+    /// its load, which hides a part of the delay, and the delay becomes three of its deviations longer. Without a ratio the model as it is.
     pub fn for_design(&self, inertia_ratio: f64) -> Model {
         let hidden = if inertia_ratio > 0.0 { HIDDEN * self.deviation.delay } else { 0.0 };
         Model { delay: self.model.delay + hidden, ..self.model }
