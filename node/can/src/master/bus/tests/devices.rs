@@ -78,7 +78,16 @@ fn a_drive_of_torques_takes_and_tells_them_per_mille() {
     as_drive(&mut config).mode = DriveMode::Cst;
     let mut rig = Rig::running(Watching::None);
     rig.replace_first(&config);
-    for (effort, word) in [(250.4, 250), (250.6, 251), (-250.4, -250), (-250.6, -251), (0.0, 0), (1e9, i16::MAX), (-1e9, i16::MIN), (f64::NAN, 0)] {
+    for (effort, word) in [
+        (250.4, 250),
+        (250.6, 251),
+        (-250.4, -250),
+        (-250.6, -251),
+        (0.0, 0),
+        (1e9, i16::MAX),
+        (-1e9, i16::MIN),
+        (f64::NAN, 0),
+    ] {
         rig.comes(0x283, &(-137_i16).to_le_bytes());
         rig.answer(0x0237, 100, 10);
         rig.outputs.drive[0].effort = effort;
