@@ -9,7 +9,7 @@ mod service;
 mod switching;
 
 use crate::object::Object;
-pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS};
+pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS, LONGEST_ENABLE_NS};
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
 pub use error_code::{error_text, register_texts};

@@ -4,10 +4,7 @@
 //! Source   contract section 3
 
 use super::{AnalogProblem, AxisConfig, ConfigError, IoKind, MachineConfig};
-use crate::drive::{AnalogWiring, Interface, SpeedOutputs};
-
-/// Longest time from its enable until a drive follows (ns): less than an axis waits for it.
-const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
+use crate::drive::{AnalogWiring, Interface, LONGEST_ENABLE_NS, SpeedOutputs};
 
 impl MachineConfig {
     /// Are the inputs and outputs of an axis of the right kind, and its own alone?

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 
 /// The full reference (V).
 pub const FULL_VOLTS: f64 = 10.0;
+/// Longest time from its enable until a drive follows (ns): less than an axis waits for it.
+pub const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
 /// Generic error (603Fh): an input says no more.
 const NOT_READY: u16 = 0x1000;
 

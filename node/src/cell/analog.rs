@@ -15,13 +15,11 @@ use super::times::time;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::config::IoKind;
-use lineshaft_core::drive::{AnalogWiring, FULL_VOLTS, Interface};
+use lineshaft_core::drive::{AnalogWiring, FULL_VOLTS, Interface, LONGEST_ENABLE_NS};
 use lineshaft_core::regulator::Law;
 
 /// The key that makes a drive one of these.
 pub(super) const REFERENCE: &str = "reference";
-/// Longest time from the enable until such a drive follows (ns).
-const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
 
 /// Entries of section `io`, and which of them axes have already.
 pub(super) struct Outputs<'a, 'd> {
