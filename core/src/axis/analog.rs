@@ -23,7 +23,9 @@ pub fn may_be_analog(
     p: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
     let Some(analog) = analog else { return Ok(()) };
-    if !matches!(Source::of(wired, encoders, p), Ok(Source::Encoder(_))) {
+    // The cell sees to it that this one is as real, or as simulated, as the reference is; of others nobody knows.
+    let read = Source::of(wired, encoders, p);
+    if !matches!((wired, read), (Wired::Encoder(own), Ok(Source::Encoder(place))) if own == place) {
         return Err(("encodertype", Code::ANALOG_SILENT));
     }
     if p.amplifier.encoder.is_own() {
@@ -95,7 +97,12 @@ mod tests {
         assert_eq!(check(torque, encoder, |p| p.amplifier.torque_constant = 0.1), Some("torque_constant"));
         assert_eq!(check(torque, encoder, |p| p.amplifier.encoder.number = 1), Some("ampencno"));
         assert_eq!(check(velocity, Wired::Drive(Form::Incremental(64)), |_| {}), Some("encodertype"));
-        assert_eq!(check(velocity, Wired::Drive(Form::Incremental(64)), |p| p.encoder.encodertype = 10), None);
+        assert_eq!(
+            check(velocity, Wired::Drive(Form::Incremental(64)), |p| p.encoder.encodertype = 10),
+            Some("encodertype")
+        );
+        assert_eq!(check(velocity, Wired::Encoder(1), |p| p.encoder.encodertype = 10), Some("encodertype"));
+        assert_eq!(check(velocity, encoder, |p| p.encoder.encodertype = 10), None);
         // The command in the place of a position.
         assert_eq!(check(velocity, encoder, |p| p.encoder.encodertype = 9), Some("encodertype"));
         assert_eq!(check(torque, encoder, |p| p.error_reaction = 4), Some("error_reaction"));

@@ -142,7 +142,9 @@ impl Axis {
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
                     let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
-                    self.ask_for_brake(closes_brake(reaction));
+                    // An output that works a brake closes it with the power, which nothing but that output would tell.
+                    let has_brake = self.creeps() && self.parameters.outputs.brake != 0;
+                    self.ask_for_brake(closes_brake(reaction) || has_brake);
                     self.switch_off(cx);
                 }
             }

@@ -342,7 +342,7 @@ impl Axis {
     }
 
     /// Would it not stay where its drive has stopped it? No voltage is 0 V.
-    fn creeps(&self) -> bool {
+    pub(super) fn creeps(&self) -> bool {
         self.setup.analog.is_some()
     }
 

@@ -277,6 +277,21 @@ fn a_drive_that_stops_by_itself_brakes_at_0_v() {
     assert!((rig.int("x.actual.position") - place).abs() < 300);
 }
 
+/// The output of O_BRAKE closes with the power that goes.
+#[test]
+fn the_output_of_a_brake_closes_where_the_power_goes_behind_a_stop_of_the_drive() {
+    let mut config = analog_config(Interface::Velocity);
+    let p = &mut config.axes[1].parameters;
+    (p.error_reaction, p.max_following_error, p.outputs.brake) = (4, 2_000, 2);
+    let mut rig = rig(config, lag());
+    rig.enable();
+    assert_eq!(rig.int("direction"), 0, "output 2 is the brake, and open");
+    rig.give(Action::Move(at(X, 50_000.0)));
+    rig.run_until("x.error", i64::from(Code::FOLLOWING_ERROR.0));
+    rig.run_until("enable", 0);
+    assert_eq!(rig.int("direction"), 1);
+}
+
 /// Motor and encoder do not agree, or the encoder is dead: it is off before it is far away.
 #[test]
 fn a_sense_wired_the_wrong_way_and_a_dead_encoder_end_without_enable() {
