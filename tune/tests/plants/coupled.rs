@@ -144,6 +144,7 @@ impl Motion {
 
 /// Lowest and highest error (inc) in the last seconds; none where the command still moves.
 fn late(way: &[(f64, f64)], cycles: usize) -> Option<(f64, f64)> {
+    assert!(way.iter().all(|(asked, place)| asked.is_finite() && place.is_finite()), "a plant that is nowhere");
     let last = way.last()?.0;
     let late = way.get(way.len().checked_sub(cycles + 1)?..)?;
     let ends = |(low, high): (f64, f64), (_, place): &(f64, f64)| (low.min(place - last), high.max(place - last));
@@ -276,6 +277,8 @@ fn axes_that_are_drawn_do_not_swing() {
     }
     println!("{count:?} of 64 each");
     assert!(failed.is_empty(), "{} failed:\n{}", failed.len(), failed.join("\n"));
+    // Who refuses all of them swings none of them.
+    assert!(count.iter().all(|count| 4 * count > 64), "{count:?}");
 }
 
 /// Without a ratio all axes have the gains that they had before there was one: those of docs/loops.md.
