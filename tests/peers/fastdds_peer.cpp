@@ -4,6 +4,7 @@
 #include "fastdds_load.hpp"
 #include "fastdds_move.hpp"
 #include "fastdds_values.hpp"
+#include "fastdds_visits.hpp"
 
 using namespace motion;
 using namespace values;
@@ -29,6 +30,7 @@ const char* const USAGE =
     "  bad-requests NODE [--axis x]\n"
     "  action-conformance NODE [--axis x]\n"
     "  newcomer NODE [--axis x]    a participant of its own: how long until the node has answered it\n"
+    "  visits NODE [--axis x] [--count 10]    participants, one after the other: the latched topics, and one call\n"
     "  readers TOPIC TYPE COUNT    of a writer that is made here: waits until it has so many\n"
     "  samples TOPIC TYPE [--seconds 1] [--latched 1]    how many come to a reader that is kept\n"
     "  hammer NODE [--axis x] [--seconds 10] [--seed 1] [--rate PER_SECOND]\n"
@@ -353,6 +355,8 @@ class Peer {
     Object().add("found_s", found).add("answered_s", since(start)).show();
   }
 
+  void visits(const Arguments& a) { wire::visits(a[1], a.text("--axis", "x"), static_cast<size_t>(a.number("--count", 10))); }
+
   void readers(const Arguments& a) {
     DataWriter* w = once(writers_, a[1], [&] { return new Writing{dds_.writer("rt" + a[1], a[2])}; }).writer;
     int count = std::stoi(a[3]);
@@ -406,7 +410,7 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"functions", &Peer::functions}, {"load-table", &Peer::load_table},
     {"load-long-table", &Peer::load_long_table}, {"get-table", &Peer::get_table},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
-    {"newcomer", &Peer::newcomer},
+    {"newcomer", &Peer::newcomer}, {"visits", &Peer::visits},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},
 };
 

@@ -179,6 +179,7 @@ struct RawType : TopicDataType {
     return true;
   }
   bool deserialize(SerializedPayload_t* in, void* data) override {
+    if (in->length < 4) return false;  // no encapsulation
     static_cast<Bytes*>(data)->assign(in->data, in->data + in->length);
     return true;
   }

@@ -31,6 +31,11 @@ impl Guid {
         self.0[15] & 0x04 != 0
     }
 
+    /// Whether it is a built-in endpoint, those of discovery; RTPS 2.5, table 9.1.
+    pub(crate) fn is_builtin(self) -> bool {
+        self.0[15] & 0xc0 == 0xc0
+    }
+
     /// Whether it belongs to a participant of eProsima Fast DDS.
     pub(crate) fn is_fast_dds(self) -> bool {
         self.0[..2] == FAST_DDS
@@ -43,6 +48,14 @@ impl Guid {
 }
 
 impl Prefix {
+    /// The endpoint of this participant with these last 4 bytes.
+    pub(crate) fn endpoint(self, entity: [u8; 4]) -> Guid {
+        let mut guid = [0; 16];
+        guid[..12].copy_from_slice(&self.0);
+        guid[12..].copy_from_slice(&entity);
+        Guid(guid)
+    }
+
     /// As it is displayed: 24 hexadecimal digits.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let digits = text.as_bytes();
@@ -86,6 +99,11 @@ mod tests {
         // RTPS 2.5, table 9.1: writers 02 (with key) and 03 (no key), readers 07 and 04.
         assert!(guid(0x04).is_reader() && guid(0x07).is_reader());
         assert!(!guid(0x02).is_reader() && !guid(0x03).is_reader());
+        // Built-in ones: C2, C3, C4, C7.
+        assert!(
+            guid(0xc2).is_builtin() && guid(0xc7).is_builtin() && !guid(0x03).is_builtin() && !guid(0x04).is_builtin()
+        );
+        assert_eq!(guid(0x04).prefix().endpoint([0, 0, 18, 0x04]), guid(0x04));
         assert!(guid(0x03).is_cyclone());
         assert_eq!(guid(0x03).to_string(), "01100203040506070809".to_owned() + "0a0b.00001203");
     }

@@ -6,6 +6,7 @@ use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::pin::pin;
 use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -102,6 +103,8 @@ pub(super) struct Participant {
     participant: DomainParticipant,
     /// Announcements of readers so far, and of their ends.
     readers_told: AtomicI64,
+    /// The number of the newest sample of each writer.
+    written: Mutex<Vec<(Guid, Weak<AtomicI64>)>>,
 }
 
 impl Participant {
@@ -120,6 +123,7 @@ impl Participant {
             listener: participant.status_listener(),
             participant,
             readers_told: AtomicI64::new(0),
+            written: Mutex::default(),
         })
     }
 
@@ -136,9 +140,22 @@ impl Participant {
     pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Writer, DdsError> {
         let made = self.topic(topic, type_name, &policies(qos, qos.window))?;
         match self.publisher.create_datawriter_no_key(&made, None) {
-            Ok(inner) => Ok(Writer { inner }),
+            Ok(inner) => {
+                let writer = Writer { inner, last: Arc::default() };
+                let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+                written.push((writer.guid(), Arc::downgrade(&writer.last)));
+                Ok(writer)
+            }
             Err(error) => Err(DdsError::new(format!("a writer of {topic}"), error)),
         }
+    }
+
+    /// The writers that have written, each with the number of its newest sample.
+    pub(super) fn written(&self) -> Vec<(Guid, i64)> {
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        written.retain(|(_, last)| last.strong_count() > 0);
+        let last = |(guid, last): &(Guid, Weak<AtomicI64>)| Some((*guid, last.upgrade()?.load(Ordering::Relaxed)));
+        written.iter().filter_map(last).filter(|(_, last)| *last > 0).collect()
     }
 
     pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Reader, DdsError> {
@@ -217,6 +234,20 @@ impl Participant {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
         is_latched(found.and_then(|found| found.subscription_topic_data.qos().durability()))
+    }
+
+    /// Whether a remote reader acknowledges nothing.
+    pub(super) fn is_best_effort(&self, reader: Guid) -> bool {
+        let readers = self.participant.discovered_readers();
+        let found = readers.iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
+        found.is_some_and(|found| !found.subscription_topic_data.qos().is_reliable())
+    }
+
+    /// Whether a remote writer keeps samples for readers that come later.
+    pub(super) fn is_latched_writer(&self, writer: Guid) -> bool {
+        let writers = self.participant.discovered_writers();
+        let found = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == writer);
+        is_latched(found.and_then(|found| found.publication_topic_data.qos().durability()))
     }
 
     /// Where a remote writer listens.
@@ -388,6 +419,8 @@ fn policies(qos: Qos, most: i32) -> QosPolicies {
 /// Writes samples of one topic.
 pub(super) struct Writer {
     inner: DataWriter<Raw, Raw>,
+    /// Number of the newest sample.
+    last: Arc<AtomicI64>,
 }
 
 /// To whom a reply goes, and what it answers.
@@ -422,7 +455,11 @@ impl Writer {
     fn write_with(&self, bytes: Bytes, options: WriteOptionsBuilder) -> Result<i64, ReplyFailure> {
         let (options, bytes) = (options.source_timestamp(Timestamp::now()).build(), padded(bytes));
         match self.inner.write_with_options(Raw { is_big_endian: false, bytes }, options) {
-            Ok(written) => Ok(written.sequence_number.into()),
+            Ok(written) => {
+                let number = written.sequence_number.into();
+                self.last.fetch_max(number, Ordering::Relaxed);
+                Ok(number)
+            }
             Err(rustdds::dds::WriteError::WouldBlock { .. }) => Err(ReplyFailure::Full),
             Err(error) => Err(ReplyFailure::Broken(error.forget_data().to_string())),
         }

@@ -10,7 +10,7 @@ use lineshaft_msgs::{Bounded, Message, cdr};
 use tokio::runtime::Handle;
 
 use super::dds::{DdsError, Reader};
-use super::latched::{Beside, Latched};
+use super::latched::{DirectedWriter, Latched};
 use super::member::Shared;
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::Join;
@@ -41,7 +41,7 @@ impl Graph {
     /// Announces the node, which has no endpoints yet.
     pub(super) fn new(runtime: &Handle, shared: &Arc<Shared>, join: &Join) -> Result<Self, DdsError> {
         let writer = shared.participant.writer(TOPIC, ParticipantEntitiesInfo::DDS_NAME, Qos::STATUS)?;
-        let target = Beside { writer, shared: Arc::clone(shared) };
+        let target = DirectedWriter { writer, shared: Arc::clone(shared) };
         let announcement = Latched::start(runtime, target, &shared.matches, Qos::STATUS, GATHER);
         let entities = Entities {
             participant: shared.participant.guid(),

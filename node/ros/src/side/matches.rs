@@ -1,6 +1,7 @@
 //! Which readers are matched with which of our writers.
 
 use std::collections::HashSet;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::watch;
 
@@ -13,15 +14,44 @@ type Pairs = HashSet<(Guid, Guid)>;
 /// All matches of the participant.
 pub(super) struct Matches {
     pairs: watch::Sender<Pairs>,
+    /// Readers among them that acknowledge nothing.
+    best_effort: Mutex<HashSet<Guid>>,
 }
 
 impl Matches {
     pub(super) fn new() -> Self {
-        Self { pairs: watch::Sender::new(Pairs::new()) }
+        Self { pairs: watch::Sender::new(Pairs::new()), best_effort: Mutex::default() }
+    }
+
+    fn all_best_effort(&self) -> MutexGuard<'_, HashSet<Guid>> {
+        self.best_effort.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes that a reader acknowledges nothing.
+    pub(super) fn note_best_effort(&self, reader: Guid) {
+        self.all_best_effort().insert(reader);
+    }
+
+    /// Readers of this writer that acknowledge nothing.
+    pub(super) fn best_effort(&self, writer: Guid) -> Vec<Guid> {
+        let all = self.all_best_effort();
+        self.pairs
+            .borrow()
+            .iter()
+            .filter(|(one, reader)| *one == writer && all.contains(reader))
+            .map(|pair| pair.1)
+            .collect()
     }
 
     /// Notes a change.
     pub(super) fn note(&self, change: Discovery) {
+        match change {
+            Discovery::Lost { reader } => drop(self.all_best_effort().remove(&reader)),
+            Discovery::Gone { participant, .. } => {
+                self.all_best_effort().retain(|reader| reader.prefix() != participant);
+            }
+            _ => {}
+        }
         self.pairs.send_modify(|pairs| match change {
             Discovery::Matched { writer, reader } => {
                 pairs.insert((writer, reader));
@@ -82,8 +112,12 @@ mod tests {
             matches.note(Discovery::Matched { writer: other, reader });
         }
         assert_eq!(matches.count(writer), 3);
+        matches.note_best_effort(readers[0]);
+        matches.note_best_effort(readers[2]);
+        assert_eq!(HashSet::from_iter(matches.best_effort(writer)), HashSet::from([readers[0], readers[2]]));
         matches.note(Discovery::Lost { reader: readers[0] });
         assert!(!matches.contains(writer, readers[0]) && matches.contains(writer, readers[1]));
+        assert_eq!(matches.best_effort(writer), [readers[2]]);
         matches.note(Discovery::Gone { participant: readers[1].prefix(), is_silent: true });
         assert_eq!(matches.count(writer), 1);
         matches.forget(writer);

@@ -19,11 +19,11 @@ use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
 use super::graph::{Graph, watch_for_namesakes};
 use super::latched::{self, Latched};
 use super::matches::Matches;
-use super::nudge::nudge;
+use super::preemptive::{self, Answers};
 use super::probe::Probe;
 use super::replies::Replies;
 use super::returning::Returning;
-use super::{farewell, sedp};
+use super::{acknowledge, farewell, sedp};
 use crate::link::guid::Guid;
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
@@ -33,6 +33,7 @@ pub(super) struct Shared {
     pub(super) matches: Arc<Matches>,
     pub(super) beside: Beside,
     pub(super) returning: Returning,
+    pub(super) answers: Answers,
     reports: Mutex<Sender<Report>>,
     /// Writers of the program, to tell how many readers each has.
     writers: Mutex<HashMap<Guid, (Endpoint, u32)>>,
@@ -154,6 +155,7 @@ impl Member {
             matches,
             beside,
             returning,
+            answers: Answers::default(),
             reports: Mutex::new(reports),
             writers: Mutex::default(),
             heard: Mutex::default(),
@@ -163,7 +165,14 @@ impl Member {
         let others = Graph::others(&shared).map_err(|error| error.to_string())?;
         let namesakes = watch_for_namesakes(others, prefix, join.namespace.clone(), join.name.clone());
         let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
-        let mut tasks = vec![runtime.spawn(follow), runtime.spawn(namesakes)];
+        let answers = shared.beside.ear().and_then(tokio::net::UdpSocket::from_std);
+        let answers = answers.map_err(|error| format!("no socket: {error}"))?;
+        let mut tasks = vec![
+            runtime.spawn(follow),
+            runtime.spawn(namesakes),
+            runtime.spawn(preemptive::listen(answers, Arc::downgrade(&shared))),
+            runtime.spawn(acknowledge::for_best_effort_readers(Arc::downgrade(&shared))),
+        ];
         match Returning::start(&shared, join.domain, &runtime) {
             Ok(ears) => tasks.extend(ears),
             Err(error) => {
@@ -235,7 +244,7 @@ impl Member {
                 drop(writers);
                 if qos.latched {
                     let (target, matches) =
-                        (latched::Beside { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
+                        (latched::DirectedWriter { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
                     let latched = Latched::start(&self.runtime, target, matches, *qos, Duration::ZERO);
                     (guid, Open::Latched { guid, latched })
                 } else {
@@ -325,9 +334,8 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
                 Discovery::Heard { writer, reader } => {
                     let new = shared.new_writer(writer);
                     shared.heard().insert(writer, new);
-                    if writer.is_fast_dds() {
-                        let shared = Arc::clone(&shared);
-                        runtime.spawn(async move { nudge(&shared, reader, writer).await });
+                    if writer.is_fast_dds() && !writer.is_builtin() {
+                        runtime.spawn(preemptive::ask(Arc::downgrade(&shared), reader, writer));
                     }
                 }
                 Discovery::Silent { writer } => drop(shared.heard().remove(&writer)),
@@ -336,7 +344,12 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
                     probe.gone(participant);
                 }
                 Discovery::Found { participant } => probe.found(participant),
-                Discovery::Matched { .. } | Discovery::Lost { .. } => {}
+                Discovery::Matched { reader, .. } => {
+                    if !reader.is_builtin() && shared.participant.is_best_effort(reader) {
+                        shared.matches.note_best_effort(reader);
+                    }
+                }
+                Discovery::Lost { .. } => {}
             }
         }
         if changes.iter().any(|change| matches!(change, Discovery::Matched { .. })) {

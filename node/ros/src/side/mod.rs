@@ -3,21 +3,24 @@
 //! It does what the program orders (`link/protocol`) and knows neither messages nor axes. What the network makes of the library ends
 //! with this process, whose memory has a bound; the program then starts another one.
 //!
-//! `dds` is the only file that imports the library. What the library (0.15.1) cannot do is done beside it, by RTPS messages in the
-//! name of its participant (`rtps`, `spdp`, `sedp`): `farewell`, `long_reply`, `nudge`, `returning`, and the announcements of `probe`.
+//! `dds` is the only file that imports the library. What the library (0.15.1) cannot do is done next to it, by RTPS messages in the
+//! name of its participant (`rtps`, `spdp`, `sedp`): `acknowledge`, `farewell`, `keeper`, `long_reply`, `preemptive`, `returning`, and the
+//! announcements of `probe`. docs/ARCHITECTURE.md has a table of them.
 
+mod acknowledge;
 mod age;
 mod beside;
 mod dds;
 mod ears;
 mod farewell;
 mod graph;
+mod keeper;
 mod latched;
 mod lines;
 mod long_reply;
 mod matches;
 mod member;
-mod nudge;
+mod preemptive;
 mod presence;
 mod probe;
 mod replies;

@@ -101,10 +101,20 @@ impl Replies {
                     numbers.to.insert(reader, number);
                     return Ok(());
                 }
-                Err(ReplyFailure::Full) if Instant::now() < deadline => sleep_until(Instant::now() + AGAIN).await,
+                // The number of a long reply is taken: under it, no other sample may go to anyone while its reader is there, whom a GAP
+                // over the fragments that it has would hang.
+                Err(ReplyFailure::Full)
+                    if Instant::now() < deadline || long.is_some() && self.is_matched(shared, reader) =>
+                {
+                    sleep_until(Instant::now() + AGAIN).await;
+                }
                 Err(failure) => return Err(failure),
             }
         }
+    }
+
+    fn is_matched(&self, shared: &Shared, reader: Guid) -> bool {
+        shared.matches.contains(self.writer.guid(), reader)
     }
 
     /// A panic elsewhere leaves the readers whole: each change is one call.
@@ -113,7 +123,7 @@ impl Replies {
     }
 
     fn readers(&self, shared: &Shared, place: Place) -> Found {
-        let is_matched = |reader| shared.matches.contains(self.writer.guid(), reader);
+        let is_matched = |reader| self.is_matched(shared, reader);
         let client = match place {
             Place::Reader(reader) => return Found::of(vec![reader], is_matched),
             Place::Beside(client) => client,

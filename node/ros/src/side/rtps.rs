@@ -1,4 +1,6 @@
-//! The few RTPS messages that are sent beside the DDS library, little endian.
+//! The few RTPS messages that are sent next to the DDS library, little endian, and what is read of those that come back.
+
+use std::net::SocketAddrV4;
 
 use crate::link::guid::{Guid, Prefix};
 
@@ -29,7 +31,7 @@ impl Message {
 
     /// INFO_DST: what follows is for this participant.
     pub(super) fn to(&mut self, prefix: Prefix) -> &mut Self {
-        self.submessage(0x0e, 0, &prefix.0)
+        self.submessage(INFO_DST, 0, &prefix.0)
     }
 
     /// INFO_TS: when what follows was written, in 2^-32 s since 1970.
@@ -44,6 +46,25 @@ impl Message {
         self.submessage(0x08, 0, &body)
     }
 
+    /// INFO_REPLY: what follows is answered to this address.
+    pub(super) fn reply_to(&mut self, address: SocketAddrV4) -> &mut Self {
+        let locators = [&1u32.to_le_bytes()[..], &locator(address)].concat();
+        // The DDS library reads a byte more than RTPS has: no multicast list.
+        self.submessage(0x0f, 0, &[&locators[..], &[0; 4]].concat())
+    }
+
+    /// HEARTBEAT of a writer that has no samples, to be answered.
+    pub(super) fn empty_heartbeat(&mut self, reader: Entity, writer: Entity, count: i32) -> &mut Self {
+        let body = [&reader[..], &writer, &number(1), &number(0), &count.to_le_bytes()].concat();
+        self.submessage(HEARTBEAT, 0, &body)
+    }
+
+    /// ACKNACK that requests no sample.
+    pub(super) fn acknack(&mut self, ack: &AckNack) -> &mut Self {
+        let body = [&ack.reader[..], &ack.writer, &number(ack.base), &[0; 4], &ack.count.to_le_bytes()].concat();
+        self.submessage(ACKNACK, if ack.is_final { FINAL } else { 0 }, &body)
+    }
+
     /// DATA with a parameter list (its encapsulation included) as payload.
     pub(super) fn list(&mut self, reader: Entity, writer: Entity, sequence: i64, payload: &[u8]) -> &mut Self {
         let body = [&[0, 0, 16, 0], reader.as_slice(), &writer, &number(sequence), payload].concat();
@@ -56,7 +77,68 @@ impl Message {
     }
 }
 
-/// A sequence number as it stands on the wire.
+const INFO_DST: u8 = 0x0e;
+const ACKNACK: u8 = 0x06;
+const HEARTBEAT: u8 = 0x07;
+/// Flag of an ACKNACK that needs no answer.
+const FINAL: u8 = 0b10;
+
+/// An ACKNACK without a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct AckNack {
+    pub(super) reader: Entity,
+    pub(super) writer: Entity,
+    /// All samples before this number are acknowledged; 0: preemptive, the reader knows nothing of the writer.
+    pub(super) base: i64,
+    pub(super) count: i32,
+    pub(super) is_final: bool,
+}
+
+/// What an ACKNACK says of who sends it to whom.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Acknowledged {
+    pub(super) reader: Guid,
+    pub(super) writer: Guid,
+    pub(super) count: i32,
+}
+
+/// The last ACKNACK in a little-endian message.
+pub(super) fn read_acknack(datagram: &[u8]) -> Option<Acknowledged> {
+    let (from, mut to) = (prefix(datagram, 8)?, None);
+    let (mut rest, mut found) = (datagram.get(20..)?, None);
+    while let [kind, flags, low, high, ref body @ ..] = *rest {
+        if flags & 1 == 0 {
+            return found;
+        }
+        let length = usize::from(u16::from_le_bytes([low, high]));
+        // The last submessage may leave its length out.
+        let body = body.get(..if length == 0 { body.len() } else { length })?;
+        match kind {
+            INFO_DST => to = prefix(body, 0),
+            ACKNACK => {
+                let count = *body.last_chunk::<4>()?;
+                let entity = |at: usize| body.get(at..at + 4)?.try_into().ok();
+                let (reader, writer) = (from.endpoint(entity(0)?), to?.endpoint(entity(4)?));
+                found = Some(Acknowledged { reader, writer, count: i32::from_le_bytes(count) });
+            }
+            _ => {}
+        }
+        rest = &rest[4 + body.len()..];
+    }
+    found
+}
+
+fn prefix(bytes: &[u8], at: usize) -> Option<Prefix> {
+    bytes.get(at..at + 12)?.try_into().ok().map(Prefix)
+}
+
+/// A locator of UDP.
+pub(super) fn locator(address: SocketAddrV4) -> Vec<u8> {
+    let (kind, port) = (1u32.to_le_bytes(), u32::from(address.port()).to_le_bytes());
+    [&kind[..], &port, &[0; 12], &address.ip().octets()].concat()
+}
+
+/// A sequence number on the wire.
 pub(super) fn number(n: i64) -> [u8; 8] {
     let (high, low) = (((n >> 32) as i32).to_le_bytes(), (n as u32).to_le_bytes());
     [high[0], high[1], high[2], high[3], low[0], low[1], low[2], low[3]]
@@ -73,3 +155,31 @@ pub(super) fn parameter(list: &mut Vec<u8>, id: u16, value: &[u8]) {
 
 /// Ends a parameter list.
 pub(super) const SENTINEL: [u8; 4] = [1, 0, 0, 0];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const READER: Guid = Guid([1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 7, 4]);
+    const WRITER: Guid = Guid([2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 0, 0, 9, 3]);
+
+    #[test]
+    fn an_acknack_is_read_after_other_submessages() {
+        let ack = AckNack { reader: entity(READER), writer: entity(WRITER), base: 7, count: -3, is_final: true };
+        let mut message = Message::from(READER.prefix());
+        message.time(5).to(WRITER.prefix()).acknack(&ack);
+        let bytes = message.bytes();
+        assert_eq!(read_acknack(&bytes), Some(Acknowledged { reader: READER, writer: WRITER, count: -3 }));
+        for length in 0..bytes.len() {
+            assert_eq!(read_acknack(&bytes[..length]), None, "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_message_without_destination_has_no_acknack() {
+        let ack = AckNack { reader: entity(READER), writer: entity(WRITER), base: 7, count: 1, is_final: false };
+        let mut message = Message::from(READER.prefix());
+        message.acknack(&ack);
+        assert_eq!(read_acknack(&message.bytes()), None);
+    }
+}

@@ -2,8 +2,8 @@
 
 use std::net::SocketAddrV4;
 
-use super::rtps::{Entity, Message, SENTINEL, parameter};
-use super::spdp::{PARTICIPANT, gone, locator};
+use super::rtps::{Entity, Message, SENTINEL, locator, parameter};
+use super::spdp::{PARTICIPANT, gone};
 use crate::link::guid::{Guid, Prefix};
 
 /// Longest announcement (bytes): a datagram has 64 kB.

@@ -3,7 +3,7 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
-use super::rtps::{Entity, Message, SENTINEL, number, parameter};
+use super::rtps::{Entity, Message, SENTINEL, locator, number, parameter};
 use crate::link::guid::Prefix;
 
 const SPDP_WRITER: Entity = [0, 1, 0, 0xc2];
@@ -157,11 +157,6 @@ pub(super) fn gone(guid: &[u8], key: u16, (reader, writer): (Entity, Entity), se
     parameter(&mut body, key, guid);
     body.extend(SENTINEL);
     body
-}
-
-pub(super) fn locator(address: SocketAddrV4) -> Vec<u8> {
-    let (kind, port) = (1u32.to_le_bytes(), u32::from(address.port()).to_le_bytes());
-    [kind.as_slice(), &port, &[0; 12], &address.ip().octets()].concat()
 }
 
 /// A participant that we play.

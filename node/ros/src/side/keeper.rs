@@ -1,0 +1,155 @@
+//! What each reader of a latched topic has still to get: the state of the sender, without time, tasks and sockets of its own.
+//!
+//! Law      each sample goes to one reader. A reader that comes is told by a GAP that no sample so far is for it, and gets the values
+//!          that count, the newest last, unless it is volatile; then each value that is set.
+//!          No GAP covers a sample that was sent to its reader: a reader of Fast DDS (2.6 to 2.14) that has some fragments of a
+//!          sample, and then such a GAP, loops for ever with its lock held at the topic's next sample
+
+use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::time::Duration;
+
+use bytes::Bytes;
+use tokio::time::Instant;
+
+use crate::link::guid::Guid;
+use crate::link::protocol::ReplyFailure;
+
+/// When a GAP is repeated, after the match. The reader may match the writer later than the writer matches it, and datagrams get lost.
+const GAP_REPEATS: [Duration; 8] = [
+    Duration::from_millis(30),
+    Duration::from_millis(60),
+    Duration::from_millis(100),
+    Duration::from_millis(200),
+    Duration::from_millis(400),
+    Duration::from_millis(800),
+    Duration::from_millis(1600),
+    Duration::from_millis(3200),
+];
+
+/// Where samples go.
+pub(super) trait Target: Send + Sync + 'static {
+    /// Writes a sample to one matched reader and returns its number.
+    fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
+    /// Whether the reader wants the values that were set before it came.
+    fn is_owed(&self, reader: Guid) -> bool;
+    /// Tells a reader that the samples before this number are not for it.
+    fn skip(&self, reader: Guid, before: i64);
+    /// The writer.
+    fn guid(&self) -> Guid;
+}
+
+/// The state of the sender.
+pub(super) struct Keeper<T> {
+    target: T,
+    depth: usize,
+    lifespan: Option<Duration>,
+    /// Values that count, the newest last.
+    kept: VecDeque<(Instant, Bytes)>,
+    readers: BTreeMap<Guid, Reader>,
+    /// Number of the newest sample.
+    last: i64,
+}
+
+/// A matched reader.
+struct Reader {
+    /// Values that it has still to get, the oldest first.
+    pending: VecDeque<Bytes>,
+    since: Instant,
+    /// The samples before this number are not for it.
+    first: i64,
+    /// GAPs that were repeated.
+    repeats: usize,
+}
+
+impl<T: Target> Keeper<T> {
+    pub(super) fn new(target: T, depth: usize, lifespan: Option<Duration>) -> Self {
+        Self { target, depth: depth.max(1), lifespan, kept: VecDeque::new(), readers: BTreeMap::new(), last: 0 }
+    }
+
+    pub(super) fn guid(&self) -> Guid {
+        self.target.guid()
+    }
+
+    /// Sets a value.
+    pub(super) fn set(&mut self, value: Bytes, now: Instant) {
+        for reader in self.readers.values_mut() {
+            reader.pending.push_back(value.clone());
+            if reader.pending.len() > self.depth {
+                reader.pending.pop_front();
+            }
+        }
+        self.kept.push_back((now, value));
+        if self.kept.len() > self.depth {
+            self.kept.pop_front();
+        }
+    }
+
+    /// Takes over which readers are matched now.
+    pub(super) fn matched(&mut self, readers: &HashSet<Guid>, now: Instant) {
+        self.readers.retain(|reader, _| readers.contains(reader));
+        let lifespan = self.lifespan;
+        self.kept.retain(|(since, _)| lifespan.is_none_or(|lifespan| now.duration_since(*since) < lifespan));
+        for guid in readers {
+            if self.readers.contains_key(guid) {
+                continue;
+            }
+            let pending = match self.target.is_owed(*guid) {
+                true => self.kept.iter().map(|(_, value)| value.clone()).collect(),
+                false => VecDeque::new(),
+            };
+            let reader = Reader { pending, since: now, first: self.last + 1, repeats: 0 };
+            if reader.has_gap() {
+                self.target.skip(*guid, reader.first);
+            }
+            self.readers.insert(*guid, reader);
+        }
+    }
+
+    /// Repeats the GAPs that are due.
+    pub(super) fn repeat_gaps(&mut self, now: Instant) {
+        for (guid, reader) in &mut self.readers {
+            if reader.next_repeat().is_some_and(|due| due <= now) {
+                self.target.skip(*guid, reader.first);
+                // After a long sleep once, not once for each that was due.
+                let passed = GAP_REPEATS.iter().take_while(|after| reader.since + **after <= now).count();
+                reader.repeats = passed.max(reader.repeats + 1);
+            }
+        }
+    }
+
+    /// When the next GAP is due.
+    pub(super) fn next_repeat(&self) -> Option<Instant> {
+        self.readers.values().filter_map(Reader::next_repeat).min()
+    }
+
+    /// Writes what is pending; returns false if the writer has no room for all of it.
+    pub(super) fn write(&mut self) -> bool {
+        for (guid, reader) in &mut self.readers {
+            while let Some(value) = reader.pending.front() {
+                match self.target.write(value, *guid) {
+                    Ok(number) => self.last = number,
+                    Err(ReplyFailure::Broken(reason)) => {
+                        tracing::error!("a latched value was not published: {reason}");
+                    }
+                    Err(ReplyFailure::Full | ReplyFailure::NoReader) => return false,
+                }
+                reader.pending.pop_front();
+            }
+        }
+        true
+    }
+}
+
+impl Reader {
+    fn has_gap(&self) -> bool {
+        self.first > 1
+    }
+
+    fn next_repeat(&self) -> Option<Instant> {
+        let after = GAP_REPEATS.get(self.repeats).filter(|_| self.has_gap());
+        after.map(|after| self.since + *after)
+    }
+}
+
+#[cfg(test)]
+mod tests;
