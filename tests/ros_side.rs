@@ -4,13 +4,14 @@ mod support;
 
 use std::{
     path::PathBuf,
+    process::Command,
     thread,
     time::{Duration, Instant},
 };
 
 use rustix::process::{Signal, kill_process};
 use serde_json::Value;
-use support::{domain::Domain, peer::Peer, program::Program};
+use support::{domain::Domain, namespace, peer::Peer, program::Program};
 
 /// Within this time a client has its answer again.
 const AGAIN: &str = "answered /lineshaft --seconds 5";
@@ -159,6 +160,41 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     }
     let lines = program.log().lines().count();
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
+}
+
+/// Clients of both implementations come and go for 15 s, read what is latched and call the node, while others stay. On the loopback
+/// nothing is seen that either implementation cannot bear (tests/peers/rtps_check.py); a reader of Fast DDS that hangs fails the visits.
+#[test]
+fn other_dds_implementations_bear_what_the_node_sends() {
+    if !namespace::is_inside("other_dds_implementations_bear_what_the_node_sends") {
+        return;
+    }
+    // As on Ethernet: a description of the node in the graph is longer than a datagram, and goes in fragments.
+    let status = Command::new("ip").args(["link", "set", "lo", "mtu", "1500"]).status();
+    assert!(status.expect("ip was there for the namespace").success());
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    let mut lasting = Peer::cyclone(&domain);
+    lasting.run("listen /lineshaft");
+    let mut sniffer = Peer::cyclone(&domain);
+    let mut visitors = Peer::fastdds(&domain);
+    sniffer.tell("rtps-check --seconds 15");
+    visitors.tell("visits /lineshaft --count 25");
+    let mut fresh = Peer::cyclone(&domain);
+    let begun = Instant::now();
+    let mut other_visitors = Peer::fastdds(&domain);
+    while begun.elapsed() < seconds(12.0) {
+        fresh.run("first-replies /lineshaft --clients 3");
+        other_visitors.run("newcomer /lineshaft");
+        // A latched value that changes while clients come: the status of goals.
+        lasting.run("axes /lineshaft enable turret");
+        lasting.run("move /lineshaft --axis turret --mode relative --units increments --position 10 --wait");
+    }
+    assert_eq!(visitors.answer().1, None, "{}", program.log());
+    let (seen, error) = sniffer.answer();
+    println!("{seen:?}");
+    assert_eq!(error, None, "{seen:?}");
+    assert!(seen["fragmented"].as_u64() >= Some(25) && seen["others"].as_u64() > Some(30), "{seen:?}");
 }
 
 /// The logs of two nodes of one name, whose endpoints come and go for a while; none where a ROS side was started again: a new side is

@@ -25,6 +25,7 @@ import objects
 import outputs
 import parameters
 import ros2wire as rw
+import rtps_check
 import shaft
 import streams
 import trajectories
@@ -388,6 +389,7 @@ def parser():
     shaft.add_commands(command)
     streams.add_commands(command)
     trajectories.add_commands(command)
+    rtps_check.add_commands(command)
     tune.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)

@@ -63,6 +63,35 @@ def events(peer, a):
                   "changed": {p.name: p.value.get() for p in m.changed_parameters}} for m in seen])
 
 
+def value_of_tools(text):
+    """A value as `ros2 param load` makes it of a text (rclpy.parameter.get_parameter_value)."""
+    try:
+        value = yaml.safe_load(text)
+    except yaml.parser.ParserError:
+        return text
+    if isinstance(value, (bool, int, float, list)):
+        return value
+    return text
+
+
+def dump_and_load(peer, a):
+    """`ros2 param dump`, then `ros2 param load` of what it wrote: every value that can be set is taken, and none is changed."""
+    client = client_of(peer, a.node)
+    before = everything(client)
+    dump = yaml.safe_load(yaml.dump(before))
+    values = {name: value_of_tools(str(value)) for name, value in dump.items() if value is not None}
+    fixed = {d.name for d in client.describe(*values) if d.read_only}
+    refused = {}
+    for name, value in values.items():
+        result = client.set({name: value})[0]
+        if not result.successful and name not in fixed:
+            refused[name] = result.reason
+    show(values=len(values), read_only=len(fixed), texts=sorted({type(values[n]).__name__ for n in values}))
+    changed = differences(client, before)
+    if refused or changed:
+        raise Failure(f"refused: {refused}; changed: {changed}")
+
+
 def layers(peer, a):
     if a.what == "reset":
         client = peer.service(a.node, "reset_parameters", "ResetParameters", ResetRequest, Answer)
@@ -348,6 +377,7 @@ def add_commands(command):
     p = command("import", import_text, pad=0)
     p.add_argument("text", nargs="*", help="a ; breaks the line")
     command("import-of-export", import_of_export)
+    command("dump-and-load", dump_and_load)
     command("described-parameters", described)
     command("parameter-doors", doors, object="x")
     command("bad-parameter-requests", bad_requests)

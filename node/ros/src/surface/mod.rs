@@ -41,6 +41,7 @@ pub mod table;
 mod time;
 mod trajectory;
 mod tune;
+mod urdf;
 mod vocabulary;
 
 pub use hub::is_told;

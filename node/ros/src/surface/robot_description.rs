@@ -1,8 +1,9 @@
-//! `robot_description`: the URDF of the cell, for RViz and whoever else draws the robot.
+//! `robot_description`: the URDF of the cell, for RViz and other tools that draw the robot.
 
 use super::hub::Hub;
 use super::parameters::own::Own;
 use super::table::{ROBOT_DESCRIPTION, ROBOT_DESCRIPTION_PARAMETER};
+use super::urdf::published;
 use crate::layer::{CreateError, Node};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
@@ -13,11 +14,13 @@ use tokio::task::JoinSet;
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let Some(urdf) = hub.host.robot_description() else { return Ok(()) };
     hub.own.declare(parameter(urdf));
-    let publisher = ROBOT_DESCRIPTION.publisher(node)?;
-    // The only sample that the publisher ever writes: who comes later gets it from the publisher.
-    // That of the parameter: a launch file may have given another one.
+    // A launch file may have given another one.
     let given = hub.own.get(ROBOT_DESCRIPTION_PARAMETER.name).map(|own| own.value.string_value);
-    if let Err(error) = publisher.publish(&Text { data: given.unwrap_or_else(|| urdf.to_owned()) }) {
+    let text = published(given.as_deref().unwrap_or(urdf));
+    hub.own.declare(parameter(&text));
+    let publisher = ROBOT_DESCRIPTION.publisher(node)?;
+    // The only sample that the publisher ever writes: a reader that comes later gets it from the publisher.
+    if let Err(error) = publisher.publish(&Text { data: text }) {
         tracing::error!("{error}");
     }
     tasks.spawn(async move {

@@ -25,15 +25,23 @@ enum Sent {
 
 /// Records what goes to which reader, and how much room there is.
 #[derive(Clone, Debug)]
-struct Record(Arc<Mutex<(Vec<(u8, Sent)>, usize)>>);
+struct Record(Arc<Mutex<State>>);
+
+#[derive(Debug)]
+struct State {
+    /// The reader, and what it was sent.
+    sent: Vec<(u8, Sent)>,
+    /// In samples.
+    room: usize,
+}
 
 impl Record {
     fn new() -> Self {
-        Self(Arc::new(Mutex::new((Vec::new(), usize::MAX))))
+        Self(Arc::new(Mutex::new(State { sent: Vec::new(), room: usize::MAX })))
     }
 
     fn take(&self) -> Vec<(u8, Sent)> {
-        std::mem::take(&mut self.0.lock().unwrap().0)
+        std::mem::take(&mut self.0.lock().unwrap().sent)
     }
 
     /// As [`Record::take`], without repeated GAPs.
@@ -46,20 +54,20 @@ impl Record {
     }
 
     fn room(&self, samples: usize) {
-        self.0.lock().unwrap().1 = samples;
+        self.0.lock().unwrap().room = samples;
     }
 }
 
 impl Target for (Record, Mutex<i64>) {
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure> {
         let mut state = self.0.0.lock().unwrap();
-        if state.1 == 0 {
+        if state.room == 0 {
             return Err(ReplyFailure::Full);
         }
-        state.1 -= 1;
+        state.room -= 1;
         let mut last = self.1.lock().unwrap();
         *last += 1;
-        state.0.push((reader.0[0], Sent::Sample(value[0], *last)));
+        state.sent.push((reader.0[0], Sent::Sample(value[0], *last)));
         Ok(*last)
     }
 
@@ -68,7 +76,7 @@ impl Target for (Record, Mutex<i64>) {
     }
 
     fn skip(&self, reader: Guid, before: i64) {
-        self.0.0.lock().unwrap().0.push((reader.0[0], Sent::Gap(before)));
+        self.0.0.lock().unwrap().sent.push((reader.0[0], Sent::Gap(before)));
     }
 
     fn guid(&self) -> Guid {

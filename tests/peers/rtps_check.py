@@ -1,0 +1,81 @@
+"""Checks what a node sends for what other DDS implementations cannot bear.
+
+gap        A GAP covers a sample of which some, but not all, fragments went to that reader. A reader of Fast DDS (2.6 to 2.14) then
+           loops for ever with its lock held.
+heartbeat  The count of a writer's HEARTBEATs to one reader and address does not rise: receivers ignore that HEARTBEAT.
+acknack    The same of ACKNACKs.
+late       A HEARTBEAT to a reader of the node that announces samples is answered by no ACKNACK within some time.
+"""
+import os
+import struct
+import time
+
+from report import Failure, show
+from rtps import ACKNACK, DATA_FRAG, GAP, HEARTBEAT, Sniffer, fragments, number, numbers, submessages
+
+RUSTDDS = b"\x01\x12"  # how GUIDs of the node begin
+LATE_S = 0.3
+SHOWN = 10
+
+
+class Check:
+    def __init__(self):
+        self.sent, self.whole, self.counts, self.asked = {}, {}, {}, {}
+        self.found = {"gap": [], "heartbeat": [], "acknack": []}
+        self.seen, self.latest, self.late = set(), 0.0, 0
+
+    def take(self, at, address, payload):
+        for kind, flags, order, body, source, to in submessages(payload):
+            self.seen.add(source)
+            ours = source.startswith(RUSTDDS)
+            if ours and kind == DATA_FRAG:
+                sample, first, count, whole = fragments(order, body)
+                key = (address, to, source + body[8:12], sample)
+                self.sent.setdefault(key, set()).update(range(first, first + count))
+                self.whole[key] = whole
+            elif ours and kind == GAP:
+                self.gap(address, to, source + body[4:8], number(order, body[8:16]), *numbers(order, body[16:]))
+            elif kind in (HEARTBEAT, ACKNACK) and ours and not to.startswith(RUSTDDS):
+                self.count(kind, order, body, source, to, address, at)
+            elif kind == HEARTBEAT and not ours and to.startswith(RUSTDDS) and not flags & 2:
+                if number(order, body[16:24]) >= number(order, body[8:16]):
+                    self.asked.setdefault((to, source, body[4:8]), at)
+
+    def gap(self, address, to, writer, first, base, members):
+        for key, have in self.sent.items():
+            covered = first <= key[3] < base or key[3] in members
+            if key[:3] == (address, to, writer) and covered and len(have) < self.whole[key]:
+                self.found["gap"].append(f"sample {key[3]} of {writer.hex()} to {to.hex()} at {address}: "
+                                         f"{len(have)} of {self.whole[key]} fragments were sent")
+
+    def count(self, kind, order, body, source, to, address, at):
+        reader, writer = body[:4], body[4:8]
+        count = struct.unpack(order + "I", body[-4:] if kind == ACKNACK else body[24:28])[0]
+        key = (kind, source, to, reader, writer, address)
+        before = self.counts.get(key, -1)
+        if count <= before:
+            self.found["heartbeat" if kind == HEARTBEAT else "acknack"].append(
+                f"count {count} after {before} to {to.hex()}, reader {reader.hex()}, writer {writer.hex()}, at {address}")
+        self.counts[key] = max(count, before)
+        since = self.asked.pop((source, to, writer), None) if kind == ACKNACK else None
+        if since is not None:
+            self.latest = max(self.latest, at - since)
+            self.late += at - since > LATE_S
+
+
+def rtps_check(peer, a):
+    """Checks the traffic of this domain for some seconds."""
+    sniffer = Sniffer(int(os.environ["ROS_DOMAIN_ID"]))
+    time.sleep(a.seconds)
+    check = Check()
+    for datagram in sniffer.stop():
+        check.take(*datagram)
+    nodes = sum(prefix.startswith(RUSTDDS) for prefix in check.seen)
+    show(nodes=nodes, others=len(check.seen) - nodes, late=check.late, latest_s=check.latest,
+         fragmented=len({key[2:] for key in check.sent}), **{kind: all[:SHOWN] for kind, all in check.found.items()})
+    if any(check.found.values()):
+        raise Failure(f"found {({kind: len(all) for kind, all in check.found.items()})}")
+
+
+def add_commands(command):
+    command("rtps-check", rtps_check, node=False, seconds=15.0)
