@@ -24,7 +24,7 @@ use super::service::ServiceServer;
 use super::subscription::Subscription;
 use super::time_source::TimeSource;
 use crate::link::qos::Qos;
-use crate::link::{Link, LinkError, Loss, Settings, Side};
+use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
 
 /// What is told of a loss of the ROS side.
 pub type OnLoss = Arc<dyn Fn(&Loss) + Send + Sync>;
@@ -144,6 +144,7 @@ impl Node {
             name: names.node().name().to_owned(),
             participants: side.participants,
             on_loss: side.on_loss,
+            growth: Growth::default(),
         })?;
         let (open, closed) = watch::channel(());
         let (names, clock) = (Arc::new(names), Clock::default());

@@ -13,7 +13,7 @@ use super::qos::Qos;
 pub(crate) type Endpoint = u32;
 
 /// What the program wants of its ROS side.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Order {
     /// To become a member of the DDS domain; the first order.
     Join(Join),
@@ -27,6 +27,8 @@ pub(crate) enum Order {
     More(Endpoint, u32),
     /// To prove that all of it works.
     Probe(u64),
+    /// The side with this participant will take its place: no stranger with the same node.
+    Successor(Prefix),
 }
 
 /// The participant to be.
@@ -39,6 +41,8 @@ pub(crate) struct Join {
     pub(crate) name: String,
     /// Participants of ours that ended without a good-bye.
     pub(crate) dead: Vec<Departed>,
+    /// The participant whose place it will take, where that one still works.
+    pub(crate) predecessor: Option<Prefix>,
 }
 
 /// A participant that is no more.
@@ -109,7 +113,7 @@ pub(crate) enum Report {
 }
 
 /// A sample's name: who wrote it, and the how manyth of that writer it was.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) struct SampleId {
     pub(crate) writer: Guid,
     pub(crate) number: i64,

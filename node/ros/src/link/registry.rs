@@ -1,6 +1,9 @@
 //! All that a ROS side has to know: readers, writers, what is latched, replies under way. It outlives each side.
+//!
+//! Law      while one side hands over to the next, both hear the same samples: each is passed on once, whichever side is faster. What is
+//!          published and replied goes to the side in charge, what is latched to both
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -32,8 +35,6 @@ pub(crate) enum Unwritten {
 #[derive(Default)]
 pub(super) struct Registry {
     state: Mutex<State>,
-    /// Bytes on their way to the side.
-    queued: Arc<AtomicUsize>,
 }
 
 #[derive(Default)]
@@ -42,11 +43,54 @@ struct State {
     replies: BTreeMap<u64, UnderWay>,
     endpoints_made: u32,
     replies_made: u64,
-    /// To the present side.
-    orders: Option<Sender<Order>>,
+    /// The side in charge.
+    side: Option<Told>,
+    /// The side that will be.
+    next: Option<Next>,
+    /// While two sides hear the same samples: those that were passed on.
+    passed: Option<HashSet<(Endpoint, SampleId)>>,
     /// Sides so far: replies to what an earlier one has taken have to find their readers anew.
-    lives: u32,
+    sides: u32,
     is_closed: bool,
+}
+
+/// The way to a side.
+struct Told {
+    number: u32,
+    orders: Sender<Order>,
+    queued: Arc<AtomicUsize>,
+}
+
+impl Told {
+    fn tell(&self, order: Order) {
+        self.queued.fetch_add(size(&order), Ordering::Relaxed);
+        // A side that has just ended: as without one.
+        let _ = self.orders.send(order);
+    }
+}
+
+struct Next {
+    side: Told,
+    /// Readers of each writer.
+    readers: BTreeMap<Endpoint, u32>,
+}
+
+/// What one side is told.
+pub(super) struct Orders {
+    /// Of the side: each has its own.
+    pub(super) number: u32,
+    queue: Receiver<Order>,
+    /// Bytes in the queue.
+    queued: Arc<AtomicUsize>,
+}
+
+impl Orders {
+    /// Waits for the next one; `None`: the side has to end.
+    pub(super) fn next(&self) -> Option<Order> {
+        let order = self.queue.recv().ok()?;
+        self.queued.fetch_sub(size(&order), Ordering::Relaxed);
+        Some(order)
+    }
 }
 
 /// A reply under way: of which writer, and who waits for what becomes of it.
@@ -100,7 +144,7 @@ impl Registry {
         let mut state = self.state();
         let endpoint = state.endpoints_made;
         state.endpoints_made += 1;
-        self.tell(&state, Order::Open(endpoint, spec.clone()));
+        state.tell_all(&Order::Open(endpoint, spec.clone()));
         state.endpoints.insert(endpoint, Known { spec, more });
         endpoint
     }
@@ -108,16 +152,7 @@ impl Registry {
     fn close(&self, endpoint: Endpoint) {
         let mut state = self.state();
         state.endpoints.remove(&endpoint);
-        self.tell(&state, Order::Close(endpoint));
-    }
-
-    /// Without a side nothing is lost: a new one is told all that stands here.
-    fn tell(&self, state: &State, order: Order) {
-        if let Some(orders) = &state.orders {
-            self.queued.fetch_add(size(&order), Ordering::Relaxed);
-            // A side that has just ended: as without one.
-            let _ = orders.send(order);
-        }
+        state.tell_all(&Order::Close(endpoint));
     }
 
     fn write(&self, endpoint: Endpoint, bytes: Bytes) -> Result<(), Unwritten> {
@@ -137,10 +172,14 @@ impl Registry {
             }
             _ => false,
         };
-        if !is_latched && self.queued.load(Ordering::Relaxed) > QUEUED {
+        let order = Order::Write(endpoint, bytes);
+        if is_latched {
+            state.tell_all(&order);
+        } else if state.queued() > QUEUED {
             return Err(Unwritten::Full);
+        } else {
+            state.tell(order);
         }
-        self.tell(&state, Order::Write(endpoint, bytes));
         Ok(())
     }
 
@@ -153,49 +192,71 @@ impl Registry {
     ) -> oneshot::Receiver<Result<(), ReplyFailure>> {
         let (answer, answered) = oneshot::channel();
         let mut state = self.state();
-        if state.is_closed || self.queued.load(Ordering::Relaxed) > QUEUED {
+        if state.is_closed || state.queued() > QUEUED {
             // Who asked may have gone.
             let _ = answer.send(Err(if state.is_closed { ReplyFailure::NoReader } else { ReplyFailure::Full }));
             return answered;
         }
         let token = state.replies_made;
         state.replies_made += 1;
-        let patience = if state.lives > 1 { PATIENCE_ANEW } else { PATIENCE };
+        let patience = if state.sides > 1 { PATIENCE_ANEW } else { PATIENCE };
         let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
-        self.tell(&state, Order::Reply(endpoint, reply.clone()));
+        state.tell(Order::Reply(endpoint, reply.clone()));
         state.replies.insert(token, UnderWay { endpoint, reply, answer });
         answered
     }
 
-    /// A new side: what it has to be told, in its order, and from now on more.
-    pub(super) fn begin(&self, join: Join) -> Receiver<Order> {
-        let (orders, queue) = channel();
+    /// A new side, in charge at once: what it has to be told, in its order, and from now on more.
+    pub(super) fn begin(&self, join: Join) -> Orders {
         let mut state = self.state();
-        self.queued.store(0, Ordering::Relaxed);
-        state.orders = Some(orders);
-        state.lives += 1;
-        self.tell(&state, Order::Join(join));
-        for (endpoint, known) in &state.endpoints {
-            let mut spec = known.spec.clone();
-            if let More::Reader { waiting, .. } = &known.more {
-                spec.kind = Kind::Reader(CREDIT.saturating_sub(waiting.load(Ordering::Relaxed)));
-            }
-            self.tell(&state, Order::Open(*endpoint, spec));
-            if let More::Writer { kept, .. } = &known.more {
-                kept.iter().for_each(|bytes| self.tell(&state, Order::Write(*endpoint, bytes.clone())));
-            }
-        }
-        for UnderWay { endpoint, reply, .. } in state.replies.values() {
-            let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..reply.clone() };
-            self.tell(&state, Order::Reply(*endpoint, reply));
-        }
-        queue
+        let (side, orders) = state.new_side(join);
+        state.resume_replies(&side);
+        state.side = Some(side);
+        orders
     }
 
-    /// The side is no more.
+    /// Likewise, of a side that will be in charge after [`Self::hand_over`].
+    pub(super) fn begin_next(&self, join: Join) -> Orders {
+        let mut state = self.state();
+        let (side, orders) = state.new_side(join);
+        state.next = Some(Next { side, readers: BTreeMap::new() });
+        state.passed = Some(HashSet::new());
+        orders
+    }
+
+    /// Whether the next side reaches as many readers as the present one.
+    pub(super) fn is_next_matched(&self) -> bool {
+        let state = self.state();
+        let Some(next) = &state.next else { return false };
+        state.endpoints.iter().all(|(endpoint, known)| match &known.more {
+            More::Writer { readers, .. } => next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow(),
+            More::Reader { .. } => true,
+        })
+    }
+
+    /// The next side takes charge; the present one is told to end, and what it has taken until then still counts.
+    pub(super) fn hand_over(&self) {
+        let mut state = self.state();
+        let Some(Next { side, readers: matched }) = state.next.take() else { return };
+        for (endpoint, known) in &state.endpoints {
+            if let More::Writer { readers, .. } = &known.more {
+                readers.send_replace(matched.get(endpoint).copied().unwrap_or(0));
+            }
+        }
+        state.resume_replies(&side);
+        state.side = Some(side);
+    }
+
+    /// One side is left, the next one or the one before it.
+    pub(super) fn end_handover(&self) {
+        let mut state = self.state();
+        (state.next, state.passed) = (None, None);
+    }
+
+    /// No side is left.
     pub(super) fn end(&self) {
         let mut state = self.state();
-        state.orders = None;
+        (state.side, state.next, state.passed) = (None, None, None);
         for known in state.endpoints.values() {
             if let More::Writer { readers, .. } = &known.more {
                 readers.send_replace(0);
@@ -206,39 +267,32 @@ impl Registry {
     /// There will be no side any more.
     pub(super) fn close_all(&self) {
         let mut state = self.state();
-        state.orders = None;
+        (state.side, state.next) = (None, None);
         state.is_closed = true;
         state.replies.clear();
     }
 
-    /// An order has left this process.
-    pub(super) fn told(&self, order: &Order) {
-        let size = size(order);
-        // Of an earlier side: the count began anew with this one.
-        let _ =
-            self.queued.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |queued| Some(queued.saturating_sub(size)));
+    /// So many more samples are taken.
+    fn more(&self, endpoint: Endpoint, count: u32) {
+        self.state().tell_all(&Order::More(endpoint, count));
     }
 
-    pub(super) fn order(&self, order: Order) {
-        self.tell(&self.state(), order);
+    /// To this side.
+    pub(super) fn order_side(&self, number: u32, order: Order) {
+        self.state().tell_side(number, order);
+    }
+
+    #[cfg(test)]
+    pub(super) fn sides(&self) -> u32 {
+        self.state().sides
     }
 
     /// Brings what a side says to whom it concerns.
-    pub(super) fn heard(&self, report: Report) {
+    pub(super) fn heard(&self, number: u32, report: Report) {
         let mut state = self.state();
         match report {
-            Report::Matched(endpoint, count) => {
-                if let Some(Known { more: More::Writer { readers, .. }, .. }) = state.endpoints.get(&endpoint) {
-                    readers.send_replace(count);
-                }
-            }
-            Report::Taken(endpoint, sample) => {
-                if let Some(Known { more: More::Reader { samples, waiting }, .. }) = state.endpoints.get(&endpoint) {
-                    waiting.fetch_add(1, Ordering::Relaxed);
-                    // Its reader is just being dropped.
-                    let _ = samples.send(sample);
-                }
-            }
+            Report::Matched(endpoint, count) => state.matched(number, endpoint, count),
+            Report::Taken(endpoint, sample) => state.taken(number, endpoint, sample),
             Report::Replied(token, outcome) => {
                 if let Some(UnderWay { answer, .. }) = state.replies.remove(&token) {
                     // Who answers in passing does not wait.
@@ -250,11 +304,111 @@ impl Registry {
     }
 }
 
+impl State {
+    /// To the side in charge. Without one nothing is lost: a new one is told all that stands here.
+    fn tell(&self, order: Order) {
+        if let Some(side) = &self.side {
+            side.tell(order);
+        }
+    }
+
+    /// Likewise, and to the next one.
+    fn tell_all(&self, order: &Order) {
+        self.tell(order.clone());
+        if let Some(next) = &self.next {
+            next.side.tell(order.clone());
+        }
+    }
+
+    /// Bytes on their way to the side in charge.
+    fn queued(&self) -> usize {
+        self.side.as_ref().map_or(0, |side| side.queued.load(Ordering::Relaxed))
+    }
+
+    fn tell_side(&self, number: u32, order: Order) {
+        let mut sides = self.side.iter().chain(self.next.as_ref().map(|next| &next.side));
+        if let Some(side) = sides.find(|side| side.number == number) {
+            side.tell(order);
+        }
+    }
+
+    fn is_in_charge(&self, number: u32) -> bool {
+        self.side.as_ref().is_some_and(|side| side.number == number)
+    }
+
+    /// Tells a new side all but the replies.
+    fn new_side(&mut self, join: Join) -> (Told, Orders) {
+        let (orders, queue) = channel();
+        let queued = Arc::<AtomicUsize>::default();
+        self.sides += 1;
+        let side = Told { number: self.sides, orders, queued: Arc::clone(&queued) };
+        side.tell(Order::Join(join));
+        for (endpoint, known) in &self.endpoints {
+            let mut spec = known.spec.clone();
+            if let More::Reader { waiting, .. } = &known.more {
+                spec.kind = Kind::Reader(CREDIT.saturating_sub(waiting.load(Ordering::Relaxed)));
+            }
+            side.tell(Order::Open(*endpoint, spec));
+            if let More::Writer { kept, .. } = &known.more {
+                kept.iter().for_each(|bytes| side.tell(Order::Write(*endpoint, bytes.clone())));
+            }
+        }
+        (side, Orders { number: self.sides, queue, queued })
+    }
+
+    fn resume_replies(&self, side: &Told) {
+        for UnderWay { endpoint, reply, .. } in self.replies.values() {
+            let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..reply.clone() };
+            side.tell(Order::Reply(*endpoint, reply));
+        }
+    }
+
+    fn matched(&mut self, number: u32, endpoint: Endpoint, count: u32) {
+        if let Some(next) = &mut self.next
+            && next.side.number == number
+        {
+            next.readers.insert(endpoint, count);
+        } else if self.is_in_charge(number)
+            && let Some(Known { more: More::Writer { readers, .. }, .. }) = self.endpoints.get(&endpoint)
+        {
+            readers.send_replace(count);
+        }
+    }
+
+    fn taken(&mut self, number: u32, endpoint: Endpoint, sample: Result<Sample, String>) {
+        let is_newest = number == self.sides;
+        if let Some(passed) = &mut self.passed {
+            match &sample {
+                // The credit of both sides is for the same samples: what is taken of one is taken of the other.
+                Ok(Sample { id, is_stale, .. }) if !(is_newest && *is_stale) => {
+                    let is_first = passed.insert((endpoint, *id));
+                    if !is_first {
+                        return;
+                    }
+                }
+                // What was written before the newest side was there, and what cannot be read, is for the one before it.
+                _ if is_newest => return self.tell_side(number, Order::More(endpoint, 1)),
+                _ => {}
+            }
+        }
+        if let Some(Known { more: More::Reader { samples, waiting }, .. }) = self.endpoints.get(&endpoint) {
+            waiting.fetch_add(1, Ordering::Relaxed);
+            // Its reader is just being dropped.
+            let _ = samples.send(sample);
+        }
+    }
+}
+
 fn size(order: &Order) -> usize {
     match order {
         Order::Write(_, bytes) => bytes.len() + 64,
         Order::Reply(_, reply) => reply.bytes.len() + 64,
-        Order::Join(_) | Order::Open(..) | Order::Close(_) | Order::More(..) | Order::Probe(_) => 64,
+        Order::Join(_)
+        | Order::Open(..)
+        | Order::Close(_)
+        | Order::More(..)
+        | Order::Probe(_)
+        | Order::Successor(_) => 64,
     }
 }
 
@@ -316,7 +470,7 @@ impl Reader {
         self.waiting.fetch_sub(1, Ordering::Relaxed);
         self.owed += 1;
         if self.owed >= CREDIT / 4 {
-            self.registry.order(Order::More(self.endpoint, std::mem::take(&mut self.owed)));
+            self.registry.more(self.endpoint, std::mem::take(&mut self.owed));
         }
         sample
     }
@@ -329,101 +483,4 @@ impl Drop for Reader {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::link::guid::Guid;
-    use crate::link::qos::Qos;
-
-    fn join() -> Join {
-        Join { domain: 7, networks: None, namespace: "/".to_owned(), name: "n".to_owned(), dead: Vec::new() }
-    }
-
-    fn all(orders: &Receiver<Order>) -> Vec<Order> {
-        orders.try_iter().collect()
-    }
-
-    fn sample() -> Sample {
-        let id = SampleId { writer: Guid([1; 16]), number: 1 };
-        Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
-    }
-
-    #[tokio::test]
-    async fn a_new_side_is_told_all_that_counts() {
-        let registry = Arc::new(Registry::default());
-        let first = registry.begin(join());
-        let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
-        let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
-        let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
-        let mut requests = registry.open_reader("rq/service", "T", Qos::SERVICE);
-        let gone = registry.open_writer("rt/gone", "T", Qos::STREAM);
-        drop(gone);
-        stream.write(vec![1]).unwrap();
-        latched.write(vec![2]).unwrap();
-        latched.write(vec![3]).unwrap();
-        let place = Place::Beside(Guid([9; 16]));
-        let open = service.reply(place, None, vec![4].into());
-        let answered = service.reply(place, None, vec![5].into());
-        registry.heard(Report::Replied(1, Ok(())));
-        assert_eq!(answered.await, Ok(()));
-        registry.heard(Report::Matched(0, 2));
-        for _ in 0..5 {
-            registry.heard(Report::Taken(3, Ok(sample())));
-        }
-        requests.next().await.unwrap();
-        assert_eq!((all(&first).len(), stream.matched()), (12, 2), "one order for each step");
-
-        registry.end();
-        assert_eq!(stream.matched(), 0, "of a side that is no more");
-        stream.write(vec![6]).unwrap();
-        let second = registry.begin(join());
-        let told = all(&second);
-        let [
-            Order::Join(_),
-            Order::Open(0, _),
-            Order::Open(1, _),
-            latest,
-            Order::Open(2, _),
-            Order::Open(3, spec),
-            reply,
-        ] = told.as_slice()
-        else {
-            panic!("{told:?}")
-        };
-        assert_eq!(latest, &Order::Write(1, vec![3].into()), "what is latched; nobody heard what was published");
-        assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
-        let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
-        assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
-        registry.heard(Report::Replied(0, Err(ReplyFailure::NoReader)));
-        assert_eq!(open.await, Err(ReplyFailure::NoReader));
-    }
-
-    #[tokio::test]
-    async fn samples_are_taken_as_fast_as_they_are_read() {
-        let registry = Arc::new(Registry::default());
-        let orders = registry.begin(join());
-        let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
-        all(&orders);
-        for taken in 1..=CREDIT {
-            registry.heard(Report::Taken(0, Ok(sample())));
-            reader.next().await.unwrap();
-            let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
-            assert_eq!(all(&orders), wanted, "{taken}");
-        }
-    }
-
-    #[test]
-    fn what_a_side_does_not_take_is_bounded() {
-        let registry = Arc::new(Registry::default());
-        let orders = registry.begin(join());
-        let (stream, latched) =
-            (registry.open_writer("rt/a", "T", Qos::STREAM), registry.open_writer("rt/b", "T", Qos::STATUS));
-        let megabyte = Bytes::from(vec![0; 1 << 20]);
-        let written = (0..100).take_while(|_| stream.write(megabyte.clone()).is_ok()).count();
-        assert_eq!(written, 64);
-        assert_eq!(latched.write(vec![1]), Ok(()), "the newest value that counts is never left out");
-        all(&orders).iter().for_each(|order| registry.told(order));
-        assert_eq!(stream.write(megabyte), Ok(()));
-        registry.close_all();
-        assert_eq!(stream.write(vec![1]), Err(Unwritten::Closed));
-    }
-}
+mod tests;

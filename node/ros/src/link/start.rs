@@ -62,6 +62,16 @@ impl Side {
 }
 
 impl Started {
+    /// Resident memory of its process (bytes), where the system tells.
+    pub(super) fn memory(&self) -> Option<u64> {
+        let statm = match self {
+            Self::Thread(_) => "/proc/self/statm".to_owned(),
+            Self::Process(child) => format!("/proc/{}/statm", child.id()),
+        };
+        let pages: u64 = std::fs::read_to_string(statm).ok()?.split(' ').nth(1)?.parse().ok()?;
+        pages.checked_mul(rustix::param::page_size() as u64)
+    }
+
     /// Waits for the side, whose link has ended; one that is late is killed. What it died of, where that can be told.
     pub(super) fn end(self, patience: Duration) -> Option<String> {
         let mut child = match self {

@@ -1,43 +1,40 @@
-//! Keeps a ROS side: starts it, watches it, and starts another one when it fails.
+//! Keeps a ROS side: starts it, watches it, and starts another one when it fails or has grown.
 //!
 //! Law      a side is good while it answers probes, each of which goes through its DDS library, within 0.7 s. One that is not is
 //!          killed; the loss is told at once, and the next one starts with all that the registry knows
+//!          the DDS library keeps some memory of each client for ever: a side that has grown hands over to another one. Both work
+//!          until that one has found as many readers; no sample is lost, and no loss is told
 //! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it for good
 
 use std::io;
-use std::net::{Ipv4Addr, Shutdown};
-use std::os::unix::net::UnixStream;
+use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::bury::{self, Entry};
-use super::frame;
 use super::guid::Prefix;
-use super::protocol::{Departed, Join, Line, Order, Report};
+use super::protocol::{Departed, Join, Order};
 use super::qos::Qos;
-use super::registry::{Reader, Registry, Writer};
+use super::registry::{Orders, Reader, Registry, Writer};
+use super::running::{PROBES, Running, Seen, SideLines};
 use super::start::Side;
-use crate::line_limit::LineLimit;
 
-/// Between two probes.
-const PROBES: Duration = Duration::from_millis(100);
-/// Longest time without an answer.
-const SILENCE: Duration = Duration::from_millis(700);
-/// Longest time from the start of a side to its first answer: it says good-bye for the dead first.
-const START: Duration = Duration::from_secs(5);
-/// How long a side may take to say good-bye; and one that has failed, until the system tells how it ended.
-const GOOD_BYE: Duration = Duration::from_secs(2);
-const CORPSE: Duration = Duration::from_millis(20);
 /// Sides in a row that never answered, after which there is none any more.
 const TRIES: u32 = 5;
 /// A side that lived so long was good: the next one starts at once. Before the others, a pause that doubles.
 const GOOD: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_millis(800);
+/// A side with so much memory (bytes) hands over; how often it is looked at.
+const MEMORY: u64 = 128 << 20;
+const LOOK: Duration = Duration::from_secs(10);
+/// For how long two sides work: until the next one has found all readers, at least and at most.
+const FINDING: Duration = Duration::from_secs(1);
+const FOUND: Duration = Duration::from_secs(10);
 
 /// Why there is no ROS side.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,6 +61,21 @@ pub(crate) struct Settings {
     pub(crate) participants: Option<PathBuf>,
     /// Told of each loss, on the supervisor's thread, before another side starts.
     pub(crate) on_loss: Arc<dyn Fn(&Loss) + Send + Sync>,
+    pub(crate) growth: Growth,
+}
+
+/// When a side hands over to another one.
+pub(crate) struct Growth {
+    /// With more resident memory than this (bytes).
+    pub(crate) memory: u64,
+    /// Between two looks at it.
+    pub(crate) look: Duration,
+}
+
+impl Default for Growth {
+    fn default() -> Self {
+        Self { memory: MEMORY, look: LOOK }
+    }
 }
 
 /// The connection to the ROS side. Dropping it has the side say good-bye, and waits for that.
@@ -86,6 +98,7 @@ impl Link {
             first: Some(first),
             dead: Vec::new(),
             lines: Arc::default(),
+            leaving: None,
         };
         let thread = std::thread::Builder::new().name("ros link".to_owned());
         let thread = thread.spawn(move || supervisor.run()).map_err(|error| LinkError(error.to_string()))?;
@@ -138,10 +151,9 @@ struct Supervisor {
     /// Participants of earlier sides that ended without a good-bye.
     dead: Vec<Departed>,
     lines: Arc<SideLines>,
+    /// Waits for the side that has handed over.
+    leaving: Option<JoinHandle<()>>,
 }
-
-/// Lines of the logs of all sides: one that is started again and again tells the same each time.
-type SideLines = LineLimit<(String, u32)>;
 
 /// How a side ended.
 enum End {
@@ -151,12 +163,6 @@ enum End {
         reason: String,
         has_answered: bool,
     },
-}
-
-/// What is heard of a side.
-enum Word {
-    Reported(Report),
-    Silent(io::Error),
 }
 
 impl Supervisor {
@@ -189,191 +195,140 @@ impl Supervisor {
         self.registry.close_all();
     }
 
-    /// The life of a side.
+    /// Sides of which each takes the place of the one before, until the last one ends.
     fn live(&mut self) -> io::Result<End> {
-        let (stream, started) = self.settings.side.start()?;
-        let buried = self.buried();
-        let join = Join {
-            domain: self.settings.domain,
-            networks: self.settings.networks.clone(),
-            namespace: self.settings.namespace.clone(),
-            name: self.settings.name.clone(),
-            dead: buried.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect(),
-        };
-        let orders = self.registry.begin(join);
-        let (words, heard) = channel();
-        let writing = stream.try_clone()?;
-        let reading = stream.try_clone()?;
-        let threads = {
-            let registry = Arc::clone(&self.registry);
-            let write = move || write_orders(writing, &orders, &registry);
-            let registry = Arc::clone(&self.registry);
-            let lines = Arc::clone(&self.lines);
-            let read = move || read_reports(reading, &registry, &words, &lines);
-            let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
-            [thread("ros orders").spawn(write)?, thread("ros reports").spawn(read)?]
-        };
-        let mut life = Life { entry: None, joined: None, has_answered: false };
-        let end = self.watch(&heard, &mut life, &buried);
-        // The side reads the end of its orders, and ends in its turn.
-        self.registry.end();
-        let is_hopeless = matches!(&end, End::Lost { .. });
-        if is_hopeless {
-            let _ = stream.shutdown(Shutdown::Both);
-        }
-        let died = started.end(if is_hopeless { CORPSE } else { GOOD_BYE });
-        let _ = stream.shutdown(Shutdown::Both);
-        for thread in threads {
-            // One that panicked has ended, too.
-            let _ = thread.join();
-        }
-        match (&end, life.joined) {
-            (End::Closed, _) => drop(life.entry.map(Entry::remove)),
-            (End::Lost { .. }, Some(who)) => self.dead.push(who),
-            (End::Lost { .. }, None) => {}
-        }
-        Ok(match (end, died) {
-            (End::Lost { reason, has_answered }, Some(died)) => {
-                End::Lost { reason: format!("{reason} ({died})"), has_answered }
+        let left = self.settings.participants.as_deref().map(bury::dead).unwrap_or_default();
+        let dead = left.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect();
+        let mut side = self.start(Registry::begin, dead, None)?;
+        let (mut next, mut looked) = (None, Instant::now());
+        let failure = loop {
+            if self.is_closed.load(Ordering::Acquire) {
+                break None;
             }
-            (end, _) => end,
+            match side.watch(PROBES / 2, &self.registry) {
+                Seen::Nothing => {}
+                Seen::Joined(prefix) => self.joined(prefix, &mut side, &left),
+                // It may have been told to end.
+                Seen::Failed(_) if self.is_closed.load(Ordering::Acquire) => break None,
+                Seen::Failed(reason) => break Some(reason),
+            }
+            if let Some(following) = next.take() {
+                next = self.follow(&mut side, following);
+            } else if side.has_answered && looked.elapsed() >= self.settings.growth.look {
+                next = self.look(&side);
+                looked = Instant::now();
+            }
+        };
+        self.registry.end();
+        let has_answered = side.has_answered;
+        let (died, dead) = side.end(failure.is_some());
+        self.dead.extend(dead);
+        if let Some(next) = next {
+            self.dead.extend(next.end(failure.is_some()).1);
+        }
+        self.before_has_left();
+        Ok(match (failure, died) {
+            (None, _) => End::Closed,
+            (Some(reason), None) => End::Lost { reason, has_answered },
+            (Some(reason), Some(died)) => End::Lost { reason: format!("{reason} ({died})"), has_answered },
         })
     }
 
-    /// The dead that other programs left.
-    fn buried(&self) -> Vec<(Departed, PathBuf)> {
-        self.settings.participants.as_deref().map(bury::dead).unwrap_or_default()
+    fn start(
+        &self,
+        begin: impl FnOnce(&Registry, Join) -> Orders,
+        dead: Vec<Departed>,
+        predecessor: Option<Prefix>,
+    ) -> io::Result<Running> {
+        let Settings { side, domain, networks, namespace, name, .. } = &self.settings;
+        let (networks, namespace, name) = (networks.clone(), namespace.clone(), name.clone());
+        let join = Join { domain: *domain, networks, namespace, name, dead, predecessor };
+        Running::start(side, &self.registry, &self.lines, || begin(&self.registry, join))
     }
 
-    /// Watches a side until it ends, or has to.
-    fn watch(&mut self, heard: &Receiver<Word>, life: &mut Life, buried: &[(Departed, PathBuf)]) -> End {
-        let lost = |reason: String, life: &Life| End::Lost { reason, has_answered: life.has_answered };
-        let (mut asked, mut is_answered, mut next_probe) = (0, true, Instant::now());
-        let (mut good, mut tick) = (Instant::now(), Instant::now());
-        let mut stuck: Option<String> = None;
-        let started = Instant::now();
-        loop {
-            if self.is_closed.load(Ordering::Acquire) {
-                return End::Closed;
-            }
-            match heard.recv_timeout(PROBES / 2) {
-                Ok(Word::Reported(Report::Joined(prefix))) => self.joined(prefix, life, buried),
-                Ok(Word::Reported(Report::Failed(reason))) => return lost(reason, life),
-                Ok(Word::Reported(Report::Alive(number))) if number == asked => {
-                    (is_answered, good, life.has_answered) = (true, Instant::now(), true);
-                    stuck = None;
-                }
-                // The next probe may find that it works again.
-                Ok(Word::Reported(Report::Stuck(what))) => (is_answered, stuck) = (true, Some(what)),
-                Ok(Word::Reported(_)) | Err(RecvTimeoutError::Timeout) => {}
-                Ok(Word::Silent(_)) if self.is_closed.load(Ordering::Acquire) => return End::Closed,
-                Ok(Word::Silent(error)) => return lost(silence(&error), life),
-                Err(RecvTimeoutError::Disconnected) => return lost("is not heard any more".to_owned(), life),
-            }
-            // Where this process itself was frozen or had no time, the side gets its time anew.
-            if tick.elapsed() > SILENCE / 3 {
-                good = Instant::now();
-            }
-            tick = Instant::now();
-            if life.joined.is_none() || !life.has_answered {
-                if started.elapsed() > START {
-                    return lost(format!("did not begin to work within {} s", START.as_secs()), life);
-                }
-            } else if good.elapsed() > SILENCE {
-                let what = stuck.map(|what| format!(" ({what})")).unwrap_or_default();
-                return lost(format!("has not answered for {} ms{what}", SILENCE.as_millis()), life);
-            }
-            if life.joined.is_some() && is_answered && Instant::now() >= next_probe {
-                asked += 1;
-                (is_answered, next_probe) = (false, Instant::now() + PROBES);
-                self.registry.order(Order::Probe(asked));
+    /// Starts the side that is to take the place of one that has grown.
+    fn look(&mut self, side: &Running) -> Option<Running> {
+        let memory = side.memory().filter(|memory| *memory > self.settings.growth.memory)?;
+        self.before_has_left();
+        tracing::info!("the ROS side has grown to {} MiB, and hands over to another one", memory >> 20);
+        let prefix = side.joined.as_ref().map(|who| who.prefix);
+        match self.start(Registry::begin_next, self.dead.clone(), prefix) {
+            Ok(next) => Some(next),
+            Err(error) => {
+                self.registry.end_handover();
+                tracing::warn!("no other ROS side can be started: {error}; the present one goes on");
+                None
             }
         }
     }
 
+    /// Waits for the good-bye of the side that has handed over.
+    fn before_has_left(&mut self) {
+        if let Some(leaving) = self.leaving.take() {
+            // One that panicked has ended, too.
+            let _ = leaving.join();
+        }
+    }
+
+    /// Watches the side that is to take the place of another one, and lets it do so.
+    fn follow(&mut self, side: &mut Running, mut next: Running) -> Option<Running> {
+        match next.watch(Duration::ZERO, &self.registry) {
+            Seen::Nothing => {}
+            Seen::Joined(prefix) => {
+                side.order(&self.registry, Order::Successor(prefix));
+                self.joined(prefix, &mut next, &[]);
+            }
+            Seen::Failed(reason) => {
+                self.registry.end_handover();
+                tracing::warn!("the ROS side that was to take over {reason}; the present one goes on");
+                self.dead.extend(next.end(true).1);
+                return None;
+            }
+        }
+        let is_matched = next.age() >= FINDING && self.registry.is_next_matched() || next.age() >= FOUND;
+        if !(next.has_answered && is_matched) {
+            return Some(next);
+        }
+        self.registry.hand_over();
+        tracing::info!("another ROS side has taken over, {} ms after its start", next.age().as_millis());
+        let before = std::mem::replace(side, next);
+        let registry = Arc::clone(&self.registry);
+        // The new one is watched meanwhile.
+        let leave = move || {
+            before.end(false);
+            // What it has said until then counts.
+            registry.end_handover();
+        };
+        let thread = std::thread::Builder::new().name("ros side leaves".to_owned());
+        match thread.spawn(leave) {
+            Ok(leaving) => self.leaving = Some(leaving),
+            Err(error) => tracing::error!("the ROS side before is not waited for: {error}"),
+        }
+        None
+    }
+
     /// A side is in the domain.
-    fn joined(&mut self, prefix: Prefix, life: &mut Life, buried: &[(Departed, PathBuf)]) {
+    fn joined(&mut self, prefix: Prefix, side: &mut Running, left: &[(Departed, PathBuf)]) {
         let who = Departed { prefix, domain: self.settings.domain, networks: self.settings.networks.clone() };
         if let Some(folder) = &self.settings.participants {
             match Entry::write(folder, &who) {
-                Ok(entry) => life.entry = Some(entry),
+                Ok(entry) => side.entry = Some(entry),
                 Err(error) => tracing::warn!(
                     "{}: {error}; a node that starts after this one was killed cannot say good-bye for it",
                     folder.display()
                 ),
             }
         }
-        for (_, path) in buried {
+        for (_, path) in left {
             // Another node may have been faster.
             let _ = std::fs::remove_file(path);
         }
         self.dead.clear();
-        life.joined = Some(who);
+        side.joined = Some(who);
         if let Some(first) = self.first.take() {
             // Whoever has asked waits for it.
             let _ = first.send(Ok(()));
         }
-    }
-}
-
-/// What is known of a side.
-struct Life {
-    entry: Option<Entry>,
-    joined: Option<Departed>,
-    has_answered: bool,
-}
-
-fn silence(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::UnexpectedEof | io::ErrorKind::ConnectionReset => "has ended".to_owned(),
-        _ => format!("is not understood: {error}"),
-    }
-}
-
-fn write_orders(mut stream: UnixStream, orders: &Receiver<Order>, registry: &Registry) {
-    while let Ok(order) = orders.recv() {
-        registry.told(&order);
-        // What becomes of the side is heard by the other direction.
-        if frame::write(&mut stream, &order).is_err() {
-            return;
-        }
-    }
-    // No more orders: the side ends.
-    let _ = stream.shutdown(Shutdown::Write);
-}
-
-fn read_reports(mut stream: UnixStream, registry: &Registry, words: &Sender<Word>, lines: &SideLines) {
-    let mut buffer = Vec::new();
-    loop {
-        let word = match frame::read(&mut stream, &mut buffer) {
-            Ok(Report::Line(line)) => {
-                lines.say(line.place, |more| repeat(line.severity, &(line.text + more)));
-                continue;
-            }
-            Ok(report @ (Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Stuck(_))) => {
-                Word::Reported(report)
-            }
-            Ok(report) => {
-                registry.heard(report);
-                continue;
-            }
-            Err(error) => Word::Silent(error),
-        };
-        let is_last = matches!(word, Word::Silent(_));
-        if words.send(word).is_err() || is_last {
-            return;
-        }
-    }
-}
-
-/// A line of a side's log stands in the program's.
-fn repeat(severity: u8, text: &str) {
-    const TARGET: &str = "rustdds";
-    match severity {
-        Line::ERROR => tracing::error!(target: TARGET, "{text}"),
-        Line::WARN => tracing::warn!(target: TARGET, "{text}"),
-        Line::INFO => tracing::info!(target: TARGET, "{text}"),
-        _ => tracing::debug!(target: TARGET, "{text}"),
     }
 }
 
@@ -390,7 +345,8 @@ mod tests {
         let (namespace, name) = ("/".to_owned(), "supervised".to_owned());
         // A domain of its own: no side of these tests ever joins it.
         let networks = Some(vec![Ipv4Addr::LOCALHOST]);
-        let settings = Settings { side, domain: 232, networks, namespace, name, participants: None, on_loss };
+        let growth = Growth::default();
+        let settings = Settings { side, domain: 232, networks, namespace, name, participants: None, on_loss, growth };
         (settings, losses)
     }
 
@@ -416,6 +372,52 @@ mod tests {
         writer.write(vec![0; 4]).unwrap();
         drop(link);
         assert!(writer.write(vec![0; 4]).is_err());
+        assert_eq!(*losses.lock().unwrap(), []);
+    }
+
+    /// What two other nodes see of one whose sides hand over again and again.
+    #[tokio::test]
+    async fn a_side_that_hands_over_loses_nothing() {
+        const TYPE: &str = "std_msgs::msg::dds_::UInt32_";
+        let domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
+        let start = |memory| {
+            let (mut settings, losses) = settings(Side::Thread);
+            settings.domain = domain;
+            settings.growth = Growth { memory, look: Duration::from_millis(100) };
+            (Link::start(settings).unwrap(), losses)
+        };
+        let ((grows, losses), (other, _)) = (start(0), start(u64::MAX));
+        let qos = Qos { depth: 1000, ..Qos::SERVICE };
+        let (to, heard) = (other.opener().writer("rt/to", TYPE, qos), grows.opener().reader("rt/to", TYPE, qos));
+        let (from, seen) = (grows.opener().writer("rt/from", TYPE, qos), other.opener().reader("rt/from", TYPE, qos));
+        while to.matched() == 0 || from.matched() == 0 {
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        let check = |topic: &'static str, mut reader: Reader| async move {
+            for number in 0_u32.. {
+                let sample = tokio::time::timeout(Duration::from_secs(10), reader.next()).await;
+                let sample = sample.unwrap_or_else(|_| panic!("{topic}: {number} was lost")).unwrap();
+                if sample.bytes.is_empty() {
+                    return number;
+                }
+                assert_eq!((topic, &sample.bytes[..]), (topic, &number.to_le_bytes()[..]));
+            }
+            unreachable!()
+        };
+        let checks = [tokio::spawn(check("to", heard)), tokio::spawn(check("from", seen))];
+        let (begun, mut number) = (grows.registry.sides(), 0_u32);
+        // Three have ended, and their places are taken.
+        while grows.registry.sides() < begun + 4 {
+            to.write(number.to_le_bytes().to_vec()).unwrap();
+            from.write(number.to_le_bytes().to_vec()).unwrap();
+            number += 1;
+            tokio::time::sleep(Duration::from_millis(2)).await;
+        }
+        to.write(Vec::new()).unwrap();
+        from.write(Vec::new()).unwrap();
+        for check in checks {
+            assert_eq!(check.await.unwrap(), number);
+        }
         assert_eq!(*losses.lock().unwrap(), []);
     }
 }

@@ -1,7 +1,7 @@
 //! The node in the ROS graph: `ros_discovery_info` says which DDS endpoints belong to which node, and which nodes others are.
 
 use std::collections::{BTreeSet, HashSet};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use lineshaft_msgs::cdr::Endian;
@@ -12,7 +12,7 @@ use tokio::runtime::Handle;
 use super::dds::{DdsError, Reader};
 use super::latched::{DirectedWriter, Latched};
 use super::member::Shared;
-use crate::link::guid::{Guid, Prefix};
+use crate::link::guid::Guid;
 use crate::link::protocol::Join;
 use crate::link::qos::Qos;
 
@@ -72,7 +72,7 @@ impl Graph {
 }
 
 /// Tells once of each participant that has a node of the same name: neither tools nor clients can tell the two apart.
-pub(super) async fn watch_for_namesakes(mut infos: Reader, own: Prefix, namespace: String, name: String) {
+pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>, namespace: String, name: String) {
     let mut told = HashSet::new();
     loop {
         let Ok(taken) = infos.next().await else { continue };
@@ -80,7 +80,8 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, own: Prefix, namespac
         let endian = if taken.is_big_endian { Endian::Big } else { Endian::Little };
         // What is no such message is for its sender to mend.
         let Ok(info) = cdr::decode::<ParticipantEntitiesInfo>(&taken.bytes, endian) else { continue };
-        if participant == own || told.len() >= NAMESAKES {
+        let Some(shared) = shared.upgrade() else { return };
+        if shared.is_kin(participant) || told.len() >= NAMESAKES {
             continue;
         }
         if is_among(&info, &namespace, &name) && told.insert(participant) {

@@ -24,7 +24,7 @@ use super::probe::Probe;
 use super::replies::Replies;
 use super::returning::Returning;
 use super::{acknowledge, farewell, sedp};
-use crate::link::guid::Guid;
+use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
 /// What the tasks of a member have in common.
@@ -41,6 +41,8 @@ pub(super) struct Shared {
     heard: Mutex<HashMap<Guid, Heard>>,
     /// Addresses of this host, on which all have one clock.
     own: Vec<Ipv4Addr>,
+    /// Participants of this program: its own, one before it and one after it.
+    kin: Mutex<Vec<Prefix>>,
 }
 
 /// A remote writer.
@@ -88,6 +90,11 @@ impl Shared {
             is_local: heard.is_local,
         };
         Sample { id, related, is_stale: is_stale(known), came_ns: monotonic_ns(), is_big_endian, bytes }
+    }
+
+    /// Whether it is a participant of this program.
+    pub(super) fn is_kin(&self, participant: Prefix) -> bool {
+        self.kin.lock().unwrap_or_else(PoisonError::into_inner).contains(&participant)
     }
 
     /// Is a remote endpoint matched with one of ours?
@@ -160,10 +167,11 @@ impl Member {
             writers: Mutex::default(),
             heard: Mutex::default(),
             own,
+            kin: Mutex::new([prefix].into_iter().chain(join.predecessor).collect()),
         });
         let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
         let others = Graph::others(&shared).map_err(|error| error.to_string())?;
-        let namesakes = watch_for_namesakes(others, prefix, join.namespace.clone(), join.name.clone());
+        let namesakes = watch_for_namesakes(others, Arc::downgrade(&shared), join.namespace.clone(), join.name.clone());
         let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
         let answers = shared.beside.ear().and_then(tokio::net::UdpSocket::from_std);
         let answers = answers.map_err(|error| format!("no socket: {error}"))?;
@@ -218,6 +226,9 @@ impl Member {
                 if let Some(Open::Reader { credit, .. }) = self.endpoints.get(&endpoint) {
                     credit.add_permits(count as usize);
                 }
+            }
+            Order::Successor(participant) => {
+                self.shared.kin.lock().unwrap_or_else(PoisonError::into_inner).push(participant);
             }
             Order::Probe(number) => {
                 let (probe, shared) = (Arc::clone(&self.probe), Arc::clone(&self.shared));

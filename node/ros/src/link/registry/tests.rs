@@ -1,0 +1,215 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::link::guid::Guid;
+use crate::link::qos::Qos;
+
+fn join() -> Join {
+    Join {
+        domain: 7,
+        networks: None,
+        namespace: "/".to_owned(),
+        name: "n".to_owned(),
+        dead: Vec::new(),
+        predecessor: None,
+    }
+}
+
+fn all(orders: &Orders) -> Vec<Order> {
+    let all: Vec<_> = orders.queue.try_iter().collect();
+    orders.queued.fetch_sub(all.iter().map(size).sum(), Ordering::Relaxed);
+    all
+}
+
+fn sample() -> Sample {
+    let id = SampleId { writer: Guid([1; 16]), number: 1 };
+    Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
+}
+
+#[tokio::test]
+async fn a_new_side_is_told_all_that_counts() {
+    let registry = Arc::new(Registry::default());
+    let first = registry.begin(join());
+    let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
+    let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
+    let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
+    let mut requests = registry.open_reader("rq/service", "T", Qos::SERVICE);
+    let gone = registry.open_writer("rt/gone", "T", Qos::STREAM);
+    drop(gone);
+    stream.write(vec![1]).unwrap();
+    latched.write(vec![2]).unwrap();
+    latched.write(vec![3]).unwrap();
+    let place = Place::Beside(Guid([9; 16]));
+    let open = service.reply(place, None, vec![4].into());
+    let answered = service.reply(place, None, vec![5].into());
+    registry.heard(1, Report::Replied(1, Ok(())));
+    assert_eq!(answered.await, Ok(()));
+    registry.heard(1, Report::Matched(0, 2));
+    for _ in 0..5 {
+        registry.heard(1, Report::Taken(3, Ok(sample())));
+    }
+    requests.next().await.unwrap();
+    assert_eq!((all(&first).len(), stream.matched()), (12, 2), "one order for each step");
+
+    registry.end();
+    assert_eq!(stream.matched(), 0, "of a side that is no more");
+    stream.write(vec![6]).unwrap();
+    let second = registry.begin(join());
+    let told = all(&second);
+    let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), latest, Order::Open(2, _), Order::Open(3, spec), reply] =
+        told.as_slice()
+    else {
+        panic!("{told:?}")
+    };
+    assert_eq!(latest, &Order::Write(1, vec![3].into()), "what is latched; nobody heard what was published");
+    assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
+    let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
+    assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
+    registry.heard(2, Report::Replied(0, Err(ReplyFailure::NoReader)));
+    assert_eq!(open.await, Err(ReplyFailure::NoReader));
+}
+
+#[tokio::test]
+async fn samples_are_taken_as_fast_as_they_are_read() {
+    let registry = Arc::new(Registry::default());
+    let orders = registry.begin(join());
+    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    all(&orders);
+    for taken in 1..=CREDIT {
+        registry.heard(1, Report::Taken(0, Ok(sample())));
+        reader.next().await.unwrap();
+        let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
+        assert_eq!(all(&orders), wanted, "{taken}");
+    }
+}
+
+#[test]
+fn what_a_side_does_not_take_is_bounded() {
+    let registry = Arc::new(Registry::default());
+    let orders = registry.begin(join());
+    let (stream, latched) =
+        (registry.open_writer("rt/a", "T", Qos::STREAM), registry.open_writer("rt/b", "T", Qos::STATUS));
+    let megabyte = Bytes::from(vec![0; 1 << 20]);
+    let written = (0..100).take_while(|_| stream.write(megabyte.clone()).is_ok()).count();
+    assert_eq!(written, 64);
+    assert_eq!(latched.write(vec![1]), Ok(()), "the newest value that counts is never left out");
+    all(&orders);
+    assert_eq!(stream.write(megabyte), Ok(()));
+    registry.close_all();
+    assert_eq!(stream.write(vec![1]), Err(Unwritten::Closed));
+}
+
+fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
+    let mut sample = sample();
+    sample.id.number = number;
+    sample.is_stale = is_stale;
+    Ok(sample)
+}
+
+#[tokio::test]
+async fn a_side_hands_over_all_that_is_open() {
+    let registry = Arc::new(Registry::default());
+    let first = registry.begin(join());
+    let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
+    let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
+    let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
+    latched.write(vec![1]).unwrap();
+    registry.heard(1, Report::Matched(0, 2));
+    all(&first);
+
+    let second = registry.begin_next(join());
+    let told = all(&second);
+    let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), Order::Write(1, _), Order::Open(2, _)] = told.as_slice()
+    else {
+        panic!("{told:?}")
+    };
+    stream.write(vec![2]).unwrap();
+    latched.write(vec![3]).unwrap();
+    let answered = service.reply(Place::Beside(Guid([9; 16])), None, vec![4].into());
+    let late = registry.open_writer("rt/late", "T", Qos::STREAM);
+    registry.order_side(2, Order::Probe(5));
+    assert_eq!(all(&first).len(), 4, "all but the probe");
+    let told = all(&second);
+    let [Order::Write(1, latest), Order::Open(3, _), Order::Probe(5)] = told.as_slice() else { panic!("{told:?}") };
+    assert_eq!(latest, &vec![3]);
+
+    registry.heard(2, Report::Matched(0, 1));
+    assert_eq!((stream.matched(), registry.is_next_matched()), (2, false), "the present side counts");
+    registry.heard(2, Report::Matched(0, 2));
+    assert!(registry.is_next_matched());
+    registry.heard(2, Report::Matched(3, 1));
+    registry.hand_over();
+    assert_eq!((stream.matched(), late.matched()), (2, 1));
+    assert_eq!(first.next(), None, "it has to end");
+    stream.write(vec![6]).unwrap();
+    let told = all(&second);
+    let [Order::Reply(2, reply), Order::Write(0, _)] = told.as_slice() else { panic!("{told:?}") };
+    assert_eq!((reply.token, reply.patience_ms), (0, 10_000));
+    registry.heard(1, Report::Matched(0, 0));
+    assert_eq!(stream.matched(), 2, "the side that ends has lost them");
+    registry.heard(1, Report::Replied(0, Ok(())));
+    assert_eq!(answered.await, Ok(()), "what it did until then counts");
+    registry.end_handover();
+    registry.end();
+    assert_eq!(late.matched(), 0);
+}
+
+#[tokio::test]
+async fn both_sides_have_credit_for_what_is_taken() {
+    let registry = Arc::new(Registry::default());
+    let first = registry.begin(join());
+    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    let second = registry.begin_next(join());
+    all(&first);
+    all(&second);
+    for number in 1..=3 * i64::from(CREDIT) {
+        registry.heard(1, Report::Taken(0, sample_of(number, false)));
+        registry.heard(2, Report::Taken(0, sample_of(number, false)));
+        reader.next().await.unwrap();
+    }
+    assert_eq!(all(&first), vec![Order::More(0, 8); 12]);
+    assert_eq!(all(&second), vec![Order::More(0, 8); 12]);
+}
+
+#[tokio::test]
+async fn a_next_side_that_fails_changes_nothing() {
+    let registry = Arc::new(Registry::default());
+    let first = registry.begin(join());
+    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    let second = registry.begin_next(join());
+    registry.heard(2, Report::Taken(0, sample_of(1, true)));
+    registry.heard(2, Report::Taken(0, Err("broken".to_owned())));
+    assert_eq!(all(&second)[2..], [Order::More(0, 1), Order::More(0, 1)], "what it drops does not hold it up");
+    registry.end_handover();
+    assert_eq!(second.next(), None);
+    all(&first);
+    registry.heard(1, Report::Taken(0, sample_of(1, true)));
+    registry.heard(1, Report::Taken(0, Err("broken".to_owned())));
+    assert!(reader.next().await.unwrap().is_stale);
+    assert_eq!(reader.next().await, Err("broken".to_owned()));
+    assert_eq!(all(&first), []);
+}
+
+proptest! {
+    /// Both hear all samples of a writer from some number on, each in its time; the first one until it has ended.
+    #[test]
+    fn a_sample_that_two_sides_hear_is_passed_on_once(
+        heard in prop::collection::vec((any::<bool>(), 1..30_i64), 0..80), handover in 0..80_usize,
+    ) {
+        let registry = Arc::new(Registry::default());
+        let _sides = (registry.begin(join()), registry.begin_next(join()));
+        let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+        let mut expected = Vec::new();
+        for (place, (is_second, number)) in heard.iter().enumerate() {
+            if place == handover {
+                registry.hand_over();
+            }
+            registry.heard(if *is_second { 2 } else { 1 }, Report::Taken(0, sample_of(*number, false)));
+            if !expected.contains(number) {
+                expected.push(*number);
+            }
+        }
+        let passed: Vec<_> = std::iter::from_fn(|| reader.samples.try_recv().ok()).map(|sample| sample.unwrap().id.number).collect();
+        prop_assert_eq!(passed, expected);
+    }
+}
