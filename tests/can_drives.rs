@@ -10,8 +10,8 @@ use std::time::Duration;
 use support::can::{Bus, CanDrives, Way};
 use support::can_cell::{CanCell, CanRun, axis};
 use support::domain::Domain;
-use support::namespace;
 use support::program::Program;
+use support::{namespace, setup};
 
 const OPERATIONAL: u64 = 5;
 const PRE_OPERATIONAL: u64 = 127;
@@ -456,7 +456,7 @@ fn a_drive_moves_behind_an_adapter_on_a_terminal() {
 
 #[test]
 fn a_drive_moves_by_datagrams() {
-    if namespace::is_inside("a_drive_moves_by_datagrams") {
+    if namespace::is_inside("a_drive_moves_by_datagrams", &[setup::can_python]) {
         a_move_over(Way::Udp);
     }
 }

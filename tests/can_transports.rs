@@ -9,7 +9,7 @@ use lineshaft_core::drive::BusState;
 use std::thread;
 use std::time::{Duration, Instant};
 use support::can::{Bus, CanDrives, Way};
-use support::namespace;
+use support::{namespace, setup};
 
 const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
@@ -71,7 +71,7 @@ fn drives_are_reached_over_slcan_on_a_terminal() {
 
 #[test]
 fn drives_are_reached_by_datagrams() {
-    if namespace::is_inside("drives_are_reached_by_datagrams") {
+    if namespace::is_inside("drives_are_reached_by_datagrams", &[setup::can_python]) {
         drives_are_reached(Way::Udp);
     }
 }

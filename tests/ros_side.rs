@@ -11,7 +11,7 @@ use std::{
 
 use rustix::process::{Signal, kill_process};
 use serde_json::Value;
-use support::{domain::Domain, namespace, peer::Peer, program::Program};
+use support::{domain::Domain, namespace, peer::Peer, program::Program, setup};
 
 /// Within this time a client has its answer again.
 const AGAIN: &str = "answered /lineshaft --seconds 5";
@@ -166,7 +166,10 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
 /// nothing is seen that either implementation cannot bear (tests/peers/rtps_check.py); a reader of Fast DDS that hangs fails the visits.
 #[test]
 fn other_dds_implementations_bear_what_the_node_sends() {
-    if !namespace::is_inside("other_dds_implementations_bear_what_the_node_sends") {
+    if !namespace::is_inside(
+        "other_dds_implementations_bear_what_the_node_sends",
+        &[setup::python, setup::fastdds_peer],
+    ) {
         return;
     }
     // As on Ethernet: a description of the node in the graph is longer than a datagram, and goes in fragments.

@@ -75,19 +75,23 @@ def value_of_tools(text):
 
 
 def dump_and_load(peer, a):
-    """`ros2 param dump`, then `ros2 param load` of what it wrote: every value that can be set is taken, and none is changed."""
+    """`ros2 param dump`, then `ros2 param load` of what it wrote: every value that can be set is taken, and none is changed.
+
+    The tools load null as the text `None`. A parameter without a value may get the one in force: another one shows it, too.
+    """
     client = client_of(peer, a.node)
     before = everything(client)
-    dump = yaml.safe_load(yaml.dump(before))
-    values = {name: value_of_tools(str(value)) for name, value in dump.items() if value is not None}
+    values = {name: value_of_tools(str(value)) for name, value in yaml.safe_load(yaml.dump(before)).items()}
     fixed = {d.name for d in client.describe(*values) if d.read_only}
     refused = {}
     for name, value in values.items():
         result = client.set({name: value})[0]
         if not result.successful and name not in fixed:
             refused[name] = result.reason
-    show(values=len(values), read_only=len(fixed), texts=sorted({type(values[n]).__name__ for n in values}))
-    changed = differences(client, before)
+    now = everything(client)
+    changed = {name: f"{before[name]} is now {now[name]}" for name in differences(client, before)
+               if before[name] is not None}
+    show(values=len(values), read_only=len(fixed))
     if refused or changed:
         raise Failure(f"refused: {refused}; changed: {changed}")
 

@@ -1,6 +1,7 @@
 //! A network of its own for one test: loopback alone, which carries multicast, too.
 
 use std::env;
+use std::path::Path;
 use std::process::Command;
 
 /// Says to the test that it runs inside.
@@ -10,13 +11,17 @@ const INSIDE: &str = "LINESHAFT_TEST_NAMESPACE";
 const INTO: &str =
     "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$0\" \"$@\"";
 
-/// True inside the namespace. Outside, runs the test of this name inside and is false then: the test has run.
+/// True inside the namespace. Outside, sets up the peers, for which there is no network inside, runs the test of this name inside and is
+/// false then: the test has run.
 ///
 /// Panics where the test fails, with all that it has written, and where there are no namespaces, with what to do.
 #[track_caller]
-pub(crate) fn is_inside(test: &str) -> bool {
+pub(crate) fn is_inside(test: &str, peers: &[fn() -> &'static Path]) -> bool {
     if env::var_os(INSIDE).is_some() {
         return true;
+    }
+    for set_up in peers {
+        set_up();
     }
     let mut unshare = Command::new("unshare");
     if !rustix::process::geteuid().is_root() {
