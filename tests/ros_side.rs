@@ -162,6 +162,45 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
 }
 
+/// The DDS library keeps some memory of all that it hears: a ROS side that has grown hands over to another one, while clients of both
+/// implementations ask, and come and go.
+#[test]
+fn a_ros_side_that_has_grown_hands_over_unnoticed() {
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axes /lineshaft enable turret");
+    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    let (side, fresh) = (program.ros_side(), program.figures().memory);
+    let mut clients = [(Peer::cyclone(&domain), "x"), (Peer::fastdds(&domain), "y")];
+    for (client, axis) in &mut clients {
+        client.tell(&format!("hammer /lineshaft --axis {axis} --seconds 20 --rate 300"));
+    }
+    let mut visitors = Peer::fastdds(&domain);
+    visitors.tell("visits /lineshaft --count 100");
+    for _ in 0..150 {
+        peer.fails("import /lineshaft nothing --pad 1000000");
+    }
+    let grown = program.figures().memory;
+    assert!(grown > fresh + 100.0, "{grown} MiB");
+    wait_for(&program, "another ROS side has taken over", seconds(30.0));
+    for (client, axis) in &mut clients {
+        let (seen, error) = client.answer();
+        assert_eq!(error, None, "{axis}: {seen:?}; {}", program.log());
+    }
+    assert_eq!(visitors.answer().1, None, "{}", program.log());
+    assert_ne!(program.ros_side(), side, "the grown one has left");
+    assert_eq!(axis(&mut peer, "turret")["state"], "CONTINUOUS_MOTION", "{}", program.log());
+    let small = program.figures().memory;
+    println!("{fresh:.0} MiB, {grown:.0} MiB, {small:.0} MiB");
+    assert!(small < grown - 80.0, "{grown} MiB, then {small} MiB");
+    for line in ["axes halt", "has a node /lineshaft", "WARN", "ERROR"] {
+        let (_, since) =
+            program.log().split_once("the node is active").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+        assert!(!since.contains(line), "{line}: {since}");
+    }
+}
+
 /// Clients of both implementations come and go for 15 s, read what is latched and call the node, while others stay. On the loopback
 /// nothing is seen that either implementation cannot bear (tests/peers/rtps_check.py); a reader of Fast DDS that hangs fails the visits.
 #[test]

@@ -47,6 +47,8 @@ struct State {
     side: Option<Told>,
     /// The side that will be.
     next: Option<Next>,
+    /// The side that was, until its replies are out.
+    before: Option<Told>,
     /// While two sides hear the same samples: those that were passed on.
     passed: Option<HashSet<(Endpoint, SampleId)>>,
     /// Sides so far: replies to what an earlier one has taken have to find their readers anew.
@@ -95,6 +97,8 @@ impl Orders {
 
 /// A reply under way: of which writer, and who waits for what becomes of it.
 struct UnderWay {
+    /// Which one was told; 0: none.
+    side: u32,
     endpoint: Endpoint,
     reply: Reply,
     answer: oneshot::Sender<Result<(), ReplyFailure>>,
@@ -202,7 +206,8 @@ impl Registry {
         let patience = if state.sides > 1 { PATIENCE_ANEW } else { PATIENCE };
         let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
         state.tell(Order::Reply(endpoint, reply.clone()));
-        state.replies.insert(token, UnderWay { endpoint, reply, answer });
+        let side = state.side.as_ref().map_or(0, |side| side.number);
+        state.replies.insert(token, UnderWay { side, endpoint, reply, answer });
         answered
     }
 
@@ -210,8 +215,8 @@ impl Registry {
     pub(super) fn begin(&self, join: Join) -> Orders {
         let mut state = self.state();
         let (side, orders) = state.new_side(join);
-        state.resume_replies(&side);
         state.side = Some(side);
+        state.resume_replies();
         orders
     }
 
@@ -234,7 +239,7 @@ impl Registry {
         })
     }
 
-    /// The next side takes charge; the present one is told to end, and what it has taken until then still counts.
+    /// The next side takes charge; what the present one takes until it has ended still counts.
     pub(super) fn hand_over(&self) {
         let mut state = self.state();
         let Some(Next { side, readers: matched }) = state.next.take() else { return };
@@ -243,8 +248,21 @@ impl Registry {
                 readers.send_replace(matched.get(endpoint).copied().unwrap_or(0));
             }
         }
-        state.resume_replies(&side);
-        state.side = Some(side);
+        state.before = state.side.replace(side);
+    }
+
+    /// Whether the side that has handed over has replies under way.
+    pub(super) fn has_replies_before(&self) -> bool {
+        let state = self.state();
+        let before = state.before.as_ref().map(|side| side.number);
+        state.replies.values().any(|under_way| Some(under_way.side) == before)
+    }
+
+    /// The side that has handed over is told to end; what it has not replied the one in charge replies.
+    pub(super) fn dismiss_before(&self) {
+        let mut state = self.state();
+        state.before = None;
+        state.resume_replies();
     }
 
     /// One side is left, the next one or the one before it.
@@ -256,7 +274,7 @@ impl Registry {
     /// No side is left.
     pub(super) fn end(&self) {
         let mut state = self.state();
-        (state.side, state.next, state.passed) = (None, None, None);
+        (state.side, state.next, state.before, state.passed) = (None, None, None, None);
         for known in state.endpoints.values() {
             if let More::Writer { readers, .. } = &known.more {
                 readers.send_replace(0);
@@ -267,7 +285,7 @@ impl Registry {
     /// There will be no side any more.
     pub(super) fn close_all(&self) {
         let mut state = self.state();
-        (state.side, state.next) = (None, None);
+        (state.side, state.next, state.before) = (None, None, None);
         state.is_closed = true;
         state.replies.clear();
     }
@@ -356,10 +374,13 @@ impl State {
         (side, Orders { number: self.sides, queue, queued })
     }
 
-    fn resume_replies(&self, side: &Told) {
-        for UnderWay { endpoint, reply, .. } in self.replies.values() {
-            let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..reply.clone() };
-            side.tell(Order::Reply(*endpoint, reply));
+    /// Tells the side in charge the replies that another one was told.
+    fn resume_replies(&mut self) {
+        let Some(side) = &self.side else { return };
+        for under_way in self.replies.values_mut().filter(|under_way| under_way.side != side.number) {
+            under_way.side = side.number;
+            let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..under_way.reply.clone() };
+            side.tell(Order::Reply(under_way.endpoint, reply));
         }
     }
 

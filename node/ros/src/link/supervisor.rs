@@ -35,6 +35,8 @@ const LOOK: Duration = Duration::from_secs(10);
 /// For how long two sides work: until the next one has found all readers, at least and at most.
 const FINDING: Duration = Duration::from_secs(1);
 const FOUND: Duration = Duration::from_secs(10);
+/// Longest time that a side which has handed over has for its replies.
+const REPLYING: Duration = Duration::from_secs(1);
 
 /// Why there is no ROS side.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -295,6 +297,11 @@ impl Supervisor {
         let registry = Arc::clone(&self.registry);
         // The new one is watched meanwhile.
         let leave = move || {
+            let until = Instant::now() + REPLYING;
+            while registry.has_replies_before() && Instant::now() < until {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            registry.dismiss_before();
             before.end(false);
             // What it has said until then counts.
             registry.end_handover();
