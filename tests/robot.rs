@@ -18,6 +18,12 @@ fn description(peer: &mut Peer) -> String {
     seen["text"].as_str().expect("a text").to_owned()
 }
 
+/// A URDF as the node publishes it.
+fn without_comments(urdf: &str) -> String {
+    let pieces = urdf.split("<!--").enumerate();
+    pieces.map(|(place, piece)| if place == 0 { piece } else { piece.split_once("-->").expect("it ends").1 }).collect()
+}
+
 /// The attribute `name` of each joint that is not fixed.
 fn joints(urdf: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(urdf).expect("XML");
@@ -32,7 +38,7 @@ fn joints(urdf: &str) -> Vec<String> {
 fn the_demo_describes_its_robot_to_whoever_comes_later() {
     let domain = Domain::take();
     let _program = Program::start(&["run"], &domain);
-    let urdf = launch_configs("demo.urdf");
+    let urdf = without_comments(&launch_configs("demo.urdf"));
     let mut first = Peer::cyclone(&domain);
     assert_eq!(description(&mut first), urdf);
     // Longer than the DDS library keeps what it may throw away.
@@ -51,7 +57,7 @@ fn a_description_of_some_hundred_kilobytes_comes_whole() {
     let folder = tempfile::tempdir().unwrap();
     let cell = launch_configs("demo.yaml").replacen("# robot_description: demo.urdf", "robot_description: big.urdf", 1);
     std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();
-    let filler: String = (0..6000).map(|i| format!("<!-- line {i} of a long description: \u{e4} -->\n")).collect();
+    let filler: String = (0..6000).map(|i| format!("<material name=\"one of many: \u{e4}, {i}\"/>\n")).collect();
     let urdf = launch_configs("demo.urdf").replacen("</robot>", &format!("{filler}</robot>"), 1);
     assert!(urdf.len() > 250_000);
     std::fs::write(folder.path().join("big.urdf"), &urdf).unwrap();
@@ -59,6 +65,7 @@ fn a_description_of_some_hundred_kilobytes_comes_whole() {
     let domain = Domain::take();
     let cell = folder.path().join("cell.yaml");
     let _program = Program::start(&["run", cell.to_str().unwrap()], &domain);
+    let urdf = without_comments(&urdf).replace("many: ", "many:&#32;");
     let mut peer = Peer::cyclone(&domain);
     assert!(description(&mut peer) == urdf);
     let mut late = Peer::cyclone(&domain);

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rustix::process::{Signal, kill_process};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use support::{domain::Domain, namespace, peer::Peer, program::Program, setup};
 
@@ -162,6 +162,39 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
 }
 
+/// MiB of a process.
+fn memory(process: Pid) -> f64 {
+    let path = format!("/proc/{}/statm", process.as_raw_nonzero());
+    let statm = std::fs::read_to_string(path).expect("it lives");
+    let pages: f64 = statm.split(' ').nth(1).and_then(|pages| pages.parse().ok()).expect("statm(5)");
+    pages * rustix::param::page_size() as f64 / 1_048_576.0
+}
+
+/// The DDS library waits for the acknowledgement of every reader, and best-effort readers never acknowledge: with one of them and a reliable
+/// one it kept all samples.
+#[test]
+fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
+    let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
+    let demo = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
+    let fast = std::fs::read_to_string(demo)
+        .expect("the demo cell")
+        .replace("joint_states_rate: 100 ", "joint_states_rate: 1000 ");
+    let cell = folder.path().join("cell.yaml");
+    std::fs::write(&cell, fast).expect("a folder of this test");
+    let program = Program::start(&["run", cell.to_str().expect("a name of this test")], &domain);
+    let (mut best_effort, mut reliable) = (Peer::cyclone(&domain), Peer::cyclone(&domain));
+    best_effort.run("stamps --system --best-effort");
+    reliable.run("joint-states --seconds 4");
+    let before = memory(program.ros_side());
+    let seen = reliable.run("joint-states --seconds 12");
+    let grown = memory(program.ros_side()) - before;
+    let received = seen["received"].as_u64().expect("a number");
+    println!("{received} samples, {grown:.1} MiB more");
+    assert!(received > 8000, "{seen:?}");
+    // A kept sample took 0.6 kB.
+    assert!(grown < received as f64 * 1e-4, "{grown} MiB for {received} samples");
+}
+
 /// The DDS library keeps some memory of all that it hears: a ROS side that has grown hands over to another one, while clients of both
 /// implementations ask, and come and go.
 #[test]
@@ -183,7 +216,7 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     }
     let grown = program.figures().memory;
     assert!(grown > fresh + 100.0, "{grown} MiB");
-    wait_for(&program, "another ROS side has taken over", seconds(30.0));
+    wait_for(&program, "the new ROS side is in charge", seconds(30.0));
     for (client, axis) in &mut clients {
         let (seen, error) = client.answer();
         assert_eq!(error, None, "{axis}: {seen:?}; {}", program.log());

@@ -6,9 +6,9 @@
 //!
 //! Never imports the DDS library, `side/dds`, or what a topic means.
 
-mod bury;
 pub(crate) mod frame;
 pub(crate) mod guid;
+mod participants;
 pub(crate) mod protocol;
 pub(crate) mod qos;
 mod registry;

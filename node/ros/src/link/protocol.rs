@@ -27,7 +27,7 @@ pub(crate) enum Order {
     More(Endpoint, u32),
     /// To prove that all of it works.
     Probe(u64),
-    /// The side with this participant will take its place: no stranger with the same node.
+    /// The side with this participant will replace this one.
     Successor(Prefix),
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Join {
     pub(crate) name: String,
     /// Participants of ours that ended without a good-bye.
     pub(crate) dead: Vec<Departed>,
-    /// The participant whose place it will take, where that one still works.
+    /// The participant that this side will replace, during a handover.
     pub(crate) predecessor: Option<Prefix>,
 }
 
@@ -88,7 +88,7 @@ pub(crate) enum Place {
     /// With this reader.
     Reader(Guid),
     /// On the participant of this writer, which is the client's.
-    Beside(Guid),
+    SameParticipant(Guid),
 }
 
 /// What a ROS side says.

@@ -1,7 +1,7 @@
-//! All that a ROS side has to know: readers, writers, what is latched, replies under way. It outlives each side.
+//! Readers, writers, latched values and open replies of the node. The registry outlives each ROS side, and initializes the next one.
 //!
-//! Law      while one side hands over to the next, both hear the same samples: each is passed on once, whichever side is faster. What is
-//!          published and replied goes to the side in charge, what is latched to both
+//! Law      during a handover both sides receive the same samples, and each sample is forwarded once. The side in charge publishes and
+//!          replies; both sides get the latched values
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
@@ -44,42 +44,44 @@ struct State {
     endpoints_made: u32,
     replies_made: u64,
     /// The side in charge.
-    side: Option<Told>,
-    /// The side that will be.
-    next: Option<Next>,
-    /// The side that was, until its replies are out.
-    before: Option<Told>,
-    /// While two sides hear the same samples: those that were passed on.
-    passed: Option<HashSet<(Endpoint, SampleId)>>,
+    side: Option<SideLink>,
+    /// The side that will take charge.
+    next: Option<NextSide>,
+    /// The side that has handed over, until it has sent its replies.
+    previous: Option<SideLink>,
+    /// During a handover: samples that were forwarded.
+    forwarded: Option<HashSet<(Endpoint, SampleId)>>,
     /// Sides so far: replies to what an earlier one has taken have to find their readers anew.
     sides: u32,
     is_closed: bool,
 }
 
-/// The way to a side.
-struct Told {
+/// Orders to a side.
+struct SideLink {
+    /// Number of the side, from 1.
     number: u32,
     orders: Sender<Order>,
+    /// Bytes of orders that the side has not read.
     queued: Arc<AtomicUsize>,
 }
 
-impl Told {
-    fn tell(&self, order: Order) {
+impl SideLink {
+    fn send(&self, order: Order) {
         self.queued.fetch_add(size(&order), Ordering::Relaxed);
-        // A side that has just ended: as without one.
+        // A side that has just ended is treated as no side.
         let _ = self.orders.send(order);
     }
 }
 
-struct Next {
-    side: Told,
-    /// Readers of each writer.
+struct NextSide {
+    side: SideLink,
+    /// Number of matched readers of each writer.
     readers: BTreeMap<Endpoint, u32>,
 }
 
-/// What one side is told.
+/// Orders of one side, for the thread that sends them.
 pub(super) struct Orders {
-    /// Of the side: each has its own.
+    /// Number of the side, from 1.
     pub(super) number: u32,
     queue: Receiver<Order>,
     /// Bytes in the queue.
@@ -87,7 +89,7 @@ pub(super) struct Orders {
 }
 
 impl Orders {
-    /// Waits for the next one; `None`: the side has to end.
+    /// Waits for the next order. Returns `None` if the side must end.
     pub(super) fn next(&self) -> Option<Order> {
         let order = self.queue.recv().ok()?;
         self.queued.fetch_sub(size(&order), Ordering::Relaxed);
@@ -97,7 +99,7 @@ impl Orders {
 
 /// A reply under way: of which writer, and who waits for what becomes of it.
 struct UnderWay {
-    /// Which one was told; 0: none.
+    /// Number of the side that has the order; 0: none.
     side: u32,
     endpoint: Endpoint,
     reply: Reply,
@@ -148,7 +150,7 @@ impl Registry {
         let mut state = self.state();
         let endpoint = state.endpoints_made;
         state.endpoints_made += 1;
-        state.tell_all(&Order::Open(endpoint, spec.clone()));
+        state.send_to_all(&Order::Open(endpoint, spec.clone()));
         state.endpoints.insert(endpoint, Known { spec, more });
         endpoint
     }
@@ -156,7 +158,7 @@ impl Registry {
     fn close(&self, endpoint: Endpoint) {
         let mut state = self.state();
         state.endpoints.remove(&endpoint);
-        state.tell_all(&Order::Close(endpoint));
+        state.send_to_all(&Order::Close(endpoint));
     }
 
     fn write(&self, endpoint: Endpoint, bytes: Bytes) -> Result<(), Unwritten> {
@@ -178,11 +180,11 @@ impl Registry {
         };
         let order = Order::Write(endpoint, bytes);
         if is_latched {
-            state.tell_all(&order);
+            state.send_to_all(&order);
         } else if state.queued() > QUEUED {
             return Err(Unwritten::Full);
         } else {
-            state.tell(order);
+            state.send(order);
         }
         Ok(())
     }
@@ -205,13 +207,13 @@ impl Registry {
         state.replies_made += 1;
         let patience = if state.sides > 1 { PATIENCE_ANEW } else { PATIENCE };
         let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
-        state.tell(Order::Reply(endpoint, reply.clone()));
+        state.send(Order::Reply(endpoint, reply.clone()));
         let side = state.side.as_ref().map_or(0, |side| side.number);
         state.replies.insert(token, UnderWay { side, endpoint, reply, answer });
         answered
     }
 
-    /// A new side, in charge at once: what it has to be told, in its order, and from now on more.
+    /// Initializes a new side, which is in charge at once. Returns its orders.
     pub(super) fn begin(&self, join: Join) -> Orders {
         let mut state = self.state();
         let (side, orders) = state.new_side(join);
@@ -220,16 +222,16 @@ impl Registry {
         orders
     }
 
-    /// Likewise, of a side that will be in charge after [`Self::hand_over`].
+    /// Initializes a new side, which is in charge after [`Self::hand_over`]. Returns its orders.
     pub(super) fn begin_next(&self, join: Join) -> Orders {
         let mut state = self.state();
         let (side, orders) = state.new_side(join);
-        state.next = Some(Next { side, readers: BTreeMap::new() });
-        state.passed = Some(HashSet::new());
+        state.next = Some(NextSide { side, readers: BTreeMap::new() });
+        state.forwarded = Some(HashSet::new());
         orders
     }
 
-    /// Whether the next side reaches as many readers as the present one.
+    /// Whether the next side has matched as many readers as the side in charge.
     pub(super) fn is_next_matched(&self) -> bool {
         let state = self.state();
         let Some(next) = &state.next else { return false };
@@ -239,42 +241,42 @@ impl Registry {
         })
     }
 
-    /// The next side takes charge; what the present one takes until it has ended still counts.
+    /// Puts the next side in charge. Samples that the previous side receives until its end are still forwarded.
     pub(super) fn hand_over(&self) {
         let mut state = self.state();
-        let Some(Next { side, readers: matched }) = state.next.take() else { return };
+        let Some(NextSide { side, readers: matched }) = state.next.take() else { return };
         for (endpoint, known) in &state.endpoints {
             if let More::Writer { readers, .. } = &known.more {
                 readers.send_replace(matched.get(endpoint).copied().unwrap_or(0));
             }
         }
-        state.before = state.side.replace(side);
+        state.previous = state.side.replace(side);
     }
 
-    /// Whether the side that has handed over has replies under way.
-    pub(super) fn has_replies_before(&self) -> bool {
+    /// Whether the previous side still has replies to send.
+    pub(super) fn previous_has_replies(&self) -> bool {
         let state = self.state();
-        let before = state.before.as_ref().map(|side| side.number);
-        state.replies.values().any(|under_way| Some(under_way.side) == before)
+        let previous = state.previous.as_ref().map(|side| side.number);
+        state.replies.values().any(|under_way| Some(under_way.side) == previous)
     }
 
-    /// The side that has handed over is told to end; what it has not replied the one in charge replies.
-    pub(super) fn dismiss_before(&self) {
+    /// Ends the previous side. The side in charge sends the replies that are left.
+    pub(super) fn end_previous(&self) {
         let mut state = self.state();
-        state.before = None;
+        state.previous = None;
         state.resume_replies();
     }
 
-    /// One side is left, the next one or the one before it.
+    /// Ends the handover; one side is left.
     pub(super) fn end_handover(&self) {
         let mut state = self.state();
-        (state.next, state.passed) = (None, None);
+        (state.next, state.forwarded) = (None, None);
     }
 
-    /// No side is left.
+    /// Ends the present side.
     pub(super) fn end(&self) {
         let mut state = self.state();
-        (state.side, state.next, state.before, state.passed) = (None, None, None, None);
+        (state.side, state.next, state.previous, state.forwarded) = (None, None, None, None);
         for known in state.endpoints.values() {
             if let More::Writer { readers, .. } = &known.more {
                 readers.send_replace(0);
@@ -285,19 +287,19 @@ impl Registry {
     /// There will be no side any more.
     pub(super) fn close_all(&self) {
         let mut state = self.state();
-        (state.side, state.next, state.before) = (None, None, None);
+        (state.side, state.next, state.previous) = (None, None, None);
         state.is_closed = true;
         state.replies.clear();
     }
 
-    /// So many more samples are taken.
+    /// Lets the sides send so many more samples of a reader.
     fn more(&self, endpoint: Endpoint, count: u32) {
-        self.state().tell_all(&Order::More(endpoint, count));
+        self.state().send_to_all(&Order::More(endpoint, count));
     }
 
-    /// To this side.
+    /// Sends an order to the side with this number.
     pub(super) fn order_side(&self, number: u32, order: Order) {
-        self.state().tell_side(number, order);
+        self.state().send_to_side(number, order);
     }
 
     #[cfg(test)]
@@ -309,8 +311,8 @@ impl Registry {
     pub(super) fn heard(&self, number: u32, report: Report) {
         let mut state = self.state();
         match report {
-            Report::Matched(endpoint, count) => state.matched(number, endpoint, count),
-            Report::Taken(endpoint, sample) => state.taken(number, endpoint, sample),
+            Report::Matched(endpoint, count) => state.on_match(number, endpoint, count),
+            Report::Taken(endpoint, sample) => state.on_sample(number, endpoint, sample),
             Report::Replied(token, outcome) => {
                 if let Some(UnderWay { answer, .. }) = state.replies.remove(&token) {
                     // Who answers in passing does not wait.
@@ -323,30 +325,30 @@ impl Registry {
 }
 
 impl State {
-    /// To the side in charge. Without one nothing is lost: a new one is told all that stands here.
-    fn tell(&self, order: Order) {
+    /// Sends an order to the side in charge. Without one nothing is lost: the registry initializes the next side.
+    fn send(&self, order: Order) {
         if let Some(side) = &self.side {
-            side.tell(order);
+            side.send(order);
         }
     }
 
-    /// Likewise, and to the next one.
-    fn tell_all(&self, order: &Order) {
-        self.tell(order.clone());
+    /// Sends an order to the side in charge and to the next one.
+    fn send_to_all(&self, order: &Order) {
+        self.send(order.clone());
         if let Some(next) = &self.next {
-            next.side.tell(order.clone());
+            next.side.send(order.clone());
         }
     }
 
-    /// Bytes on their way to the side in charge.
+    /// Bytes of orders that the side in charge has not read.
     fn queued(&self) -> usize {
         self.side.as_ref().map_or(0, |side| side.queued.load(Ordering::Relaxed))
     }
 
-    fn tell_side(&self, number: u32, order: Order) {
+    fn send_to_side(&self, number: u32, order: Order) {
         let mut sides = self.side.iter().chain(self.next.as_ref().map(|next| &next.side));
         if let Some(side) = sides.find(|side| side.number == number) {
-            side.tell(order);
+            side.send(order);
         }
     }
 
@@ -354,37 +356,37 @@ impl State {
         self.side.as_ref().is_some_and(|side| side.number == number)
     }
 
-    /// Tells a new side all but the replies.
-    fn new_side(&mut self, join: Join) -> (Told, Orders) {
+    /// Initializes a new side, except for the replies.
+    fn new_side(&mut self, join: Join) -> (SideLink, Orders) {
         let (orders, queue) = channel();
         let queued = Arc::<AtomicUsize>::default();
         self.sides += 1;
-        let side = Told { number: self.sides, orders, queued: Arc::clone(&queued) };
-        side.tell(Order::Join(join));
+        let side = SideLink { number: self.sides, orders, queued: Arc::clone(&queued) };
+        side.send(Order::Join(join));
         for (endpoint, known) in &self.endpoints {
             let mut spec = known.spec.clone();
             if let More::Reader { waiting, .. } = &known.more {
                 spec.kind = Kind::Reader(CREDIT.saturating_sub(waiting.load(Ordering::Relaxed)));
             }
-            side.tell(Order::Open(*endpoint, spec));
+            side.send(Order::Open(*endpoint, spec));
             if let More::Writer { kept, .. } = &known.more {
-                kept.iter().for_each(|bytes| side.tell(Order::Write(*endpoint, bytes.clone())));
+                kept.iter().for_each(|bytes| side.send(Order::Write(*endpoint, bytes.clone())));
             }
         }
         (side, Orders { number: self.sides, queue, queued })
     }
 
-    /// Tells the side in charge the replies that another one was told.
+    /// Gives the side in charge the replies of other sides.
     fn resume_replies(&mut self) {
         let Some(side) = &self.side else { return };
         for under_way in self.replies.values_mut().filter(|under_way| under_way.side != side.number) {
             under_way.side = side.number;
             let reply = Reply { patience_ms: milliseconds(PATIENCE_ANEW), ..under_way.reply.clone() };
-            side.tell(Order::Reply(under_way.endpoint, reply));
+            side.send(Order::Reply(under_way.endpoint, reply));
         }
     }
 
-    fn matched(&mut self, number: u32, endpoint: Endpoint, count: u32) {
+    fn on_match(&mut self, number: u32, endpoint: Endpoint, count: u32) {
         if let Some(next) = &mut self.next
             && next.side.number == number
         {
@@ -396,19 +398,19 @@ impl State {
         }
     }
 
-    fn taken(&mut self, number: u32, endpoint: Endpoint, sample: Result<Sample, String>) {
+    fn on_sample(&mut self, number: u32, endpoint: Endpoint, sample: Result<Sample, String>) {
         let is_newest = number == self.sides;
-        if let Some(passed) = &mut self.passed {
+        if let Some(forwarded) = &mut self.forwarded {
             match &sample {
-                // The credit of both sides is for the same samples: what is taken of one is taken of the other.
+                // Both sides spend their credit on the same samples, and both get it back when the sample is read.
                 Ok(Sample { id, is_stale, .. }) if !(is_newest && *is_stale) => {
-                    let is_first = passed.insert((endpoint, *id));
+                    let is_first = forwarded.insert((endpoint, *id));
                     if !is_first {
                         return;
                     }
                 }
-                // What was written before the newest side was there, and what cannot be read, is for the one before it.
-                _ if is_newest => return self.tell_side(number, Order::More(endpoint, 1)),
+                // The older side forwards samples from before the newest one, and those that cannot be read.
+                _ if is_newest => return self.send_to_side(number, Order::More(endpoint, 1)),
                 _ => {}
             }
         }

@@ -1,4 +1,4 @@
-//! A side that runs: tells it its orders, hears its reports, probes it, ends it.
+//! A running ROS side: sends its orders, receives its reports, probes it and ends it.
 
 use std::io;
 use std::net::Shutdown;
@@ -8,9 +8,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::bury::Entry;
 use super::frame;
 use super::guid::Prefix;
+use super::participants::Entry;
 use super::protocol::{Departed, Line, Order, Report};
 use super::registry::{Orders, Registry};
 use super::start::{Side, Started};
@@ -18,63 +18,63 @@ use crate::line_limit::LineLimit;
 
 /// Between two probes.
 pub(super) const PROBES: Duration = Duration::from_millis(100);
-/// Longest time without an answer.
+/// Maximum time without an answer.
 const SILENCE: Duration = Duration::from_millis(700);
-/// Longest time from the start of a side to its first answer: it says good-bye for the dead first.
+/// Maximum time from the start of a side to its first answer; it disposes earlier participants first.
 const START: Duration = Duration::from_secs(5);
-/// How long a side may take to say good-bye; and one that has failed, until the system tells how it ended.
-const GOOD_BYE: Duration = Duration::from_secs(2);
-const CORPSE: Duration = Duration::from_millis(20);
+/// Maximum time that a side takes to leave, and maximum wait for the exit status of a side that has failed.
+const LEAVE: Duration = Duration::from_secs(2);
+const EXIT_STATUS: Duration = Duration::from_millis(20);
 
-/// Lines of the logs of all sides: one that is started again and again tells the same each time.
+/// Limit of the log lines of all sides: a side that restarts again and again logs the same lines.
 pub(super) type SideLines = LineLimit<(String, u32)>;
 
-/// A side, and what is known of it.
+/// A side and its state.
 pub(super) struct Running {
-    /// Which one, for the registry.
+    /// Number of the side in the registry.
     number: u32,
     stream: UnixStream,
     started: Started,
     threads: [JoinHandle<()>; 2],
-    words: Receiver<Word>,
+    heard: Receiver<Heard>,
     since: Instant,
-    /// Its participant, from when it is in the domain.
+    /// Its participant, once it has joined the domain.
     pub(super) joined: Option<Departed>,
     pub(super) entry: Option<Entry>,
     pub(super) has_answered: bool,
     probe: Probe,
 }
 
-/// The last probe, and the answers.
+/// The last probe and its answer.
 struct Probe {
     number: u64,
     is_answered: bool,
     next: Instant,
-    /// When the side was last known to work.
+    /// Time of the last good answer.
     good: Instant,
-    /// When this process last looked.
+    /// Time of the last call of `watch`.
     tick: Instant,
-    /// What does not work.
+    /// The part that does not work.
     stuck: Option<String>,
 }
 
-/// What is heard of a side.
-enum Word {
+/// A message from the thread that reads the reports.
+enum Heard {
     Reported(Report),
     Silent(io::Error),
 }
 
-/// What a watch has seen.
-pub(super) enum Seen {
+/// Result of [`Running::watch`].
+pub(super) enum SideEvent {
     Nothing,
-    /// It is in the domain.
+    /// The side has joined the domain.
     Joined(Prefix),
-    /// It has failed, and why.
+    /// The side has failed, with the reason.
     Failed(String),
 }
 
 impl Running {
-    /// Starts a side, which is told what `orders` begins.
+    /// Starts a side with these orders.
     pub(super) fn start(
         side: &Side,
         registry: &Arc<Registry>,
@@ -82,7 +82,7 @@ impl Running {
         orders: impl FnOnce() -> Orders,
     ) -> io::Result<Self> {
         let (stream, started) = side.start()?;
-        let (told, words) = channel();
+        let (told, heard) = channel();
         let (writing, reading) = (stream.try_clone()?, stream.try_clone()?);
         let orders = orders();
         let number = orders.number;
@@ -94,56 +94,56 @@ impl Running {
         let now = Instant::now();
         let probe = Probe { number: 0, is_answered: true, next: now, good: now, tick: now, stuck: None };
         let (joined, entry, has_answered) = (None, None, false);
-        Ok(Self { number, stream, started, threads, words, since: now, joined, entry, has_answered, probe })
+        Ok(Self { number, stream, started, threads, heard, since: now, joined, entry, has_answered, probe })
     }
 
-    /// How long it has run.
+    /// Time since its start.
     pub(super) fn age(&self) -> Duration {
         self.since.elapsed()
     }
 
-    /// Resident memory (bytes), where the system tells.
+    /// Resident memory in bytes, if the system reports it.
     pub(super) fn memory(&self) -> Option<u64> {
         self.started.memory()
     }
 
-    /// Hears what it says, waits for that at most so long, and probes it.
-    pub(super) fn watch(&mut self, wait: Duration, registry: &Registry) -> Seen {
+    /// Handles its reports, waits at most `wait` for the first one, and probes it.
+    pub(super) fn watch(&mut self, wait: Duration, registry: &Registry) -> SideEvent {
         let mut wait = wait;
         loop {
-            match self.words.recv_timeout(std::mem::take(&mut wait)) {
-                Ok(Word::Reported(Report::Joined(prefix))) => return Seen::Joined(prefix),
-                Ok(Word::Reported(Report::Failed(reason))) => return Seen::Failed(reason),
-                Ok(Word::Reported(report)) => self.hear(report),
-                Ok(Word::Silent(error)) => return Seen::Failed(silence(&error)),
+            match self.heard.recv_timeout(std::mem::take(&mut wait)) {
+                Ok(Heard::Reported(Report::Joined(prefix))) => return SideEvent::Joined(prefix),
+                Ok(Heard::Reported(Report::Failed(reason))) => return SideEvent::Failed(reason),
+                Ok(Heard::Reported(report)) => self.on_report(report),
+                Ok(Heard::Silent(error)) => return SideEvent::Failed(silence(&error)),
                 Err(RecvTimeoutError::Timeout) => break,
-                Err(RecvTimeoutError::Disconnected) => return Seen::Failed("is not heard any more".to_owned()),
+                Err(RecvTimeoutError::Disconnected) => return SideEvent::Failed("is not heard any more".to_owned()),
             }
         }
         let probe = &mut self.probe;
-        // Where this process itself was frozen or had no time, the side gets its time anew.
+        // After a pause of this process itself the time of the side starts again.
         if probe.tick.elapsed() > SILENCE / 3 {
             probe.good = Instant::now();
         }
         probe.tick = Instant::now();
         if self.joined.is_none() || !self.has_answered {
             if self.since.elapsed() > START {
-                return Seen::Failed(format!("did not begin to work within {} s", START.as_secs()));
+                return SideEvent::Failed(format!("did not begin to work within {} s", START.as_secs()));
             }
         } else if probe.good.elapsed() > SILENCE {
             let what = probe.stuck.as_ref().map(|what| format!(" ({what})")).unwrap_or_default();
-            return Seen::Failed(format!("has not answered for {} ms{what}", SILENCE.as_millis()));
+            return SideEvent::Failed(format!("has not answered for {} ms{what}", SILENCE.as_millis()));
         }
         if self.joined.is_some() && probe.is_answered && Instant::now() >= probe.next {
             probe.number += 1;
             (probe.is_answered, probe.next) = (false, Instant::now() + PROBES);
             registry.order_side(self.number, Order::Probe(probe.number));
         }
-        Seen::Nothing
+        SideEvent::Nothing
     }
 
-    /// The answers to probes.
-    fn hear(&mut self, report: Report) {
+    /// Handles the answers to probes.
+    fn on_report(&mut self, report: Report) {
         let probe = &mut self.probe;
         match report {
             Report::Alive(number) if number == probe.number => {
@@ -156,19 +156,18 @@ impl Running {
         }
     }
 
-    /// Tells it.
+    /// Sends it an order.
     pub(super) fn order(&self, registry: &Registry, order: Order) {
         registry.order_side(self.number, order);
     }
 
-    /// Ends it, whose orders have ended: it says good-bye, unless it has failed. What it died of, where that can be told; and its
-    /// participant, where nobody has said good-bye for it.
+    /// Ends the side after its last order. Returns its exit status if that is an error, and its participant if that was not disposed.
     pub(super) fn end(self, has_failed: bool) -> (Option<String>, Option<Departed>) {
         if has_failed {
-            // Where it has ended by itself there is nothing to shut.
+            // Fails if the side has ended already.
             let _ = self.stream.shutdown(Shutdown::Both);
         }
-        let died = self.started.end(if has_failed { CORPSE } else { GOOD_BYE });
+        let died = self.started.end(if has_failed { EXIT_STATUS } else { LEAVE });
         let _ = self.stream.shutdown(Shutdown::Both);
         for thread in self.threads {
             // One that panicked has ended, too.
@@ -193,16 +192,16 @@ fn silence(error: &io::Error) -> String {
 
 fn write_orders(mut stream: UnixStream, orders: &Orders) {
     while let Some(order) = orders.next() {
-        // What becomes of the side is heard by the other direction.
+        // The thread that reads the reports notices the end of the side.
         if frame::write(&mut stream, &order).is_err() {
             return;
         }
     }
-    // No more orders: the side ends.
+    // Without orders the side ends.
     let _ = stream.shutdown(Shutdown::Write);
 }
 
-fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, words: &Sender<Word>, lines: &SideLines) {
+fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, heard: &Sender<Heard>, lines: &SideLines) {
     let mut buffer = Vec::new();
     loop {
         let word = match frame::read(&mut stream, &mut buffer) {
@@ -211,22 +210,22 @@ fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, words:
                 continue;
             }
             Ok(report @ (Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Stuck(_))) => {
-                Word::Reported(report)
+                Heard::Reported(report)
             }
             Ok(report) => {
                 registry.heard(number, report);
                 continue;
             }
-            Err(error) => Word::Silent(error),
+            Err(error) => Heard::Silent(error),
         };
-        let is_last = matches!(word, Word::Silent(_));
-        if words.send(word).is_err() || is_last {
+        let is_last = matches!(word, Heard::Silent(_));
+        if heard.send(word).is_err() || is_last {
             return;
         }
     }
 }
 
-/// A line of a side's log stands in the program's.
+/// Repeats a log line of a side in the log of the program.
 fn repeat(severity: u8, text: &str) {
     const TARGET: &str = "rustdds";
     match severity {

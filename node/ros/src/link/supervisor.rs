@@ -1,10 +1,10 @@
-//! Keeps a ROS side: starts it, watches it, and starts another one when it fails or has grown.
+//! Supervises the ROS side: starts it, watches it, and starts another one when it fails or has grown.
 //!
-//! Law      a side is good while it answers probes, each of which goes through its DDS library, within 0.7 s. One that is not is
-//!          killed; the loss is told at once, and the next one starts with all that the registry knows
-//!          the DDS library keeps some memory of each client for ever: a side that has grown hands over to another one. Both work
-//!          until that one has found as many readers; no sample is lost, and no loss is told
-//! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it for good
+//! Law      a side works while it answers probes, which pass through its DDS library, within 0.7 s. A side that does not is killed, the
+//!          loss is reported at once, and the registry initializes the next side.
+//!          A side that exceeds a memory limit hands over to a new side. Both sides run until the new one has matched as many
+//!          readers. No sample is lost, and no loss is reported
+//! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it permanently
 
 use std::io;
 use std::net::Ipv4Addr;
@@ -15,12 +15,12 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::bury::{self, Entry};
 use super::guid::Prefix;
+use super::participants::{self, Entry};
 use super::protocol::{Departed, Join, Order};
 use super::qos::Qos;
 use super::registry::{Orders, Reader, Registry, Writer};
-use super::running::{PROBES, Running, Seen, SideLines};
+use super::running::{PROBES, Running, SideEvent, SideLines};
 use super::start::Side;
 
 /// Sides in a row that never answered, after which there is none any more.
@@ -29,14 +29,14 @@ const TRIES: u32 = 5;
 const GOOD: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_millis(800);
-/// A side with so much memory (bytes) hands over; how often it is looked at.
+/// Memory limit of a side in bytes (the DDS library keeps some of each client for ever), and the period of its check.
 const MEMORY: u64 = 128 << 20;
-const LOOK: Duration = Duration::from_secs(10);
-/// For how long two sides work: until the next one has found all readers, at least and at most.
-const FINDING: Duration = Duration::from_secs(1);
-const FOUND: Duration = Duration::from_secs(10);
-/// Longest time that a side which has handed over has for its replies.
-const REPLYING: Duration = Duration::from_secs(1);
+const CHECK: Duration = Duration::from_secs(10);
+/// Minimum and maximum time for which two sides run, until the next one has matched all readers.
+const MIN_OVERLAP: Duration = Duration::from_secs(1);
+const MAX_OVERLAP: Duration = Duration::from_secs(10);
+/// Maximum time that the previous side has for its open replies.
+const MAX_REPLYING: Duration = Duration::from_secs(1);
 
 /// Why there is no ROS side.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -66,17 +66,17 @@ pub(crate) struct Settings {
     pub(crate) growth: Growth,
 }
 
-/// When a side hands over to another one.
+/// Limit of the memory of a side.
 pub(crate) struct Growth {
-    /// With more resident memory than this (bytes).
+    /// Maximum resident memory in bytes.
     pub(crate) memory: u64,
-    /// Between two looks at it.
-    pub(crate) look: Duration,
+    /// Period of the check.
+    pub(crate) check: Duration,
 }
 
 impl Default for Growth {
     fn default() -> Self {
-        Self { memory: MEMORY, look: LOOK }
+        Self { memory: MEMORY, check: CHECK }
     }
 }
 
@@ -153,7 +153,7 @@ struct Supervisor {
     /// Participants of earlier sides that ended without a good-bye.
     dead: Vec<Departed>,
     lines: Arc<SideLines>,
-    /// Waits for the side that has handed over.
+    /// Thread that waits for the end of the previous side.
     leaving: Option<JoinHandle<()>>,
 }
 
@@ -197,28 +197,28 @@ impl Supervisor {
         self.registry.close_all();
     }
 
-    /// Sides of which each takes the place of the one before, until the last one ends.
+    /// Runs a side, and those to which it hands over, until one of them ends.
     fn live(&mut self) -> io::Result<End> {
-        let left = self.settings.participants.as_deref().map(bury::dead).unwrap_or_default();
+        let left = self.settings.participants.as_deref().map(participants::dead).unwrap_or_default();
         let dead = left.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect();
         let mut side = self.start(Registry::begin, dead, None)?;
-        let (mut next, mut looked) = (None, Instant::now());
+        let (mut next, mut checked) = (None, Instant::now());
         let failure = loop {
             if self.is_closed.load(Ordering::Acquire) {
                 break None;
             }
             match side.watch(PROBES / 2, &self.registry) {
-                Seen::Nothing => {}
-                Seen::Joined(prefix) => self.joined(prefix, &mut side, &left),
-                // It may have been told to end.
-                Seen::Failed(_) if self.is_closed.load(Ordering::Acquire) => break None,
-                Seen::Failed(reason) => break Some(reason),
+                SideEvent::Nothing => {}
+                SideEvent::Joined(prefix) => self.joined(prefix, &mut side, &left),
+                // The link may have been closed meanwhile.
+                SideEvent::Failed(_) if self.is_closed.load(Ordering::Acquire) => break None,
+                SideEvent::Failed(reason) => break Some(reason),
             }
-            if let Some(following) = next.take() {
-                next = self.follow(&mut side, following);
-            } else if side.has_answered && looked.elapsed() >= self.settings.growth.look {
-                next = self.look(&side);
-                looked = Instant::now();
+            if let Some(starting) = next.take() {
+                next = self.watch_next(&mut side, starting);
+            } else if side.has_answered && checked.elapsed() >= self.settings.growth.check {
+                next = self.check_memory(&side);
+                checked = Instant::now();
             }
         };
         self.registry.end();
@@ -228,7 +228,7 @@ impl Supervisor {
         if let Some(next) = next {
             self.dead.extend(next.end(failure.is_some()).1);
         }
-        self.before_has_left();
+        self.wait_for_previous();
         Ok(match (failure, died) {
             (None, _) => End::Closed,
             (Some(reason), None) => End::Lost { reason, has_answered },
@@ -248,68 +248,68 @@ impl Supervisor {
         Running::start(side, &self.registry, &self.lines, || begin(&self.registry, join))
     }
 
-    /// Starts the side that is to take the place of one that has grown.
-    fn look(&mut self, side: &Running) -> Option<Running> {
+    /// Starts the next side if this one exceeds its memory limit.
+    fn check_memory(&mut self, side: &Running) -> Option<Running> {
         let memory = side.memory().filter(|memory| *memory > self.settings.growth.memory)?;
-        self.before_has_left();
-        tracing::info!("the ROS side has grown to {} MiB, and hands over to another one", memory >> 20);
+        self.wait_for_previous();
+        tracing::info!("the ROS side uses {} MiB, and hands over to a new one", memory >> 20);
         let prefix = side.joined.as_ref().map(|who| who.prefix);
         match self.start(Registry::begin_next, self.dead.clone(), prefix) {
             Ok(next) => Some(next),
             Err(error) => {
                 self.registry.end_handover();
-                tracing::warn!("no other ROS side can be started: {error}; the present one goes on");
+                tracing::warn!("no new ROS side can be started: {error}; the present one continues");
                 None
             }
         }
     }
 
-    /// Waits for the good-bye of the side that has handed over.
-    fn before_has_left(&mut self) {
+    /// Waits for the end of the previous side.
+    fn wait_for_previous(&mut self) {
         if let Some(leaving) = self.leaving.take() {
             // One that panicked has ended, too.
             let _ = leaving.join();
         }
     }
 
-    /// Watches the side that is to take the place of another one, and lets it do so.
-    fn follow(&mut self, side: &mut Running, mut next: Running) -> Option<Running> {
+    /// Watches the next side, and puts it in charge when it is ready.
+    fn watch_next(&mut self, side: &mut Running, mut next: Running) -> Option<Running> {
         match next.watch(Duration::ZERO, &self.registry) {
-            Seen::Nothing => {}
-            Seen::Joined(prefix) => {
+            SideEvent::Nothing => {}
+            SideEvent::Joined(prefix) => {
                 side.order(&self.registry, Order::Successor(prefix));
                 self.joined(prefix, &mut next, &[]);
             }
-            Seen::Failed(reason) => {
+            SideEvent::Failed(reason) => {
                 self.registry.end_handover();
-                tracing::warn!("the ROS side that was to take over {reason}; the present one goes on");
+                tracing::warn!("the new ROS side {reason}; the present one continues");
                 self.dead.extend(next.end(true).1);
                 return None;
             }
         }
-        let is_matched = next.age() >= FINDING && self.registry.is_next_matched() || next.age() >= FOUND;
+        let is_matched = next.age() >= MIN_OVERLAP && self.registry.is_next_matched() || next.age() >= MAX_OVERLAP;
         if !(next.has_answered && is_matched) {
             return Some(next);
         }
         self.registry.hand_over();
-        tracing::info!("another ROS side has taken over, {} ms after its start", next.age().as_millis());
-        let before = std::mem::replace(side, next);
+        tracing::info!("the new ROS side is in charge, {} ms after its start", next.age().as_millis());
+        let previous = std::mem::replace(side, next);
         let registry = Arc::clone(&self.registry);
-        // The new one is watched meanwhile.
+        // In a thread, since the new side is watched meanwhile.
         let leave = move || {
-            let until = Instant::now() + REPLYING;
-            while registry.has_replies_before() && Instant::now() < until {
+            let until = Instant::now() + MAX_REPLYING;
+            while registry.previous_has_replies() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(5));
             }
-            registry.dismiss_before();
-            before.end(false);
-            // What it has said until then counts.
+            registry.end_previous();
+            previous.end(false);
+            // Its reports are forwarded until then.
             registry.end_handover();
         };
         let thread = std::thread::Builder::new().name("ros side leaves".to_owned());
         match thread.spawn(leave) {
             Ok(leaving) => self.leaving = Some(leaving),
-            Err(error) => tracing::error!("the ROS side before is not waited for: {error}"),
+            Err(error) => tracing::error!("cannot wait for the end of the previous ROS side: {error}"),
         }
         None
     }
@@ -382,7 +382,7 @@ mod tests {
         assert_eq!(*losses.lock().unwrap(), []);
     }
 
-    /// What two other nodes see of one whose sides hand over again and again.
+    /// A node whose sides hand over again and again, and another node that exchanges numbers with it.
     #[tokio::test]
     async fn a_side_that_hands_over_loses_nothing() {
         const TYPE: &str = "std_msgs::msg::dds_::UInt32_";
@@ -390,7 +390,7 @@ mod tests {
         let start = |memory| {
             let (mut settings, losses) = settings(Side::Thread);
             settings.domain = domain;
-            settings.growth = Growth { memory, look: Duration::from_millis(100) };
+            settings.growth = Growth { memory, check: Duration::from_millis(100) };
             (Link::start(settings).unwrap(), losses)
         };
         let ((grows, losses), (other, _)) = (start(0), start(u64::MAX));

@@ -26,7 +26,7 @@ pub(super) fn acknowledge(shared: &Shared, reader: Guid, writer: Guid, before: i
     let count = COUNT.fetch_sub(1, Ordering::Relaxed);
     let ack = AckNack { reader: entity(reader), writer: entity(writer), base: before, count, is_final: true };
     message.to(writer.prefix()).acknack(&ack);
-    shared.beside.send(&message.bytes(), shared.participant.data_address());
+    shared.socket.send(&message.bytes(), shared.participant.data_address());
 }
 
 /// Acknowledges for all best-effort readers.

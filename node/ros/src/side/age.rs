@@ -8,7 +8,7 @@
 //!          host, whose clock may be any: within [`MOMENT`] of the match, and while a dead node's lease may last, stale is what
 //!          does not seem to be written just now. What is later than that moment cannot be old: the writer gives at once all
 //!          that it has
-//! Source   issue "an axis moves that nobody moved"; a good-bye for the dead (`farewell`) comes before all this
+//! Source   issue "an axis moves that nobody moved"; a good-bye for the dead (`dispose`) comes before all this
 
 use std::time::Duration;
 

@@ -293,13 +293,13 @@ impl Participant {
         let writers = self.participant.discovered_writers();
         let mark = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == client);
         let mark = mark.and_then(|w| client_mark(octets(&w.user_data)));
-        let beside: Vec<_> = (self.participant.discovered_readers().into_iter())
+        let same: Vec<_> = (self.participant.discovered_readers().into_iter())
             .filter(|r| r.subscription_topic_data.topic_name() == topic)
             .map(|r| (Guid::from(r.reader_proxy.remote_reader_guid), r.user_data))
             .filter(|(reader, _)| reader.prefix() == client.prefix())
             .collect();
         let is_its = |data: &[u8]| mark.is_none() || client_mark(octets(data)) == mark;
-        beside.into_iter().filter(|(_, data)| is_its(data)).map(|(reader, _)| reader).collect()
+        same.into_iter().filter(|(_, data)| is_its(data)).map(|(reader, _)| reader).collect()
     }
 }
 

@@ -81,7 +81,7 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>,
         // What is no such message is for its sender to mend.
         let Ok(info) = cdr::decode::<ParticipantEntitiesInfo>(&taken.bytes, endian) else { continue };
         let Some(shared) = shared.upgrade() else { return };
-        if shared.is_kin(participant) || told.len() >= NAMESAKES {
+        if shared.is_own(participant) || told.len() >= NAMESAKES {
             continue;
         }
         if is_among(&info, &namespace, &name) && told.insert(participant) {

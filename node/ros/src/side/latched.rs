@@ -48,7 +48,7 @@ impl Target for DirectedWriter {
         message.to(reader.prefix()).gap(entity(reader), entity(writer), 1, before);
         let datagram = message.bytes();
         for address in self.shared.participant.addresses_of_reader(reader) {
-            self.shared.beside.send(&datagram, address);
+            self.shared.socket.send(&datagram, address);
         }
     }
 

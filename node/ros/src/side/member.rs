@@ -14,7 +14,6 @@ use tokio::sync::Semaphore;
 use tokio::task::JoinHandle;
 
 use super::age::{Known, is_stale};
-use super::beside::Beside;
 use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
 use super::graph::{Graph, watch_for_namesakes};
 use super::latched::{self, Latched};
@@ -23,7 +22,8 @@ use super::preemptive::{self, Answers};
 use super::probe::Probe;
 use super::replies::Replies;
 use super::returning::Returning;
-use super::{acknowledge, farewell, sedp};
+use super::socket::OwnSocket;
+use super::{acknowledge, dispose, sedp};
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
@@ -31,7 +31,7 @@ use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure,
 pub(super) struct Shared {
     pub(super) participant: Arc<Participant>,
     pub(super) matches: Arc<Matches>,
-    pub(super) beside: Beside,
+    pub(super) socket: OwnSocket,
     pub(super) returning: Returning,
     pub(super) answers: Answers,
     reports: Mutex<Sender<Report>>,
@@ -41,8 +41,8 @@ pub(super) struct Shared {
     heard: Mutex<HashMap<Guid, Heard>>,
     /// Addresses of this host, on which all have one clock.
     own: Vec<Ipv4Addr>,
-    /// Participants of this program: its own, one before it and one after it.
-    kin: Mutex<Vec<Prefix>>,
+    /// Participants of this program: this one, its predecessor and its successor.
+    own_participants: Mutex<Vec<Prefix>>,
 }
 
 /// A remote writer.
@@ -93,8 +93,8 @@ impl Shared {
     }
 
     /// Whether it is a participant of this program.
-    pub(super) fn is_kin(&self, participant: Prefix) -> bool {
-        self.kin.lock().unwrap_or_else(PoisonError::into_inner).contains(&participant)
+    pub(super) fn is_own(&self, participant: Prefix) -> bool {
+        self.own_participants.lock().unwrap_or_else(PoisonError::into_inner).contains(&participant)
     }
 
     /// Is a remote endpoint matched with one of ours?
@@ -124,6 +124,7 @@ pub(super) struct Member {
     shared: Arc<Shared>,
     runtime: Handle,
     departed: Departed,
+    is_replaced: bool,
 }
 
 enum Open {
@@ -149,31 +150,31 @@ impl Member {
     pub(super) fn join(join: &Join, reports: Sender<Report>, runtime: Handle) -> Result<Self, String> {
         let inside = runtime.enter();
         let participant = Participant::new(join.domain, join.networks.as_deref()).map_err(|error| error.to_string())?;
-        let beside = Beside::new().map_err(|error| format!("no socket: {error}"))?;
+        let socket = OwnSocket::new().map_err(|error| format!("no socket: {error}"))?;
         let matches = Arc::new(Matches::new());
         let barrier = participant.barrier().map_err(|error| error.to_string())?;
         let probe = Arc::new(Probe::new(&participant).map_err(|error| error.to_string())?);
         let prefix = participant.guid().prefix();
-        let own = farewell::of_host();
+        let own = dispose::of_host();
         let networks = join.networks.clone().unwrap_or_else(|| own.clone());
         let returning = Returning::new(prefix, networks).map_err(|error| format!("no socket: {error}"))?;
         let shared = Arc::new(Shared {
             participant: Arc::new(participant),
             matches,
-            beside,
+            socket,
             returning,
             answers: Answers::default(),
             reports: Mutex::new(reports),
             writers: Mutex::default(),
             heard: Mutex::default(),
             own,
-            kin: Mutex::new([prefix].into_iter().chain(join.predecessor).collect()),
+            own_participants: Mutex::new([prefix].into_iter().chain(join.predecessor).collect()),
         });
         let graph = Graph::new(&runtime, &shared, join).map_err(|error| error.to_string())?;
         let others = Graph::others(&shared).map_err(|error| error.to_string())?;
         let namesakes = watch_for_namesakes(others, Arc::downgrade(&shared), join.namespace.clone(), join.name.clone());
         let follow = follow(Arc::downgrade(&shared), barrier, Arc::clone(&probe), runtime.clone());
-        let answers = shared.beside.ear().and_then(tokio::net::UdpSocket::from_std);
+        let answers = shared.socket.listener().and_then(tokio::net::UdpSocket::from_std);
         let answers = answers.map_err(|error| format!("no socket: {error}"))?;
         let mut tasks = vec![
             runtime.spawn(follow),
@@ -182,7 +183,7 @@ impl Member {
             runtime.spawn(acknowledge::for_best_effort_readers(Arc::downgrade(&shared))),
         ];
         match Returning::start(&shared, join.domain, &runtime) {
-            Ok(ears) => tasks.extend(ears),
+            Ok(sockets) => tasks.extend(sockets),
             Err(error) => {
                 tracing::warn!("a client that was frozen or cut off for long will not be found again: {error}")
             }
@@ -190,12 +191,17 @@ impl Member {
         shared.report(Report::Joined(prefix));
         drop(inside);
         let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
-        Ok(Self { endpoints: HashMap::new(), graph, probe, tasks, shared, runtime, departed })
+        Ok(Self { endpoints: HashMap::new(), graph, probe, tasks, shared, runtime, departed, is_replaced: false })
     }
 
     /// Who leaves when this is dropped.
     pub(super) fn departed(&self) -> Departed {
         self.departed.clone()
+    }
+
+    /// Whether a successor replaces it.
+    pub(super) fn is_replaced(&self) -> bool {
+        self.is_replaced
     }
 
     /// Does an order.
@@ -228,7 +234,8 @@ impl Member {
                 }
             }
             Order::Successor(participant) => {
-                self.shared.kin.lock().unwrap_or_else(PoisonError::into_inner).push(participant);
+                self.is_replaced = true;
+                self.shared.own_participants.lock().unwrap_or_else(PoisonError::into_inner).push(participant);
             }
             Order::Probe(number) => {
                 let (probe, shared) = (Arc::clone(&self.probe), Arc::clone(&self.shared));
@@ -285,7 +292,7 @@ impl Member {
             Open::Reader { guid, is_subscription, task, .. } => {
                 let end = self.shared.participant.end_of_reader();
                 if *is_subscription {
-                    farewell::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
+                    dispose::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
                 }
                 // The reader goes with its task, and the library says so second.
                 task.abort();

@@ -1,22 +1,20 @@
 //! The ROS side: the process that alone knows the DDS library.
 //!
-//! It does what the program orders (`link/protocol`) and knows neither messages nor axes. What the network makes of the library ends
-//! with this process, whose memory has a bound; the program then starts another one.
+//! It executes the orders of the program (`link/protocol`) and knows neither messages nor axes. A fault of the library ends with this
+//! process, whose memory is limited; the program then starts another one.
 //!
-//! `dds` is the only file that imports the library. What the library (0.15.1) cannot do is done next to it, by RTPS messages in the
-//! name of its participant (`rtps`, `spdp`, `sedp`): `acknowledge`, `farewell`, `keeper`, `long_reply`, `preemptive`, `returning`, and the
-//! announcements of `probe`. docs/ARCHITECTURE.md has a table of them.
+//! `dds` is the only file that imports the library. docs/dds-library.md lists what the library (0.15.1) cannot do, and the files that
+//! work around it.
 
 mod acknowledge;
 mod age;
-mod beside;
 mod dds;
-mod ears;
-mod farewell;
+mod dispose;
 mod graph;
 mod keeper;
 mod latched;
 mod lines;
+mod listeners;
 mod long_reply;
 mod matches;
 mod member;
@@ -27,6 +25,7 @@ mod replies;
 mod returning;
 mod rtps;
 mod sedp;
+mod socket;
 mod spdp;
 
 use std::os::fd::AsFd;
@@ -65,18 +64,18 @@ pub fn main() -> ExitCode {
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(MEMORY), maximum: Some(MEMORY) });
     let (reports, queue) = channel();
     lines::start(reports.clone());
-    run(stream, reports, queue);
+    run(stream, reports, queue, true);
     ExitCode::SUCCESS
 }
 
 /// Likewise, on this thread.
 pub(crate) fn serve(stream: UnixStream) {
     let (reports, queue) = channel();
-    run(stream, reports, queue);
+    run(stream, reports, queue, false);
 }
 
-/// Works until the link ends.
-fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>) {
+/// Works until the link ends. `is_process`: the process ends then, too.
+fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>, is_process: bool) {
     let Ok(mut writing) = stream.try_clone() else { return };
     let writer = std::thread::Builder::new().name("ros reports".to_owned()).spawn(move || {
         while let Ok(report) = queue.recv() {
@@ -90,16 +89,16 @@ fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>) {
     }
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_io().enable_time().build();
     let Ok(runtime) = runtime else { return };
-    follow(stream, &reports, runtime.handle());
+    follow(stream, &reports, runtime.handle(), is_process);
     // A reply that still looks for its reader finds none any more.
     runtime.shutdown_background();
 }
 
 /// Does one order after the other.
-fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::runtime::Handle) {
+fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::runtime::Handle, is_process: bool) {
     let mut buffer = Vec::new();
     let Ok(Order::Join(join)) = frame::read(&mut stream, &mut buffer) else { return };
-    farewell::bury(&join.dead);
+    dispose::dispose_all(&join.dead);
     let mut member = match Member::join(&join, reports.clone(), runtime.clone()) {
         Ok(member) => member,
         Err(error) => {
@@ -112,6 +111,15 @@ fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::run
     };
     while let Ok(order) = frame::read(&mut stream, &mut buffer) {
         member.follow(order);
+    }
+    if member.is_replaced() {
+        // A client may be sending a request at this moment: it is still read, and the successor replies.
+        dispose::dispose_repeatedly(&member.departed());
+        if is_process {
+            // The library would announce itself to new clients while it leaves.
+            std::mem::forget(member);
+            return;
+        }
     }
     leave(member);
 }
@@ -130,5 +138,5 @@ fn leave(member: Member) {
         let _ = is_done.recv_timeout(GOOD_BYE);
     }
     // Datagrams get lost: once more.
-    farewell::say(&departed);
+    dispose::dispose(&departed);
 }

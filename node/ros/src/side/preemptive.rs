@@ -95,9 +95,9 @@ pub(super) async fn ask(shared: Weak<Shared>, reader: Guid, writer: Guid) {
 fn heartbeat(shared: &Shared, reader: Guid, writer: Guid) -> oneshot::Receiver<i32> {
     let answer = shared.answers.expect(reader, writer);
     let mut message = Message::from(writer.prefix());
-    message.to(reader.prefix()).reply_to(shared.beside.address());
+    message.to(reader.prefix()).reply_to(shared.socket.address());
     message.empty_heartbeat(entity(reader), entity(writer), 1);
-    shared.beside.send(&message.bytes(), shared.participant.data_address());
+    shared.socket.send(&message.bytes(), shared.participant.data_address());
     answer
 }
 
@@ -108,6 +108,6 @@ fn acknack(shared: &Shared, reader: Guid, writer: Guid, count: i32) {
     message.to(writer.prefix()).acknack(&ack);
     let datagram = message.bytes();
     for address in shared.participant.addresses_of_writer(writer) {
-        shared.beside.send(&datagram, address);
+        shared.socket.send(&datagram, address);
     }
 }

@@ -174,7 +174,7 @@ fn digest(said: &Announcement) -> u64 {
 mod tests {
     use std::net::Ipv4Addr;
 
-    use super::super::spdp::{BARE, Played, farewell};
+    use super::super::spdp::{BARE, Played, disposal};
     use super::*;
 
     fn who(number: u16) -> Prefix {
@@ -194,7 +194,7 @@ mod tests {
     }
 
     fn gone(number: u16) -> Announcement {
-        Announcement::read(&farewell(who(number), None, 2)).unwrap()
+        Announcement::read(&disposal(who(number), None, 2)).unwrap()
     }
 
     #[test]

@@ -84,14 +84,14 @@ impl Probe {
             turn.sequence += 2 * i64::from(TRIES);
             turn.sequence
         };
-        let (beside, to) = (&shared.beside, shared.participant.discovery_address());
+        let (socket, to) = (&shared.socket, shared.participant.discovery_address());
         let before = *self.seen.borrow();
-        let addresses = [beside.address()];
+        let addresses = [socket.address()];
         let player = Played { who: self.player, addresses: &addresses, builtin: BARE, lease_s: LEASE_S };
         for _ in 0..TRIES {
-            beside.send(&player.announced(sequence), to);
+            socket.send(&player.announced(sequence), to);
             let is_found = self.comes(|(found, _)| found > before.0).await;
-            beside.send(&spdp::farewell(self.player, None, sequence + 1), to);
+            socket.send(&spdp::disposal(self.player, None, sequence + 1), to);
             if self.comes(|(_, lost)| lost > before.1).await && is_found {
                 return true;
             }

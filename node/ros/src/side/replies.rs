@@ -126,7 +126,7 @@ impl Replies {
         let is_matched = |reader| self.is_matched(shared, reader);
         let client = match place {
             Place::Reader(reader) => return Found::of(vec![reader], is_matched),
-            Place::Beside(client) => client,
+            Place::SameParticipant(client) => client,
         };
         if let Some(reader) = self.known().get(&client).copied().filter(|reader| is_matched(*reader)) {
             return Found { matched: vec![reader], complete: true };
@@ -151,7 +151,7 @@ async fn say(shared: &Shared, reader: Guid, datagrams: &[Vec<u8>]) {
     for _ in 0..if datagrams.len() < FEW { 2 } else { 1 } {
         for some in datagrams.chunks(TOGETHER) {
             for address in &addresses {
-                some.iter().for_each(|datagram| shared.beside.send(datagram, *address));
+                some.iter().for_each(|datagram| shared.socket.send(datagram, *address));
             }
             sleep(PAUSE).await;
         }

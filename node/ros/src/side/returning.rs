@@ -23,12 +23,12 @@ use tokio::runtime::Handle;
 use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
-use super::beside::Beside;
 use super::dds::Discovery;
-use super::ears;
+use super::listeners;
 use super::member::Shared;
 use super::presence::{Heard, Presence};
 use super::sedp::Endpoint;
+use super::socket::OwnSocket;
 use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, Played};
 use crate::link::guid::Prefix;
 
@@ -52,39 +52,39 @@ const PAUSE: Duration = Duration::from_millis(5);
 const LIBRARY: [u8; 2] = [0x01, 0x12];
 /// Networks that a question names; each makes its answer one more datagram.
 const NETWORKS: usize = 4;
-/// After an error of an ear.
+/// After an error of an listener.
 const DEAF: Duration = Duration::from_millis(100);
 /// Longest datagram.
 const DATAGRAM: usize = 1 << 16;
 
-/// Listens beside the library.
+/// Listens next to the library.
 pub(super) struct Returning {
     own: Prefix,
     networks: Vec<Ipv4Addr>,
     presence: Mutex<Presence>,
     /// Hears the answers to what it asks, too.
-    beside: Beside,
+    socket: OwnSocket,
     /// Numbers, each given once: to questions, announcements said again, participants that we play.
     given: AtomicI64,
 }
 
 impl Returning {
-    /// Beside the participant `own`, which was made on these networks.
+    /// OwnSocket the participant `own`, which was made on these networks.
     pub(super) fn new(own: Prefix, networks: Vec<Ipv4Addr>) -> io::Result<Self> {
         let is_here = networks.iter().all(Ipv4Addr::is_loopback);
-        let beside = if is_here { Beside::on(Ipv4Addr::LOCALHOST)? } else { Beside::new()? };
-        Ok(Self { own, networks, presence: Mutex::default(), beside, given: AtomicI64::new(1) })
+        let socket = if is_here { OwnSocket::on(Ipv4Addr::LOCALHOST)? } else { OwnSocket::new()? };
+        Ok(Self { own, networks, presence: Mutex::default(), socket, given: AtomicI64::new(1) })
     }
 
     /// The tasks that listen and ask.
     pub(super) fn start(shared: &Arc<Shared>, domain: u16, runtime: &Handle) -> io::Result<Vec<JoinHandle<()>>> {
         let this = &shared.returning;
-        let mut ears = ears::open(domain, &this.networks)?;
-        ears.push(this.beside.ear()?);
+        let mut sockets = listeners::open(domain, &this.networks)?;
+        sockets.push(this.socket.listener()?);
         let mut tasks = vec![runtime.spawn(ask(Arc::downgrade(shared)))];
-        for ear in ears {
-            let ear = UdpSocket::from_std(ear)?;
-            tasks.push(runtime.spawn(listen(ear, Arc::downgrade(shared), runtime.clone())));
+        for listener in sockets {
+            let listener = UdpSocket::from_std(listener)?;
+            tasks.push(runtime.spawn(listen(listener, Arc::downgrade(shared), runtime.clone())));
         }
         Ok(tasks)
     }
@@ -117,16 +117,16 @@ impl Returning {
     /// Asks those that are lost who they are.
     fn ask(&self) {
         let lost = self.presence().ask(Instant::now());
-        let (who, port) = (played(self.own, 0), self.beside.address().port());
+        let (who, port) = (played(self.own, 0), self.socket.address().port());
         for address in lost {
             // Where the answer has to go.
             let near = self.networks.iter().filter(|network| network.is_loopback() == address.ip().is_loopback());
             let mut here: Vec<_> = near.map(|network| SocketAddrV4::new(*network, port)).take(NETWORKS).collect();
             if here.is_empty() {
-                here.push(self.beside.address());
+                here.push(self.socket.address());
             }
             let asking = Played { who, addresses: &here, builtin: BARE, lease_s: ASKING_S };
-            self.beside.send(&asking.announced(LATE + self.number()), address);
+            self.socket.send(&asking.announced(LATE + self.number()), address);
         }
     }
 }
@@ -148,11 +148,11 @@ async fn ask(shared: Weak<Shared>) {
     }
 }
 
-async fn listen(ear: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
+async fn listen(listener: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
     let mut buffer = vec![0; DATAGRAM];
     loop {
-        let Ok(length) = ear.recv(&mut buffer).await else {
-            // A closed port was written to. An ear that fails for good must not take all the time.
+        let Ok(length) = listener.recv(&mut buffer).await else {
+            // A closed port was written to. An listener that fails for good must not take all the time.
             sleep(DEAF).await;
             continue;
         };
@@ -167,7 +167,7 @@ async fn listen(ear: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
             Heard::Known => {}
             Heard::Coming => drop(runtime.spawn(introduce(Arc::downgrade(&shared), said))),
             Heard::Changed => {
-                this.beside.send(&said.again(UNKNOWN + this.number()), shared.participant.discovery_address());
+                this.socket.send(&said.again(UNKNOWN + this.number()), shared.participant.discovery_address());
             }
         }
     }
@@ -191,7 +191,7 @@ async fn introduce(shared: Weak<Shared>, said: Announcement) {
     }
     sleep(MATCHING).await;
     let Some(shared) = shared.upgrade() else { return };
-    tell_all(&shared, &[spdp::farewell(player, None, 2)]);
+    tell_all(&shared, &[spdp::disposal(player, None, 2)]);
     if shared.returning.presence().told(said.who, Instant::now()) {
         // As loud as its loss.
         tracing::warn!("DDS participant {} speaks again, and is answered", said.who);
@@ -204,9 +204,9 @@ fn forget_us(shared: &Weak<Shared>, said: &Announcement) -> Option<()> {
     let this = &shared.returning;
     for address in &said.addresses {
         // Who has asked leaves, too.
-        this.beside.send(&spdp::farewell(played(this.own, 0), Some(said.who), LATE + this.number()), *address);
+        this.socket.send(&spdp::disposal(played(this.own, 0), Some(said.who), LATE + this.number()), *address);
         if said.who.0[..2] != LIBRARY {
-            this.beside.send(&spdp::farewell(this.own, Some(said.who), LATE + this.number()), *address);
+            this.socket.send(&spdp::disposal(this.own, Some(said.who), LATE + this.number()), *address);
         }
     }
     Some(())
@@ -219,7 +219,7 @@ fn announce(shared: &Weak<Shared>, said: &Announcement) -> Option<Prefix> {
     let number = this.number();
     let player = Played {
         who: played(this.own, number),
-        addresses: &[this.beside.address()],
+        addresses: &[this.socket.address()],
         builtin: ANNOUNCER,
         lease_s: ANNOUNCING_S,
     };
@@ -254,7 +254,7 @@ fn tell(shared: &Weak<Shared>, datagrams: &[Vec<u8>]) -> Option<()> {
 /// Tells our library.
 fn tell_all(shared: &Shared, datagrams: &[Vec<u8>]) {
     let inside = shared.participant.discovery_address();
-    datagrams.iter().for_each(|datagram| shared.returning.beside.send(datagram, inside));
+    datagrams.iter().for_each(|datagram| shared.returning.socket.send(datagram, inside));
 }
 
 #[cfg(test)]

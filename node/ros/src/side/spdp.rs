@@ -92,7 +92,7 @@ impl Announcement {
     /// The same as sample `sequence`.
     pub(super) fn again(&self, sequence: i64) -> Vec<u8> {
         if self.is_gone {
-            return farewell(self.who, None, sequence);
+            return disposal(self.who, None, sequence);
         }
         let mut message = Message::from(self.who);
         message.list(SPDP_READER, SPDP_WRITER, sequence, &self.payload);
@@ -135,7 +135,7 @@ fn udp_v4(locator: &[u8], little: bool) -> Option<SocketAddrV4> {
 }
 
 /// `who` says good-bye, as sample `sequence` of its announcements; to `whom` only, or to all.
-pub(super) fn farewell(who: Prefix, whom: Option<Prefix>, sequence: i64) -> Vec<u8> {
+pub(super) fn disposal(who: Prefix, whom: Option<Prefix>, sequence: i64) -> Vec<u8> {
     let guid = [who.0.as_slice(), &PARTICIPANT].concat();
     let mut message = Message::from(who);
     if let Some(whom) = whom {
@@ -211,7 +211,7 @@ mod tests {
             (Prefix([5; 12]), false, [ADDRESS].as_slice())
         );
         assert_eq!(Announcement::read(&heard.again(1 << 40)), Some(heard));
-        let gone = Announcement::read(&farewell(Prefix([5; 12]), Some(Prefix([6; 12])), 2)).unwrap();
+        let gone = Announcement::read(&disposal(Prefix([5; 12]), Some(Prefix([6; 12])), 2)).unwrap();
         assert_eq!((gone.who, gone.is_gone), (Prefix([5; 12]), true));
         assert_eq!(Announcement::read(&gone.again(1 << 40)), Some(gone));
     }

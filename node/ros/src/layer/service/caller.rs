@@ -71,7 +71,7 @@ pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), 
     if let Some(related) = sample.related {
         return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian())?));
     }
-    let beside = Caller { place: Place::Beside(sample.id.writer), answers: sample.id, header: None };
+    let beside = Caller { place: Place::SameParticipant(sample.id.writer), answers: sample.id, header: None };
     let plain = || cdr::decode::<Q>(&sample.bytes, sample.endian());
     let ambiguous = Err(Refusal::Ambiguous { length: sample.bytes.len() });
     if sample.id.writer.is_cyclone() {
@@ -85,7 +85,8 @@ pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), 
 /// The caller that its `related_sample_identity` describes.
 fn marked(request: SampleId, related: Related) -> Caller {
     let answers = SampleId { writer: related.guid, number: related.number.unwrap_or(request.number) };
-    let place = if related.guid.is_reader() { Place::Reader(related.guid) } else { Place::Beside(request.writer) };
+    let place =
+        if related.guid.is_reader() { Place::Reader(related.guid) } else { Place::SameParticipant(request.writer) };
     Caller { place, answers, header: None }
 }
 

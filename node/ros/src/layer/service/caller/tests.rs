@@ -60,14 +60,14 @@ fn an_identity_with_a_number_and_a_writer_is_kept() {
     let sample = Sample { related, ..sample(FAST, encode(&axes(&[]))) };
     let (caller, _) = read::<AxesCommandRequest>(&sample).unwrap();
     assert_eq!(caller.answers, SampleId { writer: guid(FAST, 3), number: 7 });
-    assert_eq!(caller.place, Place::Beside(sample.id.writer), "a writer reads no reply");
+    assert_eq!(caller.place, Place::SameParticipant(sample.id.writer), "a writer reads no reply");
 }
 
 #[test]
 fn rmw_cyclonedds_gets_its_header_back() {
     let (caller, message) = read::<AxesCommandRequest>(&cyclone(&axes(&["x", "turret"]))).unwrap();
     assert_eq!(message, axes(&["x", "turret"]));
-    assert_eq!(caller.place, Place::Beside(guid(CYCLONE, 3)));
+    assert_eq!(caller.place, Place::SameParticipant(guid(CYCLONE, 3)));
     let reply = caller.reply(&TriggerResponse { success: true, message: String::new() });
     assert_eq!(reply[..HEADER], cyclone(&axes(&[])).bytes[..HEADER]);
     assert_eq!(reply[HEADER..], encode(&TriggerResponse { success: true, message: String::new() }));

@@ -1,15 +1,15 @@
-//! A socket of our own, for what is said beside the DDS library.
+//! A socket of our own, for what is sent next to the DDS library.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 
-/// Sends datagrams; what comes back is for its ear, where it has one.
-pub(super) struct Beside {
+/// Sends datagrams; what comes back is for its listener.
+pub(super) struct OwnSocket {
     socket: UdpSocket,
     address: SocketAddrV4,
 }
 
-impl Beside {
+impl OwnSocket {
     /// To anywhere.
     pub(super) fn new() -> io::Result<Self> {
         let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
@@ -30,7 +30,7 @@ impl Beside {
     }
 
     /// Hears what comes back.
-    pub(super) fn ear(&self) -> io::Result<UdpSocket> {
+    pub(super) fn listener(&self) -> io::Result<UdpSocket> {
         // The two are one socket to the system: what finds no room is lost then, as anywhere on its way.
         self.socket.set_nonblocking(true)?;
         self.socket.try_clone()

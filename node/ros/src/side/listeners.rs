@@ -1,4 +1,4 @@
-//! Sockets that hear the announcements of other participants, beside the DDS library.
+//! Sockets that hear the announcements of other participants, next to the DDS library.
 //!
 //! Law      on networks with multicast they go to the group of the domain. Without it they go to the ports of all participants that a
 //!          host may have: one of those is taken, as another participant would
@@ -10,7 +10,7 @@ use socket2::{Domain, Protocol, Socket, Type};
 
 use super::spdp::{GROUP, PROGRAMS, group_port, own_port};
 
-/// The ears of a participant that was made on these networks.
+/// The listeners of a participant that was made on these networks.
 pub(super) fn open(domain: u16, networks: &[Ipv4Addr]) -> io::Result<Vec<UdpSocket>> {
     let mut all = Vec::new();
     let far: Vec<_> = networks.iter().filter(|network| !network.is_loopback()).collect();
@@ -27,7 +27,7 @@ pub(super) fn open(domain: u16, networks: &[Ipv4Addr]) -> io::Result<Vec<UdpSock
     let here = if far.is_empty() { Ipv4Addr::LOCALHOST } else { Ipv4Addr::UNSPECIFIED };
     let ports = (0..PROGRAMS).map(|id| own_port(domain, id));
     all.extend(ports.map(|port| UdpSocket::bind((here, port))).find_map(Result::ok));
-    all.iter().try_for_each(|ear| ear.set_nonblocking(true))?;
+    all.iter().try_for_each(|listener| listener.set_nonblocking(true))?;
     Ok(all)
 }
 
