@@ -277,7 +277,6 @@ fn nobody_loses_a_sample_because_of_another() {
 fn clients_that_were_frozen_beyond_their_lease_work_again() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
-    // One after the other: who starts in the same instant as the program may share its port (docs/known-limits.md).
     let mut clients = [Peer::cyclone as fn(&_) -> _, Peer::fastdds].map(|begin| {
         let mut client = begin(&domain);
         client.run(&format!("axes {NODE} enable turret"));

@@ -11,7 +11,7 @@ import struct
 import time
 
 from report import Failure, show
-from rtps import ACKNACK, DATA_FRAG, GAP, HEARTBEAT, Sniffer, fragments, number, numbers, submessages
+from rtps import ACKNACK, DATA_FRAG, GAP, HEARTBEAT, INFO_DST, Sniffer, fragments, number, numbers, submessages
 
 RUSTDDS = b"\x01\x12"  # how GUIDs of the node begin
 LATE_S = 0.3
@@ -63,8 +63,39 @@ class Check:
             self.late += at - since > LATE_S
 
 
+def message(*parts):
+    """An RTPS message of the node with these submessages: (kind, body)."""
+    header = b"RTPS" + bytes(4) + RUSTDDS + bytes(10)
+    return header + b"".join(struct.pack("<BBH", kind, 1, len(body)) + body for kind, body in parts)
+
+
+def prove_itself():
+    """The check finds what it is for, and nothing in traffic without it."""
+    writer, to = bytes(8), (INFO_DST, b"\x01\x0f" + bytes(10))
+
+    def fragment(first, count):
+        return DATA_FRAG, bytes(4) + writer + struct.pack("<iIIHHI", 0, 7, first, count, 1000, 3000)
+
+    def gap(first, base):
+        return GAP, writer + struct.pack("<iIiII", 0, first, 0, base, 0)
+
+    def heartbeat(count):
+        return HEARTBEAT, writer + struct.pack("<iIiIi", 0, 1, 0, 7, count)
+
+    for parts, kind in [([fragment(1, 2), gap(5, 8)], "gap"), ([fragment(1, 2), gap(5, 7)], None),
+                        ([fragment(1, 2), fragment(3, 1), gap(5, 8)], None), ([heartbeat(2), heartbeat(2)], "heartbeat"),
+                        ([heartbeat(2), heartbeat(3)], None)]:
+        check = Check()
+        for part in parts:
+            check.take(0.0, ("127.0.0.1", 7411), message(to, part))
+        found = [one for one, all in check.found.items() if all]
+        if found != ([kind] if kind else []):
+            raise Failure(f"the check of {parts} finds {found}")
+
+
 def rtps_check(peer, a):
     """Checks the traffic of this domain for some seconds."""
+    prove_itself()
     sniffer = Sniffer(int(os.environ["ROS_DOMAIN_ID"]))
     time.sleep(a.seconds)
     check = Check()

@@ -1,14 +1,14 @@
-//! Messages on a stream: each with its length before it.
+//! Length-prefixed messages on a stream.
 
 use std::io::{self, Read, Write};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Longest message (bytes); far more than a table of 10^6 points.
+/// Maximum length of a message in bytes; far more than a table of 10^6 points needs.
 pub(crate) const LONGEST: usize = 256 << 20;
 
-/// The message as it goes over the stream.
+/// Returns the message as it is sent over the stream.
 pub(crate) fn encode(message: &impl Serialize) -> io::Result<Vec<u8>> {
     let mut frame = postcard::to_extend(message, vec![0; 4]).map_err(io::Error::other)?;
     let length = frame.len() - 4;
@@ -25,7 +25,7 @@ pub(crate) fn write(stream: &mut impl Write, message: &impl Serialize) -> io::Re
     stream.write_all(&encode(message)?)
 }
 
-/// The next message; an error of kind `UnexpectedEof` at the end of the stream.
+/// Reads the next message. Returns an error of kind `UnexpectedEof` at the end of the stream.
 pub(crate) fn read<M: DeserializeOwned>(stream: &mut impl Read, buffer: &mut Vec<u8>) -> io::Result<M> {
     let mut length = [0; 4];
     stream.read_exact(&mut length)?;
@@ -36,7 +36,7 @@ pub(crate) fn read<M: DeserializeOwned>(stream: &mut impl Read, buffer: &mut Vec
     buffer.resize(length, 0);
     stream.read_exact(buffer)?;
     let message = postcard::from_bytes(buffer).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-    // One long message is no reason to keep its room for good.
+    // The memory of a long message is released.
     if buffer.capacity() > 1 << 20 {
         *buffer = Vec::new();
     }

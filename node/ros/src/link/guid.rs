@@ -5,33 +5,33 @@ use std::fmt;
 use lineshaft_msgs::foreign::rmw_dds_common::msg::Gid;
 use serde::{Deserialize, Serialize};
 
-/// Vendor of eProsima Fast DDS, likewise.
+/// Vendor ID of eProsima Fast DDS, as RTPS participants announce it; its GUIDs start with it.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
-/// Vendor of Eclipse Cyclone DDS, as RTPS participants announce it and as its GUIDs begin.
+/// Vendor ID of Eclipse Cyclone DDS, as RTPS participants announce it; its GUIDs start with it.
 const CYCLONE: [u8; 2] = [0x01, 0x10];
 
-/// GUID of a DDS participant or endpoint: 12 bytes of the participant, 3 of the endpoint, 1 of its kind.
+/// GUID of a DDS participant or endpoint: 12 bytes for the participant, 3 for the endpoint, 1 for its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(crate) struct Guid(pub(crate) [u8; 16]);
 
-/// The participant's part of a [`Guid`].
+/// Participant part of a [`Guid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(crate) struct Prefix(pub(crate) [u8; 12]);
 
 impl Guid {
-    /// Which participant it is, or belongs to.
+    /// Returns the prefix of the participant that this GUID is, or belongs to.
     pub(crate) fn prefix(self) -> Prefix {
         let mut prefix = [0; 12];
         prefix.copy_from_slice(&self.0[..12]);
         Prefix(prefix)
     }
 
-    /// Whether it is a reader; RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
+    /// Whether it is a reader. RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
     pub(crate) fn is_reader(self) -> bool {
         self.0[15] & 0x04 != 0
     }
 
-    /// Whether it is a built-in endpoint, those of discovery; RTPS 2.5, table 9.1.
+    /// Whether it is a built-in endpoint (used for discovery); RTPS 2.5, table 9.1.
     pub(crate) fn is_builtin(self) -> bool {
         self.0[15] & 0xc0 == 0xc0
     }
@@ -48,7 +48,7 @@ impl Guid {
 }
 
 impl Prefix {
-    /// The endpoint of this participant with these last 4 bytes.
+    /// Returns the endpoint of this participant with these last 4 bytes.
     pub(crate) fn endpoint(self, entity: [u8; 4]) -> Guid {
         let mut guid = [0; 16];
         guid[..12].copy_from_slice(&self.0);
@@ -56,7 +56,7 @@ impl Prefix {
         Guid(guid)
     }
 
-    /// As it is displayed: 24 hexadecimal digits.
+    /// Parses the displayed form: 24 hexadecimal digits.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let digits = text.as_bytes();
         if digits.len() != 24 || !digits.iter().all(u8::is_ascii_hexdigit) {
@@ -99,7 +99,7 @@ mod tests {
         // RTPS 2.5, table 9.1: writers 02 (with key) and 03 (no key), readers 07 and 04.
         assert!(guid(0x04).is_reader() && guid(0x07).is_reader());
         assert!(!guid(0x02).is_reader() && !guid(0x03).is_reader());
-        // Built-in ones: C2, C3, C4, C7.
+        // Built-in endpoints: C2, C3, C4, C7.
         assert!(
             guid(0xc2).is_builtin() && guid(0xc7).is_builtin() && !guid(0x03).is_builtin() && !guid(0x04).is_builtin()
         );

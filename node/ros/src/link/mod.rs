@@ -1,10 +1,10 @@
-//! What the program and its ROS side say to each other, and how the program keeps a ROS side.
+//! Connection between the program and its ROS side, and supervision of the ROS side.
 //!
-//! The DDS library lives in a process of its own (`side/`): what the network does to it, it does not do to the machine.
-//! `protocol` is the language of the two, `supervisor` starts a side, and another one when it fails or has grown; `running` is a side
-//! that runs; `registry` knows all that a new side has to be told.
+//! The DDS library runs in a separate process (`side/`), so a fault that the network causes in it does not affect the machine.
+//! `protocol` defines the messages. `supervisor` starts a side, and another one when it fails or has grown. `running` is a running
+//! side. `registry` stores the state with which each new side is initialized.
 //!
-//! Never imports the DDS library, `side/dds`, or what a topic means.
+//! This module never imports the DDS library or `side/dds`, and does not depend on the meaning of a topic.
 
 pub(crate) mod frame;
 pub(crate) mod guid;

@@ -1,7 +1,8 @@
-//! Which participants of ours live, and which ended without a good-bye: a file for each, locked while it lives.
+//! Records the participants of this program in files, one for each, which is locked while the participant is running. A file without
+//! a lock belongs to a participant that ended without being disposed.
 //!
-//! Clients keep for a dead participant what they sent it, until its lease is over (50 s), and rmw_cyclonedds gives it to the
-//! readers of the next one. So the next one says the good-bye that is missing.
+//! Clients keep the samples that they sent to a dead participant until its lease expires (50 s), and rmw_cyclonedds gives them to the
+//! readers of the next participant. So the next participant disposes the dead one.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read, Write};
@@ -11,20 +12,20 @@ use std::path::{Path, PathBuf};
 use super::guid::Prefix;
 use super::protocol::Departed;
 
-/// Files of the dead that are read; a folder with more was filled by something else.
+/// Maximum number of files that are read. If the folder has more, another program has filled it.
 const MOST: usize = 64;
-/// Longest file.
+/// Maximum length of a file in bytes.
 const LONGEST: u64 = 4096;
 
-/// The file of a participant that lives.
+/// File of a running participant.
 pub(super) struct Entry {
     path: PathBuf,
-    /// Keeps the lock.
+    /// Holds the lock.
     _file: File,
 }
 
 impl Entry {
-    /// Writes down who lives now.
+    /// Writes and locks the file of a participant that is running now.
     pub(super) fn write(folder: &Path, who: &Departed) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let path = folder.join(who.prefix.to_string());
@@ -34,14 +35,14 @@ impl Entry {
         Ok(Self { path, _file: file })
     }
 
-    /// It has said good-bye itself.
+    /// Removes the file, after the participant was disposed.
     pub(super) fn remove(self) {
-        // Found by the next node, it costs a good-bye too many.
+        // If this fails, the next node disposes the participant once more, which does no harm.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// Participants whose file nobody locks, with their files.
+/// Returns the participants whose files are not locked, with these files.
 pub(super) fn dead(folder: &Path) -> Vec<(Departed, PathBuf)> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).take(MOST).collect();
@@ -54,7 +55,7 @@ fn read(path: &Path) -> Option<Departed> {
         return None;
     }
     let file = File::open(path).ok()?;
-    // Another program's, which lives.
+    // Fails for a participant of another program that is running.
     file.try_lock().ok()?;
     let mut text = String::new();
     file.take(LONGEST).read_to_string(&mut text).ok()?;

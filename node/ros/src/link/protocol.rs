@@ -1,4 +1,4 @@
-//! What program and ROS side say to each other.
+//! Messages between the program and its ROS side.
 
 use std::net::Ipv4Addr;
 
@@ -9,43 +9,43 @@ use serde::{Deserialize, Serialize};
 use super::guid::{Guid, Prefix};
 use super::qos::Qos;
 
-/// Names a reader or writer, for the program's life: each side gives it another [`Guid`].
+/// Number of a reader or writer, valid until the program ends. Each side gives it another [`Guid`].
 pub(crate) type Endpoint = u32;
 
-/// What the program wants of its ROS side.
+/// Order of the program to its ROS side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Order {
-    /// To become a member of the DDS domain; the first order.
+    /// Join the DDS domain; always the first order.
     Join(Join),
     Open(Endpoint, Spec),
     Close(Endpoint),
-    /// To all readers of a writer.
+    /// Write a sample to all readers of a writer.
     Write(Endpoint, Bytes),
-    /// To the one reader that waits for it.
+    /// Write a reply to the one reader that waits for it.
     Reply(Endpoint, Reply),
-    /// So many more samples of a reader are taken.
+    /// Forward this number of additional samples of a reader.
     More(Endpoint, u32),
-    /// To prove that all of it works.
+    /// Check that all parts of the side work.
     Probe(u64),
     /// The side with this participant will replace this one.
     Successor(Prefix),
 }
 
-/// The participant to be.
+/// Settings of the participant that the side creates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Join {
     pub(crate) domain: u16,
-    /// On the networks of these addresses; `None`: on all of the host.
+    /// Addresses of the networks to use; `None`: all networks of the host.
     pub(crate) networks: Option<Vec<Ipv4Addr>>,
     pub(crate) namespace: String,
     pub(crate) name: String,
-    /// Participants of ours that ended without a good-bye.
+    /// Earlier participants of this program that ended without being disposed.
     pub(crate) dead: Vec<Departed>,
     /// The participant that this side will replace, during a handover.
     pub(crate) predecessor: Option<Prefix>,
 }
 
-/// A participant that is no more.
+/// A participant that has ended, or that leaves.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Departed {
     pub(crate) prefix: Prefix,
@@ -53,11 +53,11 @@ pub(crate) struct Departed {
     pub(crate) networks: Option<Vec<Ipv4Addr>>,
 }
 
-/// An endpoint to be.
+/// Settings of an endpoint that the side creates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spec {
     pub(crate) kind: Kind,
-    /// In DDS.
+    /// Topic name in DDS.
     pub(crate) topic: String,
     pub(crate) type_name: String,
     pub(crate) qos: Qos,
@@ -66,7 +66,7 @@ pub(crate) struct Spec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     Writer,
-    /// With the number of samples that are taken without another [`Order::More`].
+    /// Reader, with the number of samples that it may forward without another [`Order::More`].
     Reader(u32),
 }
 
@@ -75,66 +75,66 @@ pub(crate) enum Kind {
 pub(crate) struct Reply {
     pub(crate) token: u64,
     pub(crate) place: Place,
-    /// For clients that know their reply by it (`related_sample_identity`).
+    /// Request that this replies to, for clients that identify their replies by it (`related_sample_identity`).
     pub(crate) answers: Option<SampleId>,
-    /// For how long to look for the client's reader (ms).
+    /// Maximum time to wait for the client's reader, in milliseconds.
     pub(crate) patience_ms: u32,
     pub(crate) bytes: Bytes,
 }
 
-/// Where a client reads its replies.
+/// Reader on which a client receives its replies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Place {
-    /// With this reader.
+    /// This reader.
     Reader(Guid),
-    /// On the participant of this writer, which is the client's.
+    /// A reader of the same participant as this writer of the client.
     SameParticipant(Guid),
 }
 
-/// What a ROS side says.
+/// Report of a ROS side to the program.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Report {
-    /// It is a member of the domain.
+    /// The side has joined the domain.
     Joined(Prefix),
-    /// It cannot be one, or cannot open an endpoint.
+    /// The side cannot join, or cannot open an endpoint.
     Failed(String),
-    /// So many readers are matched with a writer.
+    /// Number of readers that are matched with a writer.
     Matched(Endpoint, u32),
-    /// A reader has read something.
+    /// A reader has received a sample, or one that it could not read.
     Taken(Endpoint, Result<Sample, String>),
-    /// What became of a reply.
+    /// Result of a reply.
     Replied(u64, Result<(), ReplyFailure>),
-    /// All of it works: the answer to a probe.
+    /// Answer to a probe: all parts of the side work.
     Alive(u64),
-    /// What of it does not work: the other answer to a probe.
+    /// Answer to a probe: this part of the side does not work.
     Stuck(String),
-    /// A line of its log.
+    /// A log line of the side.
     Line(Line),
 }
 
-/// A sample's name: who wrote it, and the how manyth of that writer it was.
+/// Identity of a sample: its writer and its sequence number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) struct SampleId {
     pub(crate) writer: Guid,
     pub(crate) number: i64,
 }
 
-/// The `related_sample_identity` that came with a sample.
+/// The `related_sample_identity` of a received sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Related {
     pub(crate) guid: Guid,
-    /// `None`: unknown to the writer.
+    /// Sequence number; `None` if the writer does not know it.
     pub(crate) number: Option<i64>,
 }
 
-/// A sample as it came.
+/// A received sample.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sample {
     pub(crate) id: SampleId,
     pub(crate) related: Option<Related>,
-    /// Written before the reader was there, for one of another life of the node.
+    /// Whether it was written before the reader existed, for an earlier run of the node.
     pub(crate) is_stale: bool,
-    /// When it came, by the monotonic clock of the host (ns), which both processes have.
+    /// Reception time in nanoseconds, by the monotonic clock of the host, which both processes share.
     pub(crate) came_ns: u64,
     pub(crate) is_big_endian: bool,
     pub(crate) bytes: Bytes,
@@ -146,22 +146,22 @@ impl Sample {
     }
 }
 
-/// Why a reply did not go out.
+/// Reason why a reply was not sent.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum ReplyFailure {
-    /// The client has no reader for it, or none any more.
+    /// The client has no reader for the reply, or its reader has ended.
     NoReader,
-    /// Readers hold up too many.
+    /// Too many samples wait for the acknowledgements of readers.
     Full,
     /// The DDS library failed.
     Broken(String),
 }
 
-/// A line of a side's log.
+/// A log line of a side.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Line {
     pub(crate) severity: u8,
-    /// Its place in the source, which is its kind.
+    /// File and line in the source code. Lines with the same place are of the same kind.
     pub(crate) place: (String, u32),
     pub(crate) text: String,
 }
@@ -173,9 +173,9 @@ impl Line {
     pub(crate) const DEBUG: u8 = 4;
 }
 
-/// The monotonic clock of the host (ns): the same in all processes.
+/// Returns the time of the monotonic clock of the host in nanoseconds; it is the same in all processes.
 pub(crate) fn monotonic_ns() -> u64 {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-    // Neither is ever negative.
+    // Neither of the two is ever negative.
     now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
 }

@@ -1,4 +1,4 @@
-//! Qualities of service, in the words of ROS 2.
+//! Quality of service (QoS) profiles, with the terms of ROS 2.
 
 use std::time::Duration;
 
@@ -9,40 +9,40 @@ use serde::{Deserialize, Serialize};
 pub struct Qos {
     /// Whether lost samples are sent again (`reliable` in ROS 2, else `best_effort`).
     pub reliable: bool,
-    /// Samples that are kept for a reader; at least 1.
+    /// Number of samples that are kept for a reader; at least 1.
     pub depth: u16,
-    /// Whether readers that come later get the kept samples (`transient_local` in ROS 2, else `volatile`).
+    /// Whether readers that join later get the kept samples (`transient_local` in ROS 2, else `volatile`).
     pub latched: bool,
     /// Age after which readers drop a sample; `None`: never.
     pub lifespan: Option<Duration>,
-    /// Unacknowledged samples that a writer holds before it refuses more; a reader holds `depth`.
+    /// Maximum number of unacknowledged samples of a writer; it refuses more. A reader holds `depth` samples.
     pub window: i32,
 }
 
 impl Qos {
-    /// State that is published again and again.
+    /// State that is published periodically.
     pub const STREAM: Self = Self::volatile(10);
-    /// Events, which must not get lost in a burst.
+    /// Events, which must not be lost in a burst.
     pub const EVENTS: Self = Self::volatile(1000);
     /// Requests and replies.
     pub const SERVICE: Self = Self::volatile(10);
     /// Requests and replies of the parameter services, and parameter events.
     pub const PARAMETERS: Self = Self::volatile(1000);
-    /// The one value that counts, also for who comes later.
+    /// One current value, also for readers that join later.
     pub const STATUS: Self = Self { latched: true, ..Self::volatile(1) };
-    /// The last ones of something rare, also for who comes later.
+    /// Latest values of a topic that is published rarely, also for readers that join later.
     pub const HISTORY: Self = Self { latched: true, ..Self::volatile(32) };
     /// Log lines.
     pub const ROSOUT: Self =
         Self { latched: true, lifespan: Some(Duration::from_secs(10)), window: 1000, ..Self::volatile(1000) };
 
-    /// The time of a simulation: only the newest counts, and it comes often.
+    /// Simulation time: only the newest sample matters, and it is published often.
     pub const CLOCK: Self = Self { reliable: false, ..Self::volatile(1) };
 
     const fn volatile(depth: u16) -> Self {
-        // With a finite window every reader that comes later would close it until its first acknowledgement: the DDS
-        // layer counts all samples of the writer's life as unacknowledged by it. What a frozen reader holds up ends
-        // with its lease, 10 to 20 s.
+        // With a finite window, every reader that joins later would block the writer until its first acknowledgement:
+        // the DDS layer counts all samples ever written as unacknowledged by that reader. A frozen reader holds samples
+        // until its lease expires, after 10 to 20 s.
         Self { reliable: true, depth, latched: false, lifespan: None, window: i32::MAX }
     }
 }

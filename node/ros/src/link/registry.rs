@@ -15,20 +15,22 @@ use tokio::sync::{oneshot, watch};
 
 use super::protocol::{Endpoint, Join, Kind, Order, Place, Reply, ReplyFailure, Report, Sample, SampleId, Spec};
 
-/// Samples of a reader that wait in this process; others wait in the DDS library, which drops the oldest beyond the reader's depth.
+/// Maximum number of samples of a reader that wait in this process. Others wait in the DDS library, which drops the oldest ones that
+/// exceed the reader's depth.
 const CREDIT: u32 = 32;
-/// Bytes that may wait for a side that does not keep up; what is published beyond them is dropped.
+/// Maximum number of bytes that wait for a side that does not keep up. Samples that exceed it are dropped.
 const QUEUED: usize = 64 << 20;
-/// For how long the reader of a reply is looked for; and after a new start of the side, when it has to be found first.
+/// Maximum time to wait for the reader of a reply. The second value applies after a restart of the side, which has to discover the
+/// reader first.
 const PATIENCE: Duration = Duration::from_secs(1);
 const PATIENCE_ANEW: Duration = Duration::from_secs(10);
 
-/// Nothing is written any more.
+/// Reason why a sample was not written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unwritten {
     /// The side does not keep up.
     Full,
-    /// The node is gone.
+    /// The node has ended.
     Closed,
 }
 
@@ -51,7 +53,7 @@ struct State {
     previous: Option<SideLink>,
     /// During a handover: samples that were forwarded.
     forwarded: Option<HashSet<(Endpoint, SampleId)>>,
-    /// Sides so far: replies to what an earlier one has taken have to find their readers anew.
+    /// Number of sides so far. A new side has to discover the readers of replies to requests that an earlier side has received.
     sides: u32,
     is_closed: bool,
 }
@@ -61,7 +63,7 @@ struct SideLink {
     /// Number of the side, from 1.
     number: u32,
     orders: Sender<Order>,
-    /// Bytes of orders that the side has not read.
+    /// Number of bytes of orders that the side did not read yet.
     queued: Arc<AtomicUsize>,
 }
 
@@ -97,7 +99,7 @@ impl Orders {
     }
 }
 
-/// A reply under way: of which writer, and who waits for what becomes of it.
+/// A reply that was not sent yet: its writer, and the channel for its result.
 struct UnderWay {
     /// Number of the side that has the order; 0: none.
     side: u32,
@@ -114,18 +116,18 @@ struct Known {
 enum More {
     Writer {
         readers: watch::Sender<u32>,
-        /// What is latched, the newest last.
+        /// Latched values, the newest last.
         kept: VecDeque<Bytes>,
     },
     Reader {
         samples: UnboundedSender<Result<Sample, String>>,
-        /// In this process, not taken yet.
+        /// Number of samples in this process that were not read yet.
         waiting: Arc<AtomicU32>,
     },
 }
 
 impl Registry {
-    /// A panic elsewhere leaves the state whole: each change is one step.
+    /// Locks the state. It is consistent even after a panic elsewhere, because each change is one step.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -199,7 +201,7 @@ impl Registry {
         let (answer, answered) = oneshot::channel();
         let mut state = self.state();
         if state.is_closed || state.queued() > QUEUED {
-            // Who asked may have gone.
+            // Fails if the caller has dropped the receiver.
             let _ = answer.send(Err(if state.is_closed { ReplyFailure::NoReader } else { ReplyFailure::Full }));
             return answered;
         }
@@ -273,7 +275,7 @@ impl Registry {
         (state.next, state.forwarded) = (None, None);
     }
 
-    /// Ends the present side.
+    /// Ends all sides.
     pub(super) fn end(&self) {
         let mut state = self.state();
         (state.side, state.next, state.previous, state.forwarded) = (None, None, None, None);
@@ -284,7 +286,7 @@ impl Registry {
         }
     }
 
-    /// There will be no side any more.
+    /// Closes the registry; no other side follows.
     pub(super) fn close_all(&self) {
         let mut state = self.state();
         (state.side, state.next, state.previous) = (None, None, None);
@@ -292,7 +294,7 @@ impl Registry {
         state.replies.clear();
     }
 
-    /// Lets the sides send so many more samples of a reader.
+    /// Lets the sides send `count` more samples of a reader.
     fn more(&self, endpoint: Endpoint, count: u32) {
         self.state().send_to_all(&Order::More(endpoint, count));
     }
@@ -307,7 +309,7 @@ impl Registry {
         self.state().sides
     }
 
-    /// Brings what a side says to whom it concerns.
+    /// Forwards a report of a side to its receiver.
     pub(super) fn heard(&self, number: u32, report: Report) {
         let mut state = self.state();
         match report {
@@ -315,7 +317,7 @@ impl Registry {
             Report::Taken(endpoint, sample) => state.on_sample(number, endpoint, sample),
             Report::Replied(token, outcome) => {
                 if let Some(UnderWay { answer, .. }) = state.replies.remove(&token) {
-                    // Who answers in passing does not wait.
+                    // Fails if the caller does not wait for the result.
                     let _ = answer.send(outcome);
                 }
             }
@@ -325,7 +327,7 @@ impl Registry {
 }
 
 impl State {
-    /// Sends an order to the side in charge. Without one nothing is lost: the registry initializes the next side.
+    /// Sends an order to the side in charge. Nothing is lost if there is no side: the registry initializes the next one.
     fn send(&self, order: Order) {
         if let Some(side) = &self.side {
             side.send(order);
@@ -340,7 +342,7 @@ impl State {
         }
     }
 
-    /// Bytes of orders that the side in charge has not read.
+    /// Returns the number of bytes of orders that the side in charge did not read yet.
     fn queued(&self) -> usize {
         self.side.as_ref().map_or(0, |side| side.queued.load(Ordering::Relaxed))
     }
@@ -376,7 +378,7 @@ impl State {
         (side, Orders { number: self.sides, queue, queued })
     }
 
-    /// Gives the side in charge the replies of other sides.
+    /// Gives the open replies of other sides to the side in charge.
     fn resume_replies(&mut self) {
         let Some(side) = &self.side else { return };
         for under_way in self.replies.values_mut().filter(|under_way| under_way.side != side.number) {
@@ -402,21 +404,21 @@ impl State {
         let is_newest = number == self.sides;
         if let Some(forwarded) = &mut self.forwarded {
             match &sample {
-                // Both sides spend their credit on the same samples, and both get it back when the sample is read.
+                // Both sides use credit for the same sample, and both get it back when the sample is read.
                 Ok(Sample { id, is_stale, .. }) if !(is_newest && *is_stale) => {
                     let is_first = forwarded.insert((endpoint, *id));
                     if !is_first {
                         return;
                     }
                 }
-                // The older side forwards samples from before the newest one, and those that cannot be read.
+                // The older side forwards the samples that are stale for the newest side, and those that cannot be read.
                 _ if is_newest => return self.send_to_side(number, Order::More(endpoint, 1)),
                 _ => {}
             }
         }
         if let Some(Known { more: More::Reader { samples, waiting }, .. }) = self.endpoints.get(&endpoint) {
             waiting.fetch_add(1, Ordering::Relaxed);
-            // Its reader is just being dropped.
+            // Fails if the reader is being dropped.
             let _ = samples.send(sample);
         }
     }
@@ -439,7 +441,7 @@ fn milliseconds(time: Duration) -> u32 {
     u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
 }
 
-/// Writes samples of one topic; dropping it takes it from the node.
+/// Writes samples of one topic. Dropping it removes the writer from the node.
 pub(crate) struct Writer {
     endpoint: Endpoint,
     registry: Arc<Registry>,
@@ -452,8 +454,8 @@ impl Writer {
         self.registry.write(self.endpoint, bytes.into())
     }
 
-    /// Writes to the one reader that waits for it, as soon as it is matched: at most 1 s later, where the ROS side began anew
-    /// 10 s. The order goes out at once, also where nobody awaits what becomes of it.
+    /// Writes to the one reader that waits for the reply, as soon as it is matched. It waits at most 1 s for the match, or 10 s after
+    /// a restart of the ROS side. The order is sent at once, even if the returned future is not awaited.
     pub(crate) fn reply(
         &self,
         place: Place,
@@ -464,7 +466,7 @@ impl Writer {
         async { answered.await.unwrap_or(Err(ReplyFailure::NoReader)) }
     }
 
-    /// Readers that are matched now.
+    /// Number of readers that are matched now.
     pub(crate) fn matched(&self) -> usize {
         *self.matched.borrow() as usize
     }
@@ -476,18 +478,18 @@ impl Drop for Writer {
     }
 }
 
-/// Reads samples of one topic; dropping it takes it from the node.
+/// Reads samples of one topic. Dropping it removes the reader from the node.
 pub(crate) struct Reader {
     endpoint: Endpoint,
     registry: Arc<Registry>,
     samples: UnboundedReceiver<Result<Sample, String>>,
     waiting: Arc<AtomicU32>,
-    /// Taken, and not told to the side yet.
+    /// Number of samples that were read, but not reported to the side yet.
     owed: u32,
 }
 
 impl Reader {
-    /// The next sample, or why it could not be read. Nothing is lost when the future is dropped.
+    /// Returns the next sample, or the reason why it could not be read. No sample is lost if the future is dropped.
     pub(crate) async fn next(&mut self) -> Result<Sample, String> {
         let Some(sample) = self.samples.recv().await else { return std::future::pending().await };
         self.waiting.fetch_sub(1, Ordering::Relaxed);

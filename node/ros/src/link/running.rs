@@ -16,17 +16,17 @@ use super::registry::{Orders, Registry};
 use super::start::{Side, Started};
 use crate::line_limit::LineLimit;
 
-/// Between two probes.
+/// Period of the probes.
 pub(super) const PROBES: Duration = Duration::from_millis(100);
 /// Maximum time without an answer.
 const SILENCE: Duration = Duration::from_millis(700);
-/// Maximum time from the start of a side to its first answer; it disposes earlier participants first.
+/// Maximum time from the start of a side to its first answer. This includes the disposal of earlier participants.
 const START: Duration = Duration::from_secs(5);
 /// Maximum time that a side takes to leave, and maximum wait for the exit status of a side that has failed.
 const LEAVE: Duration = Duration::from_secs(2);
 const EXIT_STATUS: Duration = Duration::from_millis(20);
 
-/// Limit of the log lines of all sides: a side that restarts again and again logs the same lines.
+/// Limit of the log lines of all sides: a side that restarts repeatedly logs the same lines.
 pub(super) type SideLines = LineLimit<(String, u32)>;
 
 /// A side and its state.
@@ -54,7 +54,7 @@ struct Probe {
     good: Instant,
     /// Time of the last call of `watch`.
     tick: Instant,
-    /// The part that does not work.
+    /// Part of the side that does not work.
     stuck: Option<String>,
 }
 
@@ -121,7 +121,7 @@ impl Running {
             }
         }
         let probe = &mut self.probe;
-        // After a pause of this process itself the time of the side starts again.
+        // If this process itself has paused, the timeout of the side starts again.
         if probe.tick.elapsed() > SILENCE / 3 {
             probe.good = Instant::now();
         }
@@ -170,7 +170,7 @@ impl Running {
         let died = self.started.end(if has_failed { EXIT_STATUS } else { LEAVE });
         let _ = self.stream.shutdown(Shutdown::Both);
         for thread in self.threads {
-            // One that panicked has ended, too.
+            // A thread that panicked has ended, too.
             let _ = thread.join();
         }
         if has_failed {
@@ -197,7 +197,7 @@ fn write_orders(mut stream: UnixStream, orders: &Orders) {
             return;
         }
     }
-    // Without orders the side ends.
+    // The side ends at the end of its orders.
     let _ = stream.shutdown(Shutdown::Write);
 }
 

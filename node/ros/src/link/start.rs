@@ -1,4 +1,4 @@
-//! Starting a ROS side.
+//! Starts a ROS side, and waits for its end.
 
 use std::io;
 use std::os::fd::OwnedFd;
@@ -9,13 +9,13 @@ use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What a ROS side runs in.
+/// Thread or process in which a ROS side runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Side {
-    /// A thread of this process: for tests. What harms it harms the process.
+    /// A thread of this process, for tests. A fault of the side is a fault of the process.
     #[default]
     Thread,
-    /// A process of this program, which understands the command `ros-side`.
+    /// A process of this program, which has the command `ros-side`.
     Process(PathBuf),
 }
 
@@ -26,15 +26,15 @@ pub(super) enum Started {
 }
 
 impl Side {
-    /// The command of the program that makes it a ROS side: its standard input is the other end of the link.
+    /// Command that runs the program as a ROS side. Its standard input is the other end of the link.
     pub const COMMAND: &str = "ros-side";
 
-    /// A process of this very program, also where its file was replaced meanwhile.
+    /// Returns a process of this same program, even if its file was replaced meanwhile.
     pub fn of_this_program() -> Self {
         Self::Process(PathBuf::from("/proc/self/exe"))
     }
 
-    /// Starts a side; the program's end of the link.
+    /// Starts a side. Returns the program's end of the link, and the side.
     pub(super) fn start(&self) -> io::Result<(UnixStream, Started)> {
         let (ours, theirs) = UnixStream::pair()?;
         let started = match self {
@@ -44,15 +44,15 @@ impl Side {
             }
             Self::Process(program) => {
                 let mut command = Command::new(program);
-                // What it dies of is a line, not a page.
+                // A panic is reported in one line, without a backtrace.
                 command.env("RUST_BACKTRACE", "0");
                 command
                     .arg0("lineshaft")
                     .arg(Self::COMMAND)
                     .stdin(Stdio::from(OwnedFd::from(theirs)))
                     .stdout(Stdio::null());
-                // Ctrl-Z and Ctrl-C of a terminal are meant for the program: frozen even for a moment, the DDS library
-                // would never work again, and before its good-bye the program has to stop the axes.
+                // Ctrl-Z and Ctrl-C of a terminal are only for the program. The DDS library never works again after it was
+                // suspended, even for a moment. The program has to stop the axes before the side leaves the domain.
                 command.process_group(0);
                 Started::Process(command.spawn()?)
             }
@@ -62,7 +62,7 @@ impl Side {
 }
 
 impl Started {
-    /// Resident memory of its process (bytes), where the system tells.
+    /// Returns the resident memory of its process in bytes, if the system reports it.
     pub(super) fn memory(&self) -> Option<u64> {
         let statm = match self {
             Self::Thread(_) => "/proc/self/statm".to_owned(),
@@ -72,10 +72,11 @@ impl Started {
         pages.checked_mul(rustix::param::page_size() as u64)
     }
 
-    /// Waits for the side, whose link has ended; one that is late is killed. What it died of, where that can be told.
+    /// Waits for the end of the side, whose link has ended, and kills the process after `patience`. Returns the cause if it
+    /// ended with an error and the cause is known.
     pub(super) fn end(self, patience: Duration) -> Option<String> {
         let mut child = match self {
-            // One that hangs in the library is left: nothing ends a thread.
+            // A thread that hangs in the library is left running, because a thread cannot be killed.
             Self::Thread(thread) => {
                 wait(patience, || thread.is_finished());
                 return thread.is_finished().then(|| thread.join().err().map(|_| "it panicked".to_owned())).flatten();
@@ -88,13 +89,13 @@ impl Started {
                 Err(error) => Some(error.to_string()),
             };
         }
-        // One that has just ended cannot be killed; one that was killed ends at once.
+        // Fails if the process has just ended. A process that was killed ends at once.
         let _ = child.kill();
         child.wait().err().map(|error| error.to_string())
     }
 }
 
-/// Waits until something is done, or too late.
+/// Waits until `is_done` returns true; returns false after `patience`.
 fn wait(patience: Duration, mut is_done: impl FnMut() -> bool) -> bool {
     let until = Instant::now() + patience;
     while !is_done() {

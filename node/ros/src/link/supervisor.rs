@@ -23,13 +23,13 @@ use super::registry::{Orders, Reader, Registry, Writer};
 use super::running::{PROBES, Running, SideEvent, SideLines};
 use super::start::Side;
 
-/// Sides in a row that never answered, after which there is none any more.
+/// Number of sides in a row that never answered a probe, after which no other side is started.
 const TRIES: u32 = 5;
-/// A side that lived so long was good: the next one starts at once. Before the others, a pause that doubles.
+/// If a side ran for at least this time, the next one starts at once. Otherwise it starts after a pause that doubles each time.
 const GOOD: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_millis(800);
-/// Memory limit of a side in bytes (the DDS library keeps some of each client for ever), and the period of its check.
+/// Memory limit of a side in bytes, and the period of its check. The DDS library never releases some of the memory of each client.
 const MEMORY: u64 = 128 << 20;
 const CHECK: Duration = Duration::from_secs(10);
 /// Minimum and maximum time for which two sides run, until the next one has matched all readers.
@@ -38,7 +38,7 @@ const MAX_OVERLAP: Duration = Duration::from_secs(10);
 /// Maximum time that the previous side has for its open replies.
 const MAX_REPLYING: Duration = Duration::from_secs(1);
 
-/// Why there is no ROS side.
+/// Reason why no ROS side is running.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct LinkError(pub(crate) String);
@@ -46,22 +46,22 @@ pub struct LinkError(pub(crate) String);
 /// The ROS side was lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// What is known of it, as a part of a sentence: "the ROS side ..".
+    /// Reason of the loss, as part of a sentence: "the ROS side ..".
     pub reason: String,
-    /// No other one is started.
+    /// Whether no other side is started.
     pub is_final: bool,
 }
 
-/// What a link needs.
+/// Settings of a link.
 pub(crate) struct Settings {
     pub(crate) side: Side,
     pub(crate) domain: u16,
     pub(crate) networks: Option<Vec<Ipv4Addr>>,
     pub(crate) namespace: String,
     pub(crate) name: String,
-    /// Where it is written down who lives; nothing: nowhere.
+    /// Folder with a file for each running participant; `None`: no such files are written.
     pub(crate) participants: Option<PathBuf>,
-    /// Told of each loss, on the supervisor's thread, before another side starts.
+    /// Called at each loss, on the supervisor's thread, before another side starts.
     pub(crate) on_loss: Arc<dyn Fn(&Loss) + Send + Sync>,
     pub(crate) growth: Growth,
 }
@@ -80,7 +80,7 @@ impl Default for Growth {
     }
 }
 
-/// The connection to the ROS side. Dropping it has the side say good-bye, and waits for that.
+/// Connection to the ROS side. When it is dropped, the side leaves the domain, and the drop waits for that.
 pub(crate) struct Link {
     registry: Arc<Registry>,
     is_closed: Arc<AtomicBool>,
@@ -88,7 +88,7 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    /// Starts a side and waits until it is in the domain.
+    /// Starts a side and waits until it has joined the domain.
     pub(crate) fn start(settings: Settings) -> Result<Self, LinkError> {
         let registry = Arc::new(Registry::default());
         let is_closed = Arc::new(AtomicBool::new(false));
@@ -119,18 +119,18 @@ impl Link {
 
 impl Drop for Link {
     fn drop(&mut self) {
-        // First, so that the end of the side is none that it has by itself.
+        // First, so that the end of the side is not treated as a failure.
         self.is_closed.store(true, Ordering::Release);
         self.registry.close_all();
         if let Some(supervisor) = self.supervisor.take() {
             supervisor.thread().unpark();
-            // One that has panicked has nobody to tell.
+            // If the supervisor has panicked, there is nothing to report to.
             let _ = supervisor.join();
         }
     }
 }
 
-/// Opens readers and writers, and does not keep the link.
+/// Opens readers and writers, and does not keep the link alive.
 #[derive(Clone)]
 pub(crate) struct Opener(Arc<Registry>);
 
@@ -148,9 +148,9 @@ struct Supervisor {
     settings: Settings,
     registry: Arc<Registry>,
     is_closed: Arc<AtomicBool>,
-    /// Who waits for the first side.
+    /// Reports the result of the first start to [`Link::start`].
     first: Option<SyncSender<Result<(), String>>>,
-    /// Participants of earlier sides that ended without a good-bye.
+    /// Participants of earlier sides that ended without being disposed.
     dead: Vec<Departed>,
     lines: Arc<SideLines>,
     /// Thread that waits for the end of the previous side.
@@ -159,7 +159,7 @@ struct Supervisor {
 
 /// How a side ended.
 enum End {
-    /// It was to.
+    /// The link was closed.
     Closed,
     Lost {
         reason: String,
@@ -180,7 +180,7 @@ impl Supervisor {
             self.registry.end();
             failures = if has_answered { 0 } else { failures + 1 };
             if let Some(first) = self.first.take() {
-                // Whoever has asked waits for it.
+                // `Link::start` waits for this.
                 let _ = first.send(Err(reason));
                 break;
             }
@@ -197,7 +197,7 @@ impl Supervisor {
         self.registry.close_all();
     }
 
-    /// Runs a side, and those to which it hands over, until one of them ends.
+    /// Runs a side, and the sides to which it hands over, until one of them ends.
     fn live(&mut self) -> io::Result<End> {
         let left = self.settings.participants.as_deref().map(participants::dead).unwrap_or_default();
         let dead = left.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect();
@@ -267,7 +267,7 @@ impl Supervisor {
     /// Waits for the end of the previous side.
     fn wait_for_previous(&mut self) {
         if let Some(leaving) = self.leaving.take() {
-            // One that panicked has ended, too.
+            // A thread that panicked has ended, too.
             let _ = leaving.join();
         }
     }
@@ -295,7 +295,7 @@ impl Supervisor {
         tracing::info!("the new ROS side is in charge, {} ms after its start", next.age().as_millis());
         let previous = std::mem::replace(side, next);
         let registry = Arc::clone(&self.registry);
-        // In a thread, since the new side is watched meanwhile.
+        // In a thread, because this thread watches the new side meanwhile.
         let leave = move || {
             let until = Instant::now() + MAX_REPLYING;
             while registry.previous_has_replies() && Instant::now() < until {
@@ -314,7 +314,7 @@ impl Supervisor {
         None
     }
 
-    /// A side is in the domain.
+    /// Handles that a side has joined the domain.
     fn joined(&mut self, prefix: Prefix, side: &mut Running, left: &[(Departed, PathBuf)]) {
         let who = Departed { prefix, domain: self.settings.domain, networks: self.settings.networks.clone() };
         if let Some(folder) = &self.settings.participants {
@@ -327,13 +327,13 @@ impl Supervisor {
             }
         }
         for (_, path) in left {
-            // Another node may have been faster.
+            // Another node may have removed the file already.
             let _ = std::fs::remove_file(path);
         }
         self.dead.clear();
         side.joined = Some(who);
         if let Some(first) = self.first.take() {
-            // Whoever has asked waits for it.
+            // `Link::start` waits for this.
             let _ = first.send(Ok(()));
         }
     }
@@ -350,7 +350,7 @@ mod tests {
         let told = Arc::clone(&losses);
         let on_loss = Arc::new(move |loss: &Loss| told.lock().unwrap().push(loss.clone()));
         let (namespace, name) = ("/".to_owned(), "supervised".to_owned());
-        // A domain of its own: no side of these tests ever joins it.
+        // A separate domain: no side of these tests ever joins it.
         let networks = Some(vec![Ipv4Addr::LOCALHOST]);
         let growth = Growth::default();
         let settings = Settings { side, domain: 232, networks, namespace, name, participants: None, on_loss, growth };
@@ -382,7 +382,7 @@ mod tests {
         assert_eq!(*losses.lock().unwrap(), []);
     }
 
-    /// A node whose sides hand over again and again, and another node that exchanges numbers with it.
+    /// A node whose sides hand over repeatedly, and another node that exchanges numbers with it.
     #[tokio::test]
     async fn a_side_that_hands_over_loses_nothing() {
         const TYPE: &str = "std_msgs::msg::dds_::UInt32_";
@@ -413,7 +413,7 @@ mod tests {
         };
         let checks = [tokio::spawn(check("to", heard)), tokio::spawn(check("from", seen))];
         let (begun, mut number) = (grows.registry.sides(), 0_u32);
-        // Three have ended, and their places are taken.
+        // Until three sides have ended and were replaced.
         while grows.registry.sides() < begun + 4 {
             to.write(number.to_le_bytes().to_vec()).unwrap();
             from.write(number.to_le_bytes().to_vec()).unwrap();

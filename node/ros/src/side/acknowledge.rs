@@ -1,8 +1,8 @@
-//! ACKNACKs to our own library in the name of a remote reader.
+//! Sends ACKNACKs to our own DDS library in the name of a remote reader.
 //!
-//! The DDS library (0.15.1) keeps a sample of a reliable writer until each reader has acknowledged it. Best-effort readers never do: with
-//! one of them and a reliable one next to it, all samples would be kept. Nor does it ask whether a sample was written to one reader
-//! before it sends it to a later one, as long as it fits a datagram.
+//! The DDS library (0.15.1) keeps a sample of a reliable writer until each reader has acknowledged it. Best-effort readers never
+//! acknowledge: if a writer has a best-effort and a reliable reader, the library would keep all samples. The library also sends a
+//! sample that was written to one single reader to readers that join later, if the sample fits into one datagram.
 
 use std::sync::Weak;
 use std::sync::atomic::{AtomicI32, Ordering};
@@ -14,13 +14,14 @@ use super::member::Shared;
 use super::rtps::{AckNack, Message, entity};
 use crate::link::guid::Guid;
 
-/// Between two acknowledgements of best-effort readers.
+/// Period of the acknowledgements for best-effort readers.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// Of two ACKNACKs in a row with one count the library ignores the second. Those of readers count upwards from 0.
+/// Count of the next ACKNACK. The library ignores an ACKNACK with the same count as the one before. Readers count upwards from 0, so
+/// this counts downwards.
 static COUNT: AtomicI32 = AtomicI32::new(-1);
 
-/// Has the library take for acknowledged by `reader` all samples of `writer` before this number, each of which must have been written.
+/// Acknowledges all samples of `writer` before this number in the name of `reader`. All of these samples must have been written.
 pub(super) fn acknowledge(shared: &Shared, reader: Guid, writer: Guid, before: i64) {
     let mut message = Message::from(reader.prefix());
     let count = COUNT.fetch_sub(1, Ordering::Relaxed);
@@ -29,7 +30,7 @@ pub(super) fn acknowledge(shared: &Shared, reader: Guid, writer: Guid, before: i
     shared.socket.send(&message.bytes(), shared.participant.data_address());
 }
 
-/// Acknowledges for all best-effort readers.
+/// Acknowledges all samples periodically, in the name of all best-effort readers.
 pub(super) async fn for_best_effort_readers(shared: Weak<Shared>) {
     loop {
         sleep(PERIOD).await;

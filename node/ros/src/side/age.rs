@@ -1,52 +1,52 @@
-//! Which samples were meant for another life of the node.
+//! Detects stale samples, which were meant for an earlier run of the node.
 //!
-//! The DDS library asks each writer for all that it still has, and Cyclone DDS still has what it sent to a reader that is dead and
-//! whose lease is not over: a node that starts again would do once more what the one before it was told.
-//! Likewise a program that was cut off, and asked for something meanwhile.
+//! The DDS library requests from each writer all samples that it still has. Cyclone DDS still has the samples that it sent to a dead
+//! reader until the lease of that reader expires. So a restarted node would execute the commands to the previous node once more.
+//! The same holds for a client that was disconnected, and sent a request meanwhile.
 //!
-//! Law      of a writer on this host, which has its clock: stale is what was written before the reader was there. Of another
-//!          host, whose clock may be any: within [`MOMENT`] of the match, and while a dead node's lease may last, stale is what
-//!          does not seem to be written just now. What is later than that moment cannot be old: the writer gives at once all
-//!          that it has
-//! Source   issue "an axis moves that nobody moved"; a good-bye for the dead (`dispose`) comes before all this
+//! Law      writer on this host, with the same clock: a sample is stale if it was written before the reader existed.
+//!          Writer on another host, whose clock may differ: a sample is stale if its timestamp is not recent. This check applies only
+//!          within [`MOMENT`] of the match, and while the lease of a dead node may last. A later sample cannot be old, because
+//!          the writer sends all its old samples at once
+//! Source   issue "an axis moves that nobody moved"; before this check, dead participants are disposed (`dispose`)
 
 use std::time::Duration;
 
-/// A writer gives all that it has within this time of its match.
+/// A writer sends all its old samples within this time after its match.
 const MOMENT: Duration = Duration::from_secs(1);
-/// A dead participant of the library is kept by others for its lease (50 s), and a little.
+/// Other participants keep a dead participant of the library for its lease (50 s); with a margin.
 const LEASE: Duration = Duration::from_secs(60);
-/// Two clocks of a network that is in order differ by less, with the way of a sample.
+/// Maximum difference of two clocks in a network without faults, including the transmission time of a sample.
 const APART: Duration = Duration::from_secs(2);
 
-/// What is known of a sample.
+/// Age data of a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
-    /// By its writer's clock, ticks of 2^-32 s; `None`: not told.
+    /// Source timestamp by the writer's clock, in ticks of 2^-32 s; `None` if it is missing.
     pub(super) written: Option<u64>,
-    /// Likewise, by this host's clock.
+    /// Time of this host's clock, in ticks of 2^-32 s.
     pub(super) now: u64,
-    /// Since the reader was made, or the writer's participant spoke again that was lost meanwhile.
+    /// Time since the reader was created, or since the writer's participant was heard again after a loss.
     pub(super) reader: Duration,
-    /// Since the writer was matched.
+    /// Time since the writer was matched.
     pub(super) matched: Duration,
-    /// The writer is on this host.
+    /// Whether the writer is on this host.
     pub(super) is_local: bool,
 }
 
-/// Was it meant for another life?
+/// Whether the sample was meant for an earlier run of the node.
 pub(super) fn is_stale(sample: Known) -> bool {
     let Known { written, now, reader, matched, is_local } = sample;
-    // Of one without a time nothing can be said; no RMW leaves it out.
+    // The age of a sample without a timestamp is unknown; every RMW sends the timestamp.
     let Some(written) = written else { return false };
     if is_local {
-        // A clock that was set back makes a sample seem younger than it is: not younger than now.
+        // After the clock was set back, a sample seems newer than it is. Its age is at least 0.
         return longer(now.saturating_sub(written), reader);
     }
     matched < MOMENT && reader < LEASE && longer(now.abs_diff(written), APART.min(reader))
 }
 
-/// Is an age in ticks above a time?
+/// Whether an age in ticks exceeds a time.
 fn longer(age: u64, time: Duration) -> bool {
     u128::from(age) * 1_000_000_000 > time.as_nanos() << 32
 }
@@ -88,11 +88,11 @@ mod tests {
         assert!(is_stale(far(115, 110)), "its clock is ahead, and nothing tells how old it is");
         assert!(!is_stale(far(108, 110)));
         assert!(!is_stale(far(110, 110)));
-        // The writer has given what it had.
+        // The writer has sent all its old samples.
         assert!(!is_stale(Known { matched: MOMENT, ..far(99, 110) }));
-        // No node from before is in anybody's memory.
+        // No participant remembers an earlier node any more.
         assert!(!is_stale(Known { reader: LEASE, ..far(9, 110) }));
-        // A reader of half a second: a second is before it.
+        // The reader is half a second old, and the sample one second.
         assert!(is_stale(Known { reader: Duration::from_millis(500), ..far(109, 110) }));
     }
 }

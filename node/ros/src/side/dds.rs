@@ -1,6 +1,6 @@
-//! The only file that knows the DDS library: participant, raw readers, raw writers, discovery.
+//! The only file that uses the DDS library: participant, raw readers, raw writers, discovery.
 //!
-//! Samples pass as bytes. Writing never blocks the caller; what does not fit is refused.
+//! Samples are passed as bytes. Writing never blocks the caller. Returns an error if the writer is full.
 
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
@@ -21,27 +21,32 @@ use rustdds::{
     StatusEvented, Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
 };
 
+use super::ports;
 use super::sedp::Endpoint;
+use super::spdp::own_port;
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Related, ReplyFailure, SampleId};
 use crate::link::qos::Qos;
 
-/// Log targets of the library that repeat themselves where nothing is wrong, and the level to keep of each.
+/// Log targets of the library that log the same lines repeatedly without a fault, and the level to keep for each.
 pub(crate) const NOISE: &[(&str, &str)] = &[
-    // On loopback without multicast: 30 lines a second about the participant itself.
+    // On loopback without multicast: 30 lines per second about the participant itself.
     ("rustdds::rtps::writer", "error"),
     ("rustdds::network", "error"),
-    // At exit: groups that were never joined. What keeps a participant from starting is returned, not only logged.
+    // At exit: groups that were never joined. An error that prevents the start of a participant is returned, not only logged.
     ("rustdds::network::udp_listener", "off"),
-    // Acknowledgements of a reader that has missed many samples, which the library cuts to what fits.
+    // Acknowledgements of a reader that has missed many samples; the library truncates them.
     ("rustdds::structure::sequence_number", "off"),
-    // A refused write, which its caller reports.
+    // A refused write; the caller reports it.
     ("rustdds::dds::with_key::datawriter", "error"),
     // Endpoints that outlive their participant.
     ("rustdds::dds::pubsub", "off"),
 ];
 
-/// The library refused to make something.
+/// Maximum number of attempts to join with a data port that no other program uses.
+const TRIES: u32 = 5;
+
+/// The library could not create an object.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("DDS cannot make {what}: {reason}")]
 pub(super) struct DdsError {
@@ -55,26 +60,26 @@ impl DdsError {
     }
 }
 
-/// A sample as the library hands it out.
+/// A sample as the library returns it.
 #[derive(Clone, Debug)]
 pub(super) struct Taken {
     pub(super) id: SampleId,
     pub(super) related: Option<Related>,
-    /// By the clock of its writer; ticks of 2^-32 s since 1970.
+    /// Source timestamp by the clock of its writer, in ticks of 2^-32 s since 1970.
     pub(super) written: Option<u64>,
     pub(super) is_big_endian: bool,
     pub(super) bytes: Bytes,
 }
 
-/// What discovery says about matches.
+/// Discovery event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Discovery {
-    /// A writer of ours and a reader.
+    /// One of our writers has matched a remote reader.
     Matched {
         writer: Guid,
         reader: Guid,
     },
-    /// A reader of ours and a writer.
+    /// One of our readers has matched a remote writer.
     Heard {
         writer: Guid,
         reader: Guid,
@@ -88,43 +93,59 @@ pub(super) enum Discovery {
     Found {
         participant: Prefix,
     },
-    /// It said good-bye, or was silent for longer than its lease.
+    /// A participant was disposed, or its lease has expired (`is_silent`).
     Gone {
         participant: Prefix,
         is_silent: bool,
     },
 }
 
-/// A member of the DDS domain. Dropping it says good-bye to all others.
+/// A participant of the DDS domain. When it is dropped, it leaves the domain.
 pub(super) struct Participant {
     publisher: rustdds::Publisher,
     subscriber: rustdds::Subscriber,
     listener: DomainParticipantStatusListener,
     participant: DomainParticipant,
-    /// Announcements of readers so far, and of their ends.
+    /// Number of announcements and disposals of readers so far.
     readers_told: AtomicI64,
-    /// The number of the newest sample of each writer.
+    /// Number of the newest sample of each writer.
     written: Mutex<Vec<(Guid, Weak<AtomicI64>)>>,
 }
 
 impl Participant {
-    /// Joins `domain` on the networks of these addresses; `None`: on all of the host.
+    /// Joins `domain` on the networks of these addresses; `None`: on all networks of the host.
     pub(super) fn new(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<Self, DdsError> {
-        let mut builder = DomainParticipantBuilder::new(domain);
-        if let Some(addresses) = networks {
-            builder = builder.with_only_networks(addresses.iter().copied().map(IpAddr::V4));
-        }
-        let fail = |reason| DdsError::new(format!("a participant in domain {domain}"), reason);
-        let participant = builder.build().map_err(fail)?;
+        let fail = |reason: String| DdsError::new(format!("a participant in domain {domain}"), reason);
+        let participant = Self::join(domain, networks).map_err(fail)?;
         let defaults = QosPolicyBuilder::new().build();
         Ok(Self {
-            publisher: participant.create_publisher(&defaults).map_err(fail)?,
-            subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
+            publisher: participant.create_publisher(&defaults).map_err(|error| fail(format!("{error:?}")))?,
+            subscriber: participant.create_subscriber(&defaults).map_err(|error| fail(format!("{error:?}")))?,
             listener: participant.status_listener(),
             participant,
             readers_told: AtomicI64::new(0),
             written: Mutex::default(),
         })
+    }
+
+    /// Creates the participant, on a data port that no other program uses.
+    fn join(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<DomainParticipant, String> {
+        let mut port = 0;
+        for _ in 0..TRIES {
+            let mut builder = DomainParticipantBuilder::new(domain);
+            if let Some(addresses) = networks {
+                builder = builder.with_only_networks(addresses.iter().copied().map(IpAddr::V4));
+            }
+            let occupied = ports::occupy(domain);
+            let participant = builder.build().map_err(|error| format!("{error:?}"))?;
+            drop(occupied);
+            port = ports::data_port(domain, participant.participant_id());
+            if ports::is_own(port) != Some(false) {
+                return Ok(participant);
+            }
+            // Another program has bound the port at this moment.
+        }
+        Err(format!("UDP port {port} is in use"))
     }
 
     pub(super) fn guid(&self) -> Guid {
@@ -150,7 +171,7 @@ impl Participant {
         }
     }
 
-    /// The writers that have written, each with the number of its newest sample.
+    /// Returns the writers that have written samples, each with the number of its newest sample.
     pub(super) fn written(&self) -> Vec<(Guid, i64)> {
         let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
         written.retain(|(_, last)| last.strong_count() > 0);
@@ -159,7 +180,7 @@ impl Participant {
     }
 
     pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Result<Reader, DdsError> {
-        // Of a reader the library keeps so many samples, also those that were taken: without a limit all of its life.
+        // The library keeps this number of samples of a reader, also those that were read. Without a limit it keeps all of them.
         let made = self.topic(topic, type_name, &policies(qos, i32::from(qos.depth)))?;
         match self.subscriber.create_simple_datareader_no_key(&made, None) {
             Ok(inner) => {
@@ -170,12 +191,12 @@ impl Participant {
         }
     }
 
-    /// The number that the library will give to what it announces of a reader that is dropped now.
+    /// Returns the sequence number that the library will give to the disposal of a reader that is dropped now.
     pub(super) fn end_of_reader(&self) -> i64 {
         self.readers_told.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// The next change of matches; pending, with the waker kept, when there is none.
+    /// Returns the next discovery event. If there is none, it is pending, and the waker is registered.
     pub(super) fn poll_discovery(&self, context: &mut Context<'_>) -> Poll<Option<Discovery>> {
         let mut events = pin!(self.listener.as_async_status_stream());
         loop {
@@ -193,10 +214,10 @@ impl Participant {
 
     pub(super) fn barrier(&self) -> Result<Barrier, DdsError> {
         let fail = |error| DdsError::new("a barrier", error);
-        // Each sample waits until the one before it went out; to readers, which would be curious ones, it owes nothing.
+        // Each sample waits until the previous one was sent. Best-effort, because no program needs to read this topic.
         let qos = Qos { reliable: false, depth: 1, latched: false, lifespan: None, window: 1 };
         let topic = self.participant.create_topic(
-            // Without the prefix of ROS 2's topics, so that no list of its tools shows it.
+            // Without the prefix of ROS 2 topics, so that the ROS 2 tools do not list it.
             "lineshaft/barrier".to_owned(),
             "lineshaft::Barrier".to_owned(),
             &policies(qos, 1),
@@ -206,58 +227,56 @@ impl Participant {
         Ok(Barrier { writer })
     }
 
-    /// Where it is told of other participants: its own socket, on the loopback.
+    /// Returns the loopback address on which the library reads the announcements of other participants.
     pub(super) fn discovery_address(&self) -> SocketAddrV4 {
-        self.own_address(10)
+        SocketAddrV4::new(
+            Ipv4Addr::LOCALHOST,
+            own_port(self.participant.domain_id(), self.participant.participant_id()),
+        )
     }
 
-    /// Where its readers read, likewise.
+    /// Returns the loopback address on which the library reads data.
     pub(super) fn data_address(&self) -> SocketAddrV4 {
-        self.own_address(11)
-    }
-
-    /// RTPS 2.5, 9.6.2.3.
-    fn own_address(&self, offset: u16) -> SocketAddrV4 {
-        let port = 7400 + 250 * self.participant.domain_id() + offset + 2 * self.participant.participant_id();
+        let port = ports::data_port(self.participant.domain_id(), self.participant.participant_id());
         SocketAddrV4::new(Ipv4Addr::LOCALHOST, port)
     }
 
-    /// Where a remote reader reads.
+    /// Returns the addresses on which a remote reader reads.
     pub(super) fn addresses_of_reader(&self, reader: Guid) -> Vec<SocketAddrV4> {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.map(|r| r.reader_proxy).find(|proxy| Guid::from(proxy.remote_reader_guid) == reader);
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
     }
 
-    /// Does a remote reader want what was written before it came? One that is not known any more does not.
+    /// Whether a remote reader wants the samples that were written before it joined. Returns false if the reader is unknown.
     pub(super) fn keeps_for(&self, reader: Guid) -> bool {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
         is_latched(found.and_then(|found| found.subscription_topic_data.qos().durability()))
     }
 
-    /// Whether a remote reader acknowledges nothing.
+    /// Whether a remote reader is best-effort, and sends no acknowledgements.
     pub(super) fn is_best_effort(&self, reader: Guid) -> bool {
         let readers = self.participant.discovered_readers();
         let found = readers.iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
         found.is_some_and(|found| !found.subscription_topic_data.qos().is_reliable())
     }
 
-    /// Whether a remote writer keeps samples for readers that come later.
+    /// Whether a remote writer keeps samples for readers that join later.
     pub(super) fn is_latched_writer(&self, writer: Guid) -> bool {
         let writers = self.participant.discovered_writers();
         let found = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == writer);
         is_latched(found.and_then(|found| found.publication_topic_data.qos().durability()))
     }
 
-    /// Where a remote writer listens.
+    /// Returns the addresses on which a remote writer listens.
     pub(super) fn addresses_of_writer(&self, writer: Guid) -> Vec<SocketAddrV4> {
         let writers = self.participant.discovered_writers().into_iter();
         let found = writers.map(|w| w.writer_proxy).find(|proxy| Guid::from(proxy.remote_writer_guid) == writer);
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
     }
 
-    /// Endpoints of a remote participant.
+    /// Returns the endpoints of a remote participant.
     pub(super) fn endpoints_of(&self, participant: Prefix) -> Vec<Endpoint> {
         let readers = self.participant.discovered_readers().into_iter().map(|reader| {
             let (proxy, data) = (reader.reader_proxy, reader.subscription_topic_data);
@@ -287,8 +306,8 @@ impl Participant {
         readers.chain(writers).filter(|endpoint| endpoint.guid.prefix() == participant).collect()
     }
 
-    /// Readers of `topic` on the participant of `client`, which is a writer: those with the same user data when it has
-    /// some (rmw_cyclonedds marks the two ends of a client by it), else all of them.
+    /// Returns the readers of `topic` on the participant of `client`, which is a writer. If its user data has a client ID
+    /// (rmw_cyclonedds marks both endpoints of a client with it), only the readers with the same ID are returned.
     pub(super) fn readers_beside(&self, client: Guid, topic: &str) -> Vec<Guid> {
         let writers = self.participant.discovered_writers();
         let mark = writers.iter().find(|w| Guid::from(w.writer_proxy.remote_writer_guid) == client);
@@ -315,23 +334,23 @@ fn ipv4(addresses: Option<Vec<SocketAddr>>) -> Vec<SocketAddrV4> {
     addresses.unwrap_or_default().into_iter().filter_map(address).collect()
 }
 
-/// Tells when the library's thread has done all that it had begun.
+/// Waits until the library's thread has finished its present work.
 ///
-/// The library (0.15.1) reports a match of a writer in the middle of it: what it still does is a heartbeat to the reader
-/// with the number of the writer's newest sample. A sample that is written upon the report, on another thread, may be counted
-/// in that heartbeat, which goes out before the sample does; and what the first heartbeat counts, a volatile reader of Cyclone
-/// DDS takes for the past and never delivers.
+/// The library (0.15.1) reports a match of a writer before it has finished the match: it still sends the reader a heartbeat with
+/// the number of the writer's newest sample. If another thread writes a sample right after the report, that heartbeat may already
+/// include the sample, and is sent before it. A volatile reader of Cyclone DDS treats all samples that its first heartbeat includes
+/// as old, and never delivers them.
 pub(super) struct Barrier {
     writer: DataWriter<Raw, Raw>,
 }
 
 impl Barrier {
-    /// Far more than the library's thread ever takes, where it is alive.
+    /// Far more than the library's thread ever needs if it works.
     const PATIENCE: Duration = Duration::from_millis(500);
 
-    /// Returns as soon as whatever the library's thread does now is done; false where it does nothing any more.
+    /// Returns true as soon as the library's thread has finished its present work, or false if the thread does not work any more.
     pub(super) async fn pass(&self) -> bool {
-        // The thread sends the first sample after that, and without it there is no room for the second.
+        // The thread sends the first sample after that work. The second sample has no space until the first one is sent.
         let both = async {
             for _ in 0..2 {
                 let sample = Raw { is_big_endian: false, bytes: Bytes::new() };
@@ -349,15 +368,16 @@ impl Barrier {
     }
 }
 
-/// The octets of a parameter that is a sequence of them: the library (0.15.1) leaves their number before them, and padding behind.
+/// Returns the octets of a parameter that is an octet sequence: the library (0.15.1) does not remove the length before the octets and
+/// the padding after them.
 fn octets(parameter: &[u8]) -> &[u8] {
     let Some((number, octets)) = parameter.split_first_chunk::<4>() else { return &[] };
-    // Of a list in either order of bytes: none is longer than 64 kB.
+    // The byte order of the list is unknown. The smaller value is the length, because no list is longer than 64 kB.
     let number = u32::from_le_bytes(*number).min(u32::from_be_bytes(*number));
     octets.get(..number as usize).unwrap_or(octets)
 }
 
-/// The entry `clientid=..;` of an endpoint's user data, without which rmw_cyclonedds never makes a client.
+/// Returns the entry `clientid=..;` of an endpoint's user data. rmw_cyclonedds sets it for each client.
 fn client_mark(user_data: &[u8]) -> Option<&[u8]> {
     user_data.split(|byte| *byte == b';').find(|entry| entry.starts_with(b"clientid="))
 }
@@ -395,7 +415,7 @@ fn discovery(event: &DomainParticipantStatusEvent) -> Option<Discovery> {
     }
 }
 
-/// Policies of an endpoint that holds at most `most` samples.
+/// Returns the QoS policies of an endpoint that holds at most `most` samples.
 fn policies(qos: Qos, most: i32) -> QosPolicies {
     let depth = i32::from(qos.depth);
     let mut builder = QosPolicyBuilder::new()
@@ -423,11 +443,12 @@ pub(super) struct Writer {
     last: Arc<AtomicI64>,
 }
 
-/// To whom a reply goes, and what it answers.
+/// Destination of a reply, and the request that it answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Address {
     pub(super) reader: Guid,
-    /// For clients that know their reply by it (`related_sample_identity`); no longer than [`LONGEST_IDENTIFIED`].
+    /// Request that is answered, for clients that identify their replies by it (`related_sample_identity`). If this is set, the sample
+    /// must not be longer than [`LONGEST_IDENTIFIED`].
     pub(super) answers: Option<SampleId>,
 }
 
@@ -436,12 +457,12 @@ impl Writer {
         self.inner.guid().into()
     }
 
-    /// Writes to all matched readers; the sample's number.
+    /// Writes to all matched readers. Returns the sample's number.
     pub(super) fn write(&self, bytes: impl Into<Bytes>) -> Result<i64, ReplyFailure> {
         self.write_with(bytes.into(), WriteOptionsBuilder::new())
     }
 
-    /// Writes to one reader, which must be matched.
+    /// Writes to one reader, which must be matched. Returns the sample's number.
     pub(super) fn write_to(&self, bytes: impl Into<Bytes>, address: Address) -> Result<i64, ReplyFailure> {
         let (bytes, options) = (bytes.into(), WriteOptionsBuilder::new().to_single_reader(address.reader.into()));
         let Some(answers) = address.answers else { return self.write_with(bytes, options) };
@@ -466,14 +487,15 @@ impl Writer {
     }
 }
 
-/// Longest sample with a `related_sample_identity` (bytes) that goes out in one piece on every network. In fragments of such a
-/// sample the library (0.15.1) writes one byte too many before the inline QoS: receivers cannot read them, and in a debug build the
-/// library's thread panics. It cuts what does not fit the network's datagrams, of which it keeps 48 bytes for headers below it, 32
-/// for a heartbeat, 48 for headers of its own; 4 are the encapsulation. Ethernet carries 1500, tunnels 1280 at least.
+/// Maximum length in bytes of a sample with a `related_sample_identity` that is sent without fragmentation on every network. In
+/// fragments of such a sample the library (0.15.1) writes one byte too many before the inline QoS: receivers cannot read them, and in
+/// a debug build the library's thread panics. It fragments samples that exceed the network's datagrams. It reserves 48 bytes for the
+/// headers of lower layers, 32 for a heartbeat and 48 for its own headers; 4 are the encapsulation. The MTU of Ethernet is 1500 bytes,
+/// that of tunnels at least 1280.
 pub(super) const LONGEST_IDENTIFIED: usize = 1280 - 48 - 32 - 48 - 4;
 
-/// As it stands on the wire: to the next multiple of 4 bytes, which readers expect. The library pads whole samples itself, but
-/// not the last fragment of a long one, so that what follows it in the same datagram is not aligned.
+/// Pads a sample to the next multiple of 4 bytes, which readers expect. The library pads unfragmented samples itself, but not the last
+/// fragment of a long one, so the next submessage in the same datagram would not be aligned.
 pub(super) fn padded(bytes: Bytes) -> Bytes {
     let length = bytes.len().next_multiple_of(4);
     if length == bytes.len() {
@@ -494,13 +516,13 @@ impl Reader {
         self.inner.guid().into()
     }
 
-    /// The next sample, or why it could not be read. Nothing is lost when the future is dropped.
+    /// Returns the next sample, or the reason why it could not be read. No sample is lost if the future is dropped.
     pub(super) async fn next(&mut self) -> Result<Taken, String> {
         let mut samples = pin!(self.inner.as_async_stream());
         match samples.next().await {
             Some(Ok(change)) => Ok(taken(&change)),
             Some(Err(error)) => Err(error.to_string()),
-            // The library's streams never end; should one do, there is nothing more to read.
+            // The library's streams never end. If one does, there is nothing more to read.
             None => std::future::pending().await,
         }
     }
@@ -520,7 +542,7 @@ fn taken(change: &no_key::DeserializedCacheChange<Raw>) -> Taken {
     }
 }
 
-/// The time of this host's clock, as writers stamp their samples: ticks of 2^-32 s since 1970.
+/// Returns the time of this host's clock in the format of source timestamps: ticks of 2^-32 s since 1970.
 pub(super) fn now_ticks() -> u64 {
     Timestamp::now().to_ticks()
 }
@@ -537,7 +559,7 @@ impl From<Guid> for GUID {
     }
 }
 
-/// Bytes that pass the library unchanged, and the adapter that lets them.
+/// Bytes that the library passes unchanged, and their adapter.
 #[derive(Clone, Debug)]
 struct Raw {
     is_big_endian: bool,

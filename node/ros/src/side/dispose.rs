@@ -1,4 +1,4 @@
-//! Disposes participants of ours (SPDP): those that were killed, and those that a successor replaces.
+//! Disposes participants of this program (SPDP): those that were killed, and those that a successor replaces.
 //!
 //! Clients of a killed node keep their requests for the rest of its lease (50 s). Cyclone DDS sends the last ten requests, also
 //! those that were answered, to the readers of the next node, because the DDS library requests all samples from number 1. After
@@ -36,17 +36,17 @@ pub(super) fn dispose(who: &Departed) {
     (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.prefix, None, sequence)));
 }
 
-/// Disposes a participant that a successor replaces, and that still reads. Its library goes on announcing it to new clients, so this is
-/// repeated.
+/// Disposes a participant that a successor replaces, and that still reads. Its library continues to announce it to new clients, so the
+/// disposal is repeated.
 pub(super) fn dispose_repeatedly(who: &Departed) {
-    // Clients read the disposal on another socket, and ignore replies of a participant that is disposed.
+    // Clients read the disposal on another socket, and ignore replies of a disposed participant.
     std::thread::sleep(SETTLING);
     for round in 1..=REPETITIONS {
         std::thread::sleep(REPETITION_PAUSE);
         let first = LATE + round * TIMES;
         (first..first + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.prefix, None, sequence)));
     }
-    // For requests that were sent just before. No new client finds the participant, matches its readers and calls in this time.
+    // For requests that were sent just before. In this time, no new client can find the participant, match its readers and call.
     std::thread::sleep(LAST_READING);
 }
 
@@ -66,7 +66,7 @@ pub(super) fn tell_all(who: &Departed, datagram: &[u8]) {
     }
 }
 
-/// All addresses of this host.
+/// Returns all IPv4 addresses of this host.
 pub(super) fn of_host() -> Vec<Ipv4Addr> {
     let interfaces = if_addrs::get_if_addrs().unwrap_or_default();
     let ipv4 = interfaces.into_iter().filter_map(|interface| match interface.ip() {

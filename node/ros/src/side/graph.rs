@@ -1,4 +1,4 @@
-//! The node in the ROS graph: `ros_discovery_info` says which DDS endpoints belong to which node, and which nodes others are.
+//! The node in the ROS graph: `ros_discovery_info` publishes the nodes of each participant, and the DDS endpoints of each node.
 
 use std::collections::{BTreeSet, HashSet};
 use std::sync::{Arc, Weak};
@@ -18,12 +18,14 @@ use crate::link::qos::Qos;
 
 /// The only ROS topic without a prefix.
 const TOPIC: &str = "ros_discovery_info";
-/// Namesakes that are told.
+/// Maximum number of participants with a node of the same name that are reported.
 const NAMESAKES: usize = 100;
-/// Endpoints that are made or dropped within this time are announced together.
+/// Time until the program reports a successor, which has the same node.
+const SUCCESSOR: Duration = Duration::from_millis(500);
+/// Endpoints that are created or dropped within this time are announced together.
 const GATHER: Duration = Duration::from_millis(10);
 
-/// Announces the endpoints of a node whenever one comes or goes.
+/// Announces the endpoints of a node whenever one is created or dropped.
 pub(super) struct Graph {
     entities: Entities,
     announcement: Latched,
@@ -54,7 +56,7 @@ impl Graph {
         Ok(Self { entities, announcement })
     }
 
-    /// What other participants say of their nodes.
+    /// Returns a reader of the nodes of other participants.
     pub(super) fn others(shared: &Shared) -> Result<Reader, DdsError> {
         let qos = Qos { depth: 100, ..Qos::STATUS };
         shared.participant.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos)
@@ -71,20 +73,22 @@ impl Graph {
     }
 }
 
-/// Tells once of each participant that has a node of the same name: neither tools nor clients can tell the two apart.
+/// Logs a warning, once for each participant, if it has a node of the same name: neither tools nor clients can distinguish the two nodes.
 pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>, namespace: String, name: String) {
     let mut told = HashSet::new();
     loop {
         let Ok(taken) = infos.next().await else { continue };
         let participant = taken.id.writer.prefix();
         let endian = if taken.is_big_endian { Endian::Big } else { Endian::Little };
-        // What is no such message is for its sender to mend.
+        // An invalid message is a fault of its sender, and is ignored.
         let Ok(info) = cdr::decode::<ParticipantEntitiesInfo>(&taken.bytes, endian) else { continue };
-        let Some(shared) = shared.upgrade() else { return };
-        if shared.is_own(participant) || told.len() >= NAMESAKES {
+        let is_own = || shared.upgrade().is_none_or(|shared| shared.is_own(participant));
+        if is_own() || told.contains(&participant) || told.len() >= NAMESAKES || !is_among(&info, &namespace, &name) {
             continue;
         }
-        if is_among(&info, &namespace, &name) && told.insert(participant) {
+        tokio::time::sleep(SUCCESSOR).await;
+        if !is_own() {
+            told.insert(participant);
             let slash = if namespace.ends_with('/') { "" } else { "/" };
             tracing::warn!(
                 "participant {participant} has a node {namespace}{slash}{name}, too: clients reach either of the two; give one of \

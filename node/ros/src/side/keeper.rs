@@ -1,9 +1,9 @@
-//! What each reader of a latched topic has still to get: the state of the sender, without time, tasks and sockets of its own.
+//! State of the sender of a latched topic: the samples that each reader still has to get. It has no clock, tasks or sockets of its own.
 //!
-//! Law      each sample goes to one reader. A reader that comes is told by a GAP that no sample so far is for it, and gets the values
-//!          that count, the newest last, unless it is volatile; then each value that is set.
-//!          No GAP covers a sample that was sent to its reader: a reader of Fast DDS (2.6 to 2.14) that has some fragments of a
-//!          sample, and then such a GAP, loops for ever with its lock held at the topic's next sample
+//! Law      each sample is sent to one reader. A reader that joins gets a GAP, which covers all samples so far. Then it gets the
+//!          latched values, the newest last, unless it is volatile. Then it gets each value that is set.
+//!          No GAP covers a sample that was sent to its reader. Otherwise Fast DDS (2.6 to 2.14) hangs: a reader that has some
+//!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::time::Duration;
@@ -14,7 +14,8 @@ use tokio::time::Instant;
 use crate::link::guid::Guid;
 use crate::link::protocol::ReplyFailure;
 
-/// When a GAP is repeated, after the match. The reader may match the writer later than the writer matches it, and datagrams get lost.
+/// Times after the match at which a GAP is repeated. The reader may match the writer later than the writer matches the reader, and
+/// datagrams get lost.
 const GAP_REPEATS: [Duration; 8] = [
     Duration::from_millis(30),
     Duration::from_millis(60),
@@ -26,24 +27,24 @@ const GAP_REPEATS: [Duration; 8] = [
     Duration::from_millis(3200),
 ];
 
-/// Where samples go.
+/// Destination of the samples.
 pub(super) trait Target: Send + Sync + 'static {
     /// Writes a sample to one matched reader and returns its number.
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
-    /// Whether the reader wants the values that were set before it came.
+    /// Whether the reader wants the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
-    /// Tells a reader that the samples before this number are not for it.
+    /// Sends a GAP to a reader: the samples before this number are not for it.
     fn skip(&self, reader: Guid, before: i64);
-    /// The writer.
+    /// Returns the GUID of the writer.
     fn guid(&self) -> Guid;
 }
 
-/// The state of the sender.
+/// State of the sender.
 pub(super) struct Keeper<T> {
     target: T,
     depth: usize,
     lifespan: Option<Duration>,
-    /// Values that count, the newest last.
+    /// Latched values, the newest last.
     kept: VecDeque<(Instant, Bytes)>,
     readers: BTreeMap<Guid, Reader>,
     /// Number of the newest sample.
@@ -52,12 +53,12 @@ pub(super) struct Keeper<T> {
 
 /// A matched reader.
 struct Reader {
-    /// Values that it has still to get, the oldest first.
+    /// Values that it still has to get, the oldest first.
     pending: VecDeque<Bytes>,
     since: Instant,
     /// The samples before this number are not for it.
     first: i64,
-    /// GAPs that were repeated.
+    /// Number of repeated GAPs.
     repeats: usize,
 }
 
@@ -84,7 +85,7 @@ impl<T: Target> Keeper<T> {
         }
     }
 
-    /// Takes over which readers are matched now.
+    /// Updates the set of readers that are matched now.
     pub(super) fn matched(&mut self, readers: &HashSet<Guid>, now: Instant) {
         self.readers.retain(|reader, _| readers.contains(reader));
         let lifespan = self.lifespan;
@@ -110,19 +111,19 @@ impl<T: Target> Keeper<T> {
         for (guid, reader) in &mut self.readers {
             if reader.next_repeat().is_some_and(|due| due <= now) {
                 self.target.skip(*guid, reader.first);
-                // After a long sleep once, not once for each that was due.
+                // If several repetitions are due after a long sleep, one GAP replaces them.
                 let passed = GAP_REPEATS.iter().take_while(|after| reader.since + **after <= now).count();
                 reader.repeats = passed.max(reader.repeats + 1);
             }
         }
     }
 
-    /// When the next GAP is due.
+    /// Returns the time at which the next GAP is due.
     pub(super) fn next_repeat(&self) -> Option<Instant> {
         self.readers.values().filter_map(Reader::next_repeat).min()
     }
 
-    /// Writes what is pending; returns false if the writer has no room for all of it.
+    /// Writes the pending values. Returns false if the writer has no space for all of them.
     pub(super) fn write(&mut self) -> bool {
         for (guid, reader) in &mut self.readers {
             while let Some(value) = reader.pending.front() {

@@ -1,8 +1,8 @@
-//! Latched topics: a reader that comes later gets the newest values, and no other ones.
+//! Latched topics: a reader that joins later gets only the newest values.
 //!
-//! The DDS library keeps all that a transient local writer has written for seconds, without a reader permanently, and sends all of it to
-//! each reader that comes later. So samples are written to single readers (`keeper`), and the library is told that a reader which
-//! comes has acknowledged what was there before.
+//! The DDS library keeps all samples of a transient local writer for seconds, or permanently if there is no reader, and sends all of them
+//! to each reader that joins later. So samples are written to single readers (`keeper`). When a reader joins, an ACKNACK to the library
+//! acknowledges the earlier samples in the name of that reader.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,10 +22,10 @@ use crate::link::guid::Guid;
 use crate::link::protocol::ReplyFailure;
 use crate::link::qos::Qos;
 
-/// Between two attempts to write.
+/// Time between two attempts to write.
 const RETRY: Duration = Duration::from_millis(10);
 
-/// A writer, and the socket next to it.
+/// A writer, with the shared state that sends its GAPs and ACKNACKs.
 pub(super) struct DirectedWriter {
     pub(super) writer: Writer,
     pub(super) shared: Arc<Shared>,
@@ -42,7 +42,7 @@ impl Target for DirectedWriter {
 
     fn skip(&self, reader: Guid, before: i64) {
         let writer = self.writer.guid();
-        // First, so that the library does not send to this reader what was for other ones.
+        // First, so that the library does not send the samples of other readers to this one.
         acknowledge(&self.shared, reader, writer, before);
         let mut message = Message::from(writer.prefix());
         message.to(reader.prefix()).gap(entity(reader), entity(writer), 1, before);
@@ -57,13 +57,14 @@ impl Target for DirectedWriter {
     }
 }
 
-/// Sets the value of a latched topic. The writer is dropped with this.
+/// Sets the value of a latched topic. Dropping it drops the writer.
 pub(super) struct Latched {
     values: UnboundedSender<Bytes>,
 }
 
 impl Latched {
-    /// Values that come within `gather` of each other are joined with the newest one; zero: each is written.
+    /// Starts the task that writes the values. If values are set within `gather` of each other, only the newest ones are written; if
+    /// `gather` is zero, each value is written.
     pub(super) fn start(
         runtime: &Handle,
         target: impl Target,
@@ -80,7 +81,7 @@ impl Latched {
 
     /// Sets the value; never blocks.
     pub(super) fn set(&self, value: impl Into<Bytes>) {
-        // The task ends only after this sender, or with the runtime.
+        // Fails only if the runtime has ended: otherwise the task runs until this sender is dropped.
         let _ = self.values.send(value.into());
     }
 }

@@ -1,4 +1,4 @@
-//! The log of the process goes to the program, a few lines of each kind: what the network does is no flood there.
+//! Sends the log of the process to the program. Only a few lines of each kind are sent, so that network events cannot flood the log.
 
 use std::fmt::Write;
 use std::sync::mpsc::Sender;
@@ -14,22 +14,22 @@ use crate::layer::log_filter;
 use crate::line_limit::LineLimit;
 use crate::link::protocol::{Line, Report};
 
-/// Longest line (bytes): some repeat what they were sent.
+/// Maximum length of a line in bytes: some lines contain received data.
 const LONGEST: usize = 500;
 
-/// From now on lines are sent as reports; `RUST_LOG` decides which.
+/// Sends log lines as reports from now on; `RUST_LOG` selects them.
 pub(super) fn start(reports: Sender<Report>) {
     let given = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
     let filter = given.and_then(|text| EnvFilter::try_new(text).ok());
     let filter = filter.unwrap_or_else(|| EnvFilter::new(log_filter("info")));
     let lines = Lines { reports: Mutex::new(reports), limit: LineLimit::default() };
-    // The first of the process.
+    // Cannot fail: this is the first subscriber of the process.
     let _ = tracing_subscriber::registry().with(filter).with(lines).try_init();
 }
 
 struct Lines {
     reports: Mutex<Sender<Report>>,
-    /// A kind is what comes from one place in the source.
+    /// Lines from the same place in the source code are of the same kind.
     limit: LineLimit<(String, u32)>,
 }
 
@@ -47,7 +47,7 @@ impl<S: Subscriber> Layer<S> for Lines {
             _ => Line::DEBUG,
         };
         self.limit.say(place.clone(), |more| {
-            // Sentences of our own say what they are about.
+            // Our own messages need no prefix with their target.
             let is_own = text.target.starts_with(env!("CARGO_CRATE_NAME"));
             let mut text = if is_own { text.text } else { format!("{}: {}", text.target, text.text) };
             if text.len() > LONGEST {
@@ -56,17 +56,17 @@ impl<S: Subscriber> Layer<S> for Lines {
                 text.push('…');
             }
             let report = Report::Line(Line { severity, place, text: text + more });
-            // Without a program there is nobody to tell.
+            // Fails if the program has ended.
             let _ = self.reports.lock().unwrap_or_else(PoisonError::into_inner).send(report);
         });
     }
 }
 
-/// What a line says, and where it stands in the source.
+/// Text of a line, and its place in the source code.
 struct Text {
     text: String,
     target: String,
-    /// Where the bridge from the `log` crate, which the DDS library uses, tells it.
+    /// Place, if the bridge from the `log` crate, which the DDS library uses, reports it.
     place: Option<(String, u32)>,
 }
 

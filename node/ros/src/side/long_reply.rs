@@ -1,40 +1,40 @@
-//! Replies longer than one datagram, with the identity of their request, in DATAFRAGs of our own.
+//! Replies that exceed one datagram, with the identity of their request, in our own DATAFRAGs.
 //!
-//! The DDS library (0.15.1) writes a byte too many before the inline QoS of a DATAFRAG. So it is given such a sample without
-//! identity, and the same fragments with the identity go out before: Fast DDS takes the identity of a sample from the first
-//! fragment that it gets, whoever brings the rest. The library repairs what gets lost.
+//! The DDS library (0.15.1) writes one byte too many before the inline QoS of a DATAFRAG. So the library sends such a sample without
+//! identity, and the same fragments with the identity are sent before. Fast DDS reads the identity of a sample from the first
+//! fragment that it receives, and accepts the other fragments from any source. The library resends lost fragments.
 
 use super::rtps::{Message, SENTINEL, entity, number, parameter};
 use crate::link::guid::Guid;
 use crate::link::protocol::SampleId;
 
-/// Of the library; both must cut alike.
+/// Fragment size of the library in bytes; both must use the same size.
 const FRAGMENT: usize = 256;
-/// Fragments in a datagram: at most 1.2 kB with all headers, which tunnels pass too.
+/// Number of fragments in a datagram: at most 1.2 kB with all headers, which also fits into tunnels.
 const TOGETHER: usize = 4;
 
 /// A reply to one reader.
 pub(super) struct LongReply<'a> {
     pub(super) writer: Guid,
     pub(super) reader: Guid,
-    /// That the writer will give the sample.
+    /// Sequence number that the writer will give to the sample.
     pub(super) number: i64,
-    /// From here to `number` nothing was for the reader: 1, or what follows the last reply to it.
+    /// First sequence number of the GAP, which ends before `number`: 1, or the number after the last reply to this reader.
     pub(super) from: i64,
-    /// 2^-32 s since 1970.
+    /// Source timestamp in 2^-32 s since 1970.
     pub(super) time: u64,
-    /// By which the client knows its reply.
+    /// Identity of the request, by which the client identifies its reply.
     pub(super) answers: SampleId,
-    /// CDR without its encapsulation, a multiple of 4 long.
+    /// CDR data without its encapsulation; the length is a multiple of 4 bytes.
     pub(super) bytes: &'a [u8],
 }
 
 impl LongReply<'_> {
-    /// What goes to every address of the reader.
+    /// Returns the datagrams, which are sent to every address of the reader.
     pub(super) fn datagrams(&self) -> Vec<Vec<u8>> {
         let sample = [&[0, 1, 0, 0], self.bytes].concat();
         let identity = [self.answers.writer.0.as_slice(), &number(self.answers.number)].concat();
-        // Under both ids in use, as the library does in DATA.
+        // With both parameter IDs in use, as the library does in DATA.
         let mut inline = Vec::new();
         parameter(&mut inline, 0x0083, &identity);
         parameter(&mut inline, 0x800f, &identity);
@@ -47,7 +47,7 @@ impl LongReply<'_> {
                 message.gap(reader, writer, self.from, self.number);
             }
             let mut body = [&[0, 0, 28, 0], reader.as_slice(), &writer, &number(self.number)].concat();
-            // A frame of the link is shorter than 2^32, so all of these fit.
+            // A frame of the link is shorter than 2^32, so all these numbers fit.
             body.extend((1 + (place * TOGETHER) as u32).to_le_bytes());
             body.extend((piece.len().div_ceil(FRAGMENT) as u16).to_le_bytes());
             body.extend((FRAGMENT as u16).to_le_bytes());
@@ -74,7 +74,7 @@ mod tests {
         let (mut whole, mut fragments) = (Vec::new(), 0);
         for datagram in reply.datagrams() {
             assert!(datagram.len() <= 1252, "{}", datagram.len());
-            // Header, INFO_TS, INFO_DST, GAP, and the DATAFRAG's own header; then the inline QoS.
+            // Header, INFO_TS, INFO_DST, GAP, and the header of the DATAFRAG; then the inline QoS.
             let at = 20 + 12 + 16 + 32;
             assert_eq!(datagram[at], 0x16);
             assert_eq!(u32::from_le_bytes(datagram[at + 24..at + 28].try_into().unwrap()), fragments + 1);

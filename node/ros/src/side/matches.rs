@@ -1,4 +1,4 @@
-//! Which readers are matched with which of our writers.
+//! Matches between remote readers and our writers.
 
 use std::collections::HashSet;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,13 +8,13 @@ use tokio::sync::watch;
 use super::dds::Discovery;
 use crate::link::guid::Guid;
 
-/// A writer of ours and a reader.
+/// Pairs of one of our writers and a remote reader.
 type Pairs = HashSet<(Guid, Guid)>;
 
 /// All matches of the participant.
 pub(super) struct Matches {
     pairs: watch::Sender<Pairs>,
-    /// Readers among them that acknowledge nothing.
+    /// Matched best-effort readers, which send no acknowledgements.
     best_effort: Mutex<HashSet<Guid>>,
 }
 
@@ -27,12 +27,12 @@ impl Matches {
         self.best_effort.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes that a reader acknowledges nothing.
+    /// Records that a reader is best-effort, and sends no acknowledgements.
     pub(super) fn note_best_effort(&self, reader: Guid) {
         self.all_best_effort().insert(reader);
     }
 
-    /// Readers of this writer that acknowledge nothing.
+    /// Returns the best-effort readers of this writer, which send no acknowledgements.
     pub(super) fn best_effort(&self, writer: Guid) -> Vec<Guid> {
         let all = self.all_best_effort();
         self.pairs
@@ -43,7 +43,7 @@ impl Matches {
             .collect()
     }
 
-    /// Notes a change.
+    /// Records a change of the discovery.
     pub(super) fn note(&self, change: Discovery) {
         match change {
             Discovery::Lost { reader } => drop(self.all_best_effort().remove(&reader)),
@@ -62,17 +62,17 @@ impl Matches {
         });
     }
 
-    /// Forgets a writer that was dropped.
+    /// Removes a writer that was dropped.
     pub(super) fn forget(&self, writer: Guid) {
         self.pairs.send_modify(|pairs| pairs.retain(|pair| pair.0 != writer));
     }
 
-    /// Readers that are matched with this writer now.
+    /// Returns the number of readers that are matched with this writer now.
     pub(super) fn count(&self, writer: Guid) -> usize {
         self.pairs.borrow().iter().filter(|pair| pair.0 == writer).count()
     }
 
-    /// Who they are.
+    /// Returns the readers that are matched with this writer now.
     pub(super) fn readers(&self, writer: Guid) -> HashSet<Guid> {
         self.pairs.borrow().iter().filter(|pair| pair.0 == writer).map(|pair| pair.1).collect()
     }
@@ -87,7 +87,7 @@ impl Matches {
         self.pairs.borrow().iter().any(|pair| pair.1 == reader)
     }
 
-    /// Changes from now on.
+    /// Subscribes to the changes from now on.
     pub(super) fn changes(&self) -> watch::Receiver<Pairs> {
         self.pairs.subscribe()
     }

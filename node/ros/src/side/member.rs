@@ -1,4 +1,4 @@
-//! A member of the DDS domain: does the program's orders, and tells what it hears.
+//! A member of the DDS domain: executes the program's orders, and reports received samples.
 
 use std::collections::HashMap;
 use std::future::poll_fn;
@@ -27,7 +27,7 @@ use super::{acknowledge, dispose, sedp};
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
-/// What the tasks of a member have in common.
+/// State that the tasks of a member share.
 pub(super) struct Shared {
     pub(super) participant: Arc<Participant>,
     pub(super) matches: Arc<Matches>,
@@ -35,11 +35,11 @@ pub(super) struct Shared {
     pub(super) returning: Returning,
     pub(super) answers: Answers,
     reports: Mutex<Sender<Report>>,
-    /// Writers of the program, to tell how many readers each has.
+    /// Writers of the program, each with its reported number of readers.
     writers: Mutex<HashMap<Guid, (Endpoint, u32)>>,
     /// Remote writers that are matched.
     heard: Mutex<HashMap<Guid, Heard>>,
-    /// Addresses of this host, on which all have one clock.
+    /// Addresses of this host, on which all processes share one clock.
     own: Vec<Ipv4Addr>,
     /// Participants of this program: this one, its predecessor and its successor.
     own_participants: Mutex<Vec<Prefix>>,
@@ -49,19 +49,19 @@ pub(super) struct Shared {
 #[derive(Clone, Copy)]
 struct Heard {
     since: Instant,
-    /// On this host.
+    /// Whether it is on this host.
     is_local: bool,
-    /// Its participant was lost, and spoke again.
+    /// Time at which its participant was heard again after a loss.
     again: Option<Instant>,
 }
 
 impl Shared {
     pub(super) fn report(&self, report: Report) {
-        // Without a program there is nobody to tell.
+        // Fails if the program has ended.
         let _ = self.reports.lock().unwrap_or_else(PoisonError::into_inner).send(report);
     }
 
-    /// Tells of each writer whose number of readers has changed.
+    /// Reports each writer whose number of readers has changed.
     fn tell_matches(&self) {
         let mut writers = self.writers.lock().unwrap_or_else(PoisonError::into_inner);
         for (writer, (endpoint, told)) in writers.iter_mut() {
@@ -80,7 +80,7 @@ impl Shared {
     fn sample(&self, taken: Taken, since: Instant) -> Sample {
         let Taken { id, related, written, is_big_endian, bytes } = taken;
         let heard = self.heard().get(&id.writer).copied();
-        // Reported a moment later.
+        // The match of this writer will be reported shortly.
         let heard = heard.unwrap_or_else(|| self.new_writer(id.writer));
         let known = Known {
             written,
@@ -97,7 +97,7 @@ impl Shared {
         self.own_participants.lock().unwrap_or_else(PoisonError::into_inner).contains(&participant)
     }
 
-    /// Is a remote endpoint matched with one of ours?
+    /// Whether a remote endpoint is matched with one of our endpoints.
     pub(super) fn is_matched(&self, endpoint: Guid) -> bool {
         self.matches.has(endpoint) || self.heard().contains_key(&endpoint)
     }
@@ -107,16 +107,16 @@ impl Shared {
         Heard { since: Instant::now(), is_local: self.is_local(writer), again }
     }
 
-    /// Is it on this host?
+    /// Whether a writer is on this host.
     fn is_local(&self, writer: Guid) -> bool {
         let addresses = self.participant.addresses_of_writer(writer);
         !addresses.is_empty() && addresses.iter().all(|a| a.ip().is_loopback() || self.own.contains(a.ip()))
     }
 }
 
-/// The participant with its endpoints.
+/// Participant with its endpoints.
 pub(super) struct Member {
-    // Before the participant, which waits for the library's threads.
+    // Dropped before the participant, which waits for the library's threads.
     endpoints: HashMap<Endpoint, Open>,
     graph: Graph,
     probe: Arc<Probe>,
@@ -136,7 +136,7 @@ enum Open {
         guid: Guid,
         latched: Latched,
     },
-    /// Services of a node come and go with it; what it subscribes to does not.
+    /// Services are created and dropped with their node; subscriptions are created and dropped at any time.
     Reader {
         guid: Guid,
         is_subscription: bool,
@@ -194,20 +194,20 @@ impl Member {
         Ok(Self { endpoints: HashMap::new(), graph, probe, tasks, shared, runtime, departed, is_replaced: false })
     }
 
-    /// Who leaves when this is dropped.
+    /// Returns the participant that leaves when this is dropped.
     pub(super) fn departed(&self) -> Departed {
         self.departed.clone()
     }
 
-    /// Whether a successor replaces it.
+    /// Whether a successor replaces this member.
     pub(super) fn is_replaced(&self) -> bool {
         self.is_replaced
     }
 
-    /// Does an order.
+    /// Executes an order.
     pub(super) fn follow(&mut self, order: Order) {
         match order {
-            // The one that made this.
+            // The order that has created this member.
             Order::Join(_) => {}
             Order::Open(endpoint, spec) => {
                 if let Err(error) = self.open(endpoint, &spec) {
@@ -294,7 +294,7 @@ impl Member {
                 if *is_subscription {
                     dispose::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
                 }
-                // The reader goes with its task, and the library says so second.
+                // The reader is dropped with its task. The library disposes it after our disposal.
                 task.abort();
                 *guid
             }
@@ -330,7 +330,7 @@ impl Drop for Member {
     }
 }
 
-/// Passes samples on, as many as are taken.
+/// Forwards samples, as far as the credit allows.
 async fn read(mut reader: Reader, endpoint: Endpoint, credit: Arc<Semaphore>, shared: Arc<Shared>) {
     let since = Instant::now();
     loop {
@@ -342,7 +342,7 @@ async fn read(mut reader: Reader, endpoint: Endpoint, credit: Arc<Semaphore>, sh
     }
 }
 
-/// Notes all matches for as long as the member lives, each once the library is ready for samples to that reader.
+/// Records all matches until the member is dropped, each as soon as the library is ready for samples to that reader.
 async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<Probe>, runtime: Handle) {
     while let Some(changes) = poll_fn(|context| poll_changes(&shared, context)).await {
         let Some(shared) = shared.upgrade() else { return };
@@ -378,9 +378,9 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
     }
 }
 
-/// All changes up to now, at least one; `None`: the member is gone.
+/// Returns all discovery events so far, at least one, or `None` if the member was dropped.
 fn poll_changes(shared: &Weak<Shared>, context: &mut std::task::Context<'_>) -> Poll<Option<Vec<Discovery>>> {
-    // Only for the moment of each poll does it hold the participant: that goes with its member.
+    // The participant is held only during each poll, because it must be dropped with its member.
     let Some(shared) = shared.upgrade() else { return Poll::Ready(None) };
     let mut changes = Vec::new();
     loop {

@@ -1,4 +1,4 @@
-//! The ROS side: the process that alone knows the DDS library.
+//! The ROS side: the only process that uses the DDS library.
 //!
 //! It executes the orders of the program (`link/protocol`) and knows neither messages nor axes. A fault of the library ends with this
 //! process, whose memory is limited; the program then starts another one.
@@ -18,6 +18,7 @@ mod listeners;
 mod long_reply;
 mod matches;
 mod member;
+mod ports;
 mod preemptive;
 mod presence;
 mod probe;
@@ -42,12 +43,12 @@ use member::Member;
 
 pub(crate) use dds::NOISE;
 
-/// Memory that the process may fill (bytes): requests that the DDS library keeps take it, 256 of each topic.
+/// Memory limit of the process in bytes. Requests that the DDS library keeps need memory: 256 for each topic.
 const MEMORY: u64 = 2 << 30;
-/// How long the DDS library may take for its good-bye.
+/// Maximum time for which the DDS library may leave the domain.
 const GOOD_BYE: Duration = Duration::from_secs(1);
 
-/// The process: standard input is its end of the link.
+/// Runs the process. Its standard input is its end of the link.
 pub fn main() -> ExitCode {
     let stream = match std::io::stdin().as_fd().try_clone_to_owned() {
         Ok(stream) => UnixStream::from(stream),
@@ -60,7 +61,7 @@ pub fn main() -> ExitCode {
         eprintln!("lineshaft ros-side: it is started by lineshaft itself, with a link as its standard input");
         return ExitCode::from(2);
     }
-    // Where the system refuses it, the probes are left.
+    // If the system refuses the limit, the probes still detect a fault.
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(MEMORY), maximum: Some(MEMORY) });
     let (reports, queue) = channel();
     lines::start(reports.clone());
@@ -68,13 +69,13 @@ pub fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Likewise, on this thread.
+/// Runs a ROS side on this thread.
 pub(crate) fn serve(stream: UnixStream) {
     let (reports, queue) = channel();
     run(stream, reports, queue, false);
 }
 
-/// Works until the link ends. `is_process`: the process ends then, too.
+/// Runs until the link ends. `is_process`: whether the process ends then, too.
 fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>, is_process: bool) {
     let Ok(mut writing) = stream.try_clone() else { return };
     let writer = std::thread::Builder::new().name("ros reports".to_owned()).spawn(move || {
@@ -90,11 +91,11 @@ fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>, is_
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_io().enable_time().build();
     let Ok(runtime) = runtime else { return };
     follow(stream, &reports, runtime.handle(), is_process);
-    // A reply that still looks for its reader finds none any more.
+    // Replies that still wait for their readers are dropped.
     runtime.shutdown_background();
 }
 
-/// Does one order after the other.
+/// Executes the orders in sequence.
 fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::runtime::Handle, is_process: bool) {
     let mut buffer = Vec::new();
     let Ok(Order::Join(join)) = frame::read(&mut stream, &mut buffer) else { return };
@@ -102,9 +103,9 @@ fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::run
     let mut member = match Member::join(&join, reports.clone(), runtime.clone()) {
         Ok(member) => member,
         Err(error) => {
-            // Without a program there is nobody to tell.
+            // Fails if the program has ended.
             let _ = reports.send(Report::Failed(error));
-            // It must have gone out before the link ends.
+            // The report must be sent before the link ends.
             let _ = frame::read::<Order>(&mut stream, &mut buffer);
             return;
         }
@@ -113,10 +114,10 @@ fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::run
         member.follow(order);
     }
     if member.is_replaced() {
-        // A client may be sending a request at this moment: it is still read, and the successor replies.
+        // A client may send a request at this moment. The request is still read, and the successor replies.
         dispose::dispose_repeatedly(&member.departed());
         if is_process {
-            // The library would announce itself to new clients while it leaves.
+            // Otherwise the library would announce itself to new clients while it leaves.
             std::mem::forget(member);
             return;
         }
@@ -124,19 +125,19 @@ fn follow(mut stream: UnixStream, reports: &Sender<Report>, runtime: &tokio::run
     leave(member);
 }
 
-/// Says good-bye, also where the library does not: a thread of it that hangs would keep the process.
+/// Leaves the domain and disposes the participant, even if the library hangs: a hanging thread of it would keep the process running.
 fn leave(member: Member) {
     let departed = member.departed();
     let (done, is_done) = channel();
     let leaving = std::thread::Builder::new().name("ros leave".to_owned()).spawn(move || {
         drop(member);
-        // Nobody waits any more.
+        // Fails if the wait has timed out.
         let _ = done.send(());
     });
     if leaving.is_ok() {
-        // Late or not: what follows holds in both cases.
+        // A timeout makes no difference for the next step.
         let _ = is_done.recv_timeout(GOOD_BYE);
     }
-    // Datagrams get lost: once more.
+    // Once more, because datagrams get lost.
     dispose::dispose(&departed);
 }

@@ -1,15 +1,17 @@
-//! Preemptive ACKNACKs: a writer of Fast DDS is asked for its samples as soon as our library has matched it.
+//! Preemptive ACKNACKs: requests the samples of a Fast DDS writer as soon as our library has matched it.
 //!
-//! A client that has matched the service before the library (0.15.1) has matched the client loses its request, as the library knows no
-//! such writer yet. The library then sends an ACKNACK with base 1, upon which Fast DDS waits for its heartbeat period (3 s). It answers
-//! one with base 0 at once, but of each reader it takes only ACKNACKs whose counts rise, also those of the library after ours.
+//! If a client has matched the service before the library (0.15.1) has matched the client, its request is lost, because the library does
+//! not know the writer yet. The library then sends an ACKNACK with base 1, and Fast DDS waits for its heartbeat period (3 s). Fast DDS
+//! answers an ACKNACK with base 0 at once. But it ignores ACKNACKs of a reader whose counts do not rise, also those that the library
+//! sends after ours.
 //!
-//! Sequence  on a match of a reader of ours with a writer of Fast DDS, without built-in ones:
-//!           1. our library is sent a HEARTBEAT of no samples, count 1, as if the writer had sent it, to be answered to a socket of ours.
-//!              If the library has heard the writer by now, whose counts begin with 1, it ignores that, and nothing is missing
-//!           2. the count of its answer is used by nothing else: an ACKNACK with base 0 and this count goes to the writer,
-//!              which answers by a HEARTBEAT with a count of at least 2
-//! Waits     a moment before that where the writer is latched: its first HEARTBEAT may be on its way, and would be ignored after ours
+//! Sequence  at a match of one of our readers with a Fast DDS writer, except built-in endpoints:
+//!           1. send our library a HEARTBEAT without samples and with count 1, in the name of the writer; the answer goes to our socket.
+//!              If the library has heard from the writer already, whose counts start with 1, it ignores this HEARTBEAT, and no sample
+//!              is missing
+//!           2. the count of the library's answer is not used elsewhere. Send the writer an ACKNACK with base 0 and this count. The
+//!              writer answers with a HEARTBEAT with a count of at least 2
+//! Waits     50 ms before step 1 if the writer is latched: its first HEARTBEAT may be in transit, and would be ignored after ours
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError, Weak};
@@ -23,16 +25,16 @@ use super::member::Shared;
 use super::rtps::{AckNack, Acknowledged, Message, entity, read_acknack};
 use crate::link::guid::Guid;
 
-/// How long the first HEARTBEAT of a latched writer may take.
+/// Maximum time until the first HEARTBEAT of a latched writer.
 const FIRST_HEARTBEAT: Duration = Duration::from_millis(50);
-/// How long our library may take for its answer.
+/// Maximum time until the answer of our library.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// After an error of the socket.
+/// Pause after an error of the socket.
 const PAUSE: Duration = Duration::from_millis(100);
-/// Longest datagram that is read: ACKNACKs are short.
+/// Maximum length of a datagram that is read, in bytes: ACKNACKs are short.
 const DATAGRAM: usize = 512;
 
-/// Who waits for an answer of our library, by reader and writer.
+/// Tasks that wait for an answer of our library, by reader and writer.
 #[derive(Default)]
 pub(super) struct Answers {
     waiting: Mutex<HashMap<(Guid, Guid), oneshot::Sender<i32>>>,
@@ -55,7 +57,7 @@ impl Answers {
 
     fn came(&self, answer: Acknowledged) {
         if let Some(waiting) = self.waiting().remove(&(answer.reader, answer.writer)) {
-            // It may have lost its patience.
+            // Fails if the wait has timed out.
             let _ = waiting.send(answer.count);
         }
     }
@@ -66,7 +68,7 @@ pub(super) async fn listen(socket: UdpSocket, shared: Weak<Shared>) {
     let mut buffer = [0; DATAGRAM];
     loop {
         let Ok(length) = socket.recv(&mut buffer).await else {
-            // A closed port was written to. A socket that has failed must not take all the time.
+            // A datagram was sent to a closed port. The pause limits the load if the socket fails permanently.
             sleep(PAUSE).await;
             continue;
         };
@@ -77,7 +79,7 @@ pub(super) async fn listen(socket: UdpSocket, shared: Weak<Shared>) {
     }
 }
 
-/// Asks a writer for what our reader has missed, if our library has not heard of it yet.
+/// Requests the samples that our reader has missed from a writer, if our library did not hear from the writer yet.
 pub(super) async fn ask(shared: Weak<Shared>, reader: Guid, writer: Guid) {
     if shared.upgrade().is_some_and(|shared| shared.participant.is_latched_writer(writer)) {
         sleep(FIRST_HEARTBEAT).await;

@@ -1,8 +1,9 @@
-//! Which participants are there, which were lost, and which have come back.
+//! State of all remote participants: present, lost, or back after a loss.
 //!
-//! Law      what the DDS library has lost by its lease is lost until it is heard; it then comes, and is back once the library knows
-//!          it again, else lost as before. Who says good-bye is forgotten. One that is lost is asked who it is, for an hour
-//! Refuses  more than [`MOST`] participants: the one that was not heard for longest is forgotten
+//! Law      a participant is lost when its lease has expired in the DDS library. When it is heard again, it is coming. It is back when
+//!          the library has discovered it again; otherwise it is lost again. A participant that is disposed is removed. A lost
+//!          participant is asked to announce itself, for one hour
+//! Refuses  more than [`MOST`] participants: the one that was not heard for the longest time is removed
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -12,25 +13,26 @@ use std::time::{Duration, Instant};
 use super::spdp::Announcement;
 use crate::link::guid::Prefix;
 
-/// Participants that are remembered: more than a host and its network have.
+/// Maximum number of participants that are stored: more than a host and its network have.
 const MOST: usize = 256;
-/// Of those that are lost, so many are asked in one round, in turn.
+/// Maximum number of lost participants that are asked in one round, in turn.
 const ASKED: usize = 16;
-/// One that was lost longer ago is not asked any more; it comes back when it announces itself.
+/// Time after its loss for which a participant is asked. Later it only comes back when it announces itself.
 const HOPE: Duration = Duration::from_secs(3600);
 
-/// What an announcement is for the DDS library, which takes those of a lost participant, and all that follow, for known ones.
+/// Effect of an announcement on the DDS library. The library treats the announcements of a lost participant, and all later ones, as
+/// known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heard {
-    /// Nothing that it does not hear itself.
+    /// The library handles the announcement itself.
     Known,
-    /// One that was lost speaks.
+    /// A lost participant is heard again.
     Coming,
-    /// One that is back says something else, or good-bye.
+    /// A participant that is back announces a change, or disposes itself.
     Changed,
 }
 
-/// All participants but our own.
+/// All participants except our own.
 #[derive(Default)]
 pub(super) struct Presence {
     all: HashMap<Prefix, Participant>,
@@ -47,7 +49,7 @@ enum State {
     Lost {
         since: Instant,
         asked: Option<Instant>,
-        /// The library has found it since then, by itself.
+        /// Whether the library has discovered it since then.
         is_found: bool,
     },
     Coming {
@@ -62,7 +64,7 @@ enum State {
 }
 
 impl Presence {
-    /// The library has lost it by its lease.
+    /// Records that its lease has expired in the library.
     pub(super) fn lost(&mut self, who: Prefix, now: Instant) {
         let participant = self.participant(who, now);
         match &mut participant.state {
@@ -71,7 +73,7 @@ impl Presence {
         }
     }
 
-    /// The library has found it.
+    /// Records that the library has discovered it.
     pub(super) fn found(&mut self, who: Prefix) {
         let found = self.all.get_mut(&who).map(|participant| &mut participant.state);
         if let Some(State::Lost { is_found, .. } | State::Coming { is_found, .. }) = found {
@@ -79,12 +81,12 @@ impl Presence {
         }
     }
 
-    /// It said good-bye.
+    /// Removes a participant that was disposed.
     pub(super) fn forget(&mut self, who: Prefix) {
         self.all.remove(&who);
     }
 
-    /// It announces itself.
+    /// Handles an announcement.
     pub(super) fn heard(&mut self, said: &Announcement, now: Instant) -> Heard {
         if said.is_gone {
             let gone = self.all.remove(&said.who);
@@ -111,7 +113,8 @@ impl Presence {
         }
     }
 
-    /// The library was told all of one that was coming: it is back, where the library has found it.
+    /// Handles that all announcements of a coming participant were sent to the library. It is back if the library has discovered it.
+    /// Returns whether that is so.
     pub(super) fn told(&mut self, who: Prefix, now: Instant) -> bool {
         let Some(participant) = self.all.get_mut(&who) else { return false };
         let State::Coming { since, said, is_found } = participant.state else { return false };
@@ -122,7 +125,7 @@ impl Presence {
         is_found
     }
 
-    /// When it came back, where it was ever lost.
+    /// Returns the time at which it was heard again, or `None` if it was never lost or is still lost.
     pub(super) fn since(&self, who: Prefix) -> Option<Instant> {
         match self.all.get(&who)?.state {
             State::There | State::Lost { .. } => None,
@@ -130,9 +133,9 @@ impl Presence {
         }
     }
 
-    /// Where is asked in this round.
+    /// Returns the addresses of the lost participants that are asked in this round.
     pub(super) fn ask(&mut self, now: Instant) -> Vec<SocketAddrV4> {
-        // Whoever lives at the address of one that was killed has nothing to do with it.
+        // Another participant may use the address of one that was killed, and is not asked.
         let live = self.all.values().filter(|participant| !matches!(participant.state, State::Lost { .. }));
         let taken: HashSet<_> = live.flat_map(|participant| participant.addresses.clone()).collect();
         let mut lost = Vec::new();
@@ -163,7 +166,7 @@ impl Presence {
     }
 }
 
-/// Announcements that differ are told apart by it.
+/// Returns a hash that distinguishes different announcements.
 fn digest(said: &Announcement) -> u64 {
     let mut hasher = DefaultHasher::new();
     said.hash(&mut hasher);
@@ -227,7 +230,7 @@ mod tests {
         presence.found(who(1));
         presence.lost(who(1), now);
         assert!(!presence.told(who(1), now), "lost again meanwhile");
-        // Under a number of its own that the library did not know; its endpoints stay unknown.
+        // With a sequence number of its own that the library did not know; its endpoints stay unknown.
         presence.found(who(1));
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
         assert!(presence.told(who(1), now));

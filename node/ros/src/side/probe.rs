@@ -1,9 +1,9 @@
-//! Does the DDS library still work?
+//! Checks whether the DDS library still works.
 //!
-//! Law      its event loop takes a sample and sends it (`Barrier`), at each probe; and every few seconds a participant that we play
-//!          announces itself on its socket of discovery, which both of its threads have to see before it is reported, and says
-//!          good-bye again; both are said three times where they are not seen, as a datagram may get lost. A process of its own
-//!          looks at each probe whether the threads are there at all
+//! Law      at each probe, its event loop must take a sample and send it (`Barrier`). Every 5 s a simulated participant announces
+//!          itself on the discovery socket of the library, and is disposed again. Both threads of the library have to handle an
+//!          announcement before the library reports it. If the library does not report them, both datagrams are sent up to three times,
+//!          because a datagram may get lost
 
 use std::sync::Mutex;
 use std::sync::PoisonError;
@@ -16,20 +16,20 @@ use super::member::Shared;
 use super::spdp::{self, BARE, Played};
 use crate::link::guid::Prefix;
 
-/// Between two announcements: each makes the library announce itself to all.
+/// Time between two announcements. At each of them the library announces itself to all participants.
 const ANNOUNCEMENTS: Duration = Duration::from_secs(5);
-/// How long an announcement may take until it is said again, and how often it is said.
+/// Time after which an announcement is repeated, and the maximum number of attempts.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TRIES: u32 = 3;
-/// Of the participant that we play; longer than it ever lives.
+/// Lease of the simulated participant in seconds; longer than it ever exists.
 const LEASE_S: i32 = 600;
 
 /// Probes of one participant.
 pub(super) struct Probe {
     barrier: Barrier,
-    /// The participant that we play.
+    /// Prefix of the simulated participant.
     player: Prefix,
-    /// How often it was found, and how often it was lost.
+    /// How often the library has discovered it, and how often the library has lost it.
     seen: watch::Sender<(u64, u64)>,
     turn: Mutex<Turn>,
 }
@@ -43,27 +43,27 @@ impl Probe {
     pub(super) fn new(participant: &Participant) -> Result<Self, DdsError> {
         let own = participant.guid().prefix();
         let mut player = own;
-        // Of the same vendor; of nobody else.
+        // The same vendor ID; no other participant has this prefix.
         player.0[2..].iter_mut().for_each(|byte| *byte ^= 0x5a);
         let turn = Mutex::new(Turn { next: Instant::now(), sequence: 1 });
         Ok(Self { barrier: participant.barrier()?, player, seen: watch::Sender::default(), turn })
     }
 
-    /// The library has found a participant.
+    /// Records that the library has discovered a participant.
     pub(super) fn found(&self, participant: Prefix) {
         if participant == self.player {
             self.seen.send_modify(|(found, _)| *found += 1);
         }
     }
 
-    /// The library has lost one.
+    /// Records that the library has lost a participant.
     pub(super) fn gone(&self, participant: Prefix) {
         if participant == self.player {
             self.seen.send_modify(|(_, lost)| *lost += 1);
         }
     }
 
-    /// Tries; what does not work otherwise.
+    /// Probes the library. Returns the part that does not work as an error.
     pub(super) async fn try_it(&self, shared: &Shared) -> Result<(), &'static str> {
         if !self.barrier.pass().await {
             return Err("the event loop of its DDS library takes nothing");

@@ -1,4 +1,4 @@
-//! Replies, each to the one reader that waits for it.
+//! Sends each reply to the one reader that waits for it.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,36 +10,39 @@ use tokio::time::{Instant, sleep, sleep_until, timeout_at};
 use super::dds::{Address, LONGEST_IDENTIFIED, Writer, now_ticks, padded};
 use super::long_reply::LongReply;
 use super::member::Shared;
+use super::rtps::{Message, entity};
 use crate::link::guid::Guid;
 use crate::link::protocol::{Place, Reply, ReplyFailure, SampleId};
 
-/// For how long a reply waits for room.
+/// Maximum time for which a reply waits for space in the writer.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Between two tries to write.
+/// Time between two attempts to write.
 const AGAIN: Duration = Duration::from_millis(5);
-/// Clients whose readers are remembered; more are looked up again.
+/// Maximum number of clients whose readers are cached; others are looked up each time.
 const KNOWN: usize = 256;
-/// Datagrams of a long reply that go out together, and the pause behind them: what a socket's buffer holds.
+/// Number of datagrams of a long reply that are sent together, and the pause after them. A socket's buffer can hold this number.
 const TOGETHER: usize = 32;
 const PAUSE: Duration = Duration::from_millis(1);
-/// A long reply of fewer datagrams goes out twice.
+/// Maximum length in bytes of a first reply that this module sends itself, so that it fits into a UDP datagram.
+const LONGEST_FIRST: usize = 60_000;
+/// A long reply of fewer datagrams is sent twice.
 const FEW: usize = 8;
 
 /// Writes the replies of one service.
 pub(super) struct Replies {
     writer: Arc<Writer>,
     topic: String,
-    /// The reader of a client that writes with this writer, where a search has found exactly one.
+    /// Reader of each client, by the client's writer, if a search has found exactly one reader.
     known: Mutex<HashMap<Guid, Guid>>,
-    /// One reply after the other: a long one has to know its number before.
+    /// Locked while a reply is sent, so that a long reply knows its sequence number in advance.
     numbers: tokio::sync::Mutex<Numbers>,
 }
 
-/// Numbers of the writer's samples.
+/// Sequence numbers of the writer's samples.
 #[derive(Default)]
 struct Numbers {
     last: i64,
-    /// The last one to each reader.
+    /// Number of the last sample to each reader.
     to: HashMap<Guid, i64>,
 }
 
@@ -48,7 +51,7 @@ impl Replies {
         Self { writer, topic, known: Mutex::default(), numbers: tokio::sync::Mutex::default() }
     }
 
-    /// Writes a reply as soon as its reader is matched: one that is written before is lost.
+    /// Writes a reply as soon as its reader is matched. A reply that is written before the match is lost.
     pub(super) async fn send(&self, shared: &Shared, reply: Reply) -> Result<(), ReplyFailure> {
         let deadline = Instant::now() + Duration::from_millis(reply.patience_ms.into());
         let mut changes = shared.matches.changes();
@@ -90,6 +93,13 @@ impl Replies {
             let reply = LongReply { writer, reader, number, from, time, answers, bytes: &bytes };
             say(shared, reader, &reply.datagrams()).await;
         }
+        if answers.is_none() && bytes.len() <= LONGEST_FIRST && !numbers.to.contains_key(&reader) {
+            // Sent before the library has the sample, because the library might announce the sample in a HEARTBEAT before it sends it. A
+            // Cyclone DDS reader that has just matched accepts only samples after its first HEARTBEAT.
+            let datagram = first_reply(self.writer.guid(), reader, numbers.last + 1, bytes);
+            let addresses = shared.participant.addresses_of_reader(reader);
+            addresses.iter().for_each(|address| shared.socket.send(&datagram, *address));
+        }
         let address = Address { reader, answers: answers.filter(|_| long.is_none()) };
         loop {
             match self.writer.write_to(bytes.clone(), address) {
@@ -101,8 +111,8 @@ impl Replies {
                     numbers.to.insert(reader, number);
                     return Ok(());
                 }
-                // The number of a long reply is taken: under it, no other sample may go to anyone while its reader is there, whom a GAP
-                // over the fragments that it has would hang.
+                // The fragments of a long reply were sent with this number already. No other sample may use the number while the reader is
+                // matched: a GAP that covers fragments that the reader has would hang it.
                 Err(ReplyFailure::Full)
                     if Instant::now() < deadline || long.is_some() && self.is_matched(shared, reader) =>
                 {
@@ -117,7 +127,7 @@ impl Replies {
         shared.matches.contains(self.writer.guid(), reader)
     }
 
-    /// A panic elsewhere leaves the readers whole: each change is one call.
+    /// Locks the cached readers. They are consistent even after a panic elsewhere, because each change is one call.
     fn known(&self) -> MutexGuard<'_, HashMap<Guid, Guid>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -145,6 +155,18 @@ impl Replies {
     }
 }
 
+/// Returns the datagram of the first reply to a reader, as the sample with this number.
+fn first_reply(writer: Guid, reader: Guid, number: i64, bytes: &Bytes) -> Vec<u8> {
+    let mut message = Message::from(writer.prefix());
+    message.time(now_ticks()).to(reader.prefix());
+    let (to, from) = (entity(reader), entity(writer));
+    if number > 1 {
+        message.gap(to, from, 1, number);
+    }
+    message.data(to, from, number, &[&[0, 1, 0, 0], &padded(bytes.clone())[..]].concat());
+    message.bytes()
+}
+
 /// Sends the datagrams of a long reply to every address of its reader.
 async fn say(shared: &Shared, reader: Guid, datagrams: &[Vec<u8>]) {
     let addresses = shared.participant.addresses_of_reader(reader);
@@ -158,10 +180,10 @@ async fn say(shared: &Shared, reader: Guid, datagrams: &[Vec<u8>]) {
     }
 }
 
-/// Readers that may be the client's.
+/// Readers that may belong to the client.
 struct Found {
     matched: Vec<Guid>,
-    /// There are some, and all are matched.
+    /// Whether there is at least one reader, and all of them are matched.
     complete: bool,
 }
 
@@ -170,5 +192,32 @@ impl Found {
         let count = candidates.len();
         let matched: Vec<_> = candidates.into_iter().filter(|reader| is_matched(*reader)).collect();
         Self { complete: count > 0 && matched.len() == count, matched }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_reply_is_data_after_a_gap_over_earlier_samples() {
+        let (writer, reader) = (Guid([1; 16]), Guid([2; 16]));
+        // Header, INFO_TS, INFO_DST; GAP; DATA: its header, flags and octets to inline QoS, reader, writer, number, payload.
+        let reply = |number| first_reply(writer, reader, number, &Bytes::from_static(&[7, 8, 9]))[48..].to_vec();
+        let data = |number: u8| {
+            [
+                &[0x15, 5, 28, 0, 0, 0, 16, 0],
+                &[2; 4][..],
+                &[1; 4],
+                &[0; 4],
+                &[number, 0, 0, 0],
+                &[0, 1, 0, 0, 7, 8, 9, 0],
+            ]
+            .concat()
+        };
+        assert_eq!(reply(1), data(1));
+        let gap =
+            [&[0x08, 1, 28, 0], &[2; 4][..], &[1; 4], &[0; 4], &[1, 0, 0, 0], &[0; 4], &[3, 0, 0, 0], &[0; 4]].concat();
+        assert_eq!(reply(3), [gap, data(3)].concat());
     }
 }

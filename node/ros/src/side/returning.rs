@@ -1,16 +1,18 @@
-//! Participants that were silent beyond their lease and speak again: stopped in a debugger, suspended, cut off.
+//! Restores participants that are heard again after their lease has expired: stopped in a debugger, suspended, or disconnected.
 //!
-//! The DDS library (0.15.1) would never speak to them again: it takes their later announcements, and those of their endpoints, for the
-//! ones that it knows.
+//! The DDS library (0.15.1) would never communicate with them again: it treats their later announcements, and those of their endpoints,
+//! as known.
 //!
-//! Law       what was lost by its lease (`presence`) is asked every 2 s who it is: participants answer one that they do not know. Nothing
-//!           that it has written before it spoke again is carried out (`age`)
-//! Sequence  when it is heard:
-//!           1. a good-bye to it, in the name of our participant: it forgets all counts and numbers of ours, and what it still has
-//!              for us. Not to one of the library, which would not find us again. A second for that
-//!           2. its announcement under a number that the library does not know: it is a participant again, and its endpoints are in the
-//!              library's tables again, but not matched
-//!           3. a participant that we play, seen by nobody but our library, announces those endpoints, and is gone
+//! Law       a participant whose lease has expired (`presence`) is asked every 2 s to announce itself: participants answer the
+//!           announcement of an unknown participant. Samples that it wrote before it was heard again are not executed (`age`)
+//! Sequence  when the participant is heard again:
+//!           1. send it a disposal in the name of our participant. It then forgets all our counts and sequence numbers, and the
+//!              samples that it still has for us. A participant of the same library gets none, because it would not find us again.
+//!              Wait 1 s
+//!           2. send its announcement to our library, with a sequence number that the library does not know. The library then has the
+//!              participant and its endpoints in its tables again, but the endpoints are not matched
+//!           3. announce those endpoints to our library in the name of a simulated participant, which only our library sees; then
+//!              dispose the simulated participant
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddrV4};
@@ -32,51 +34,52 @@ use super::socket::OwnSocket;
 use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, Played};
 use crate::link::guid::Prefix;
 
-/// Between two rounds of questions.
+/// Period of the rounds in which lost participants are asked.
 const ROUND: Duration = Duration::from_secs(2);
-/// Of who asks: one that did not hear us, or whose answer was lost, takes the next question for a new participant's.
+/// Lease of the simulated participant that asks, in seconds. If a question or its answer was lost, the next question counts as that of
+/// a new participant.
 const ASKING_S: i32 = 1;
-/// Of who announces endpoints; it is gone much sooner.
+/// Lease of the simulated participant that announces endpoints, in seconds; it is disposed much sooner.
 const ANNOUNCING_S: i32 = 60;
-/// What a participant needs to forget ours.
+/// Time that a participant needs to forget ours.
 const FORGETTING: Duration = Duration::from_secs(1);
-/// What our library needs to know a participant, and then its endpoints.
+/// Time that our library needs to discover a participant, and then to match its endpoints.
 const KNOWING: Duration = Duration::from_millis(200);
 const MATCHING: Duration = Duration::from_millis(500);
-/// Larger than any number that a participant gives its own announcements.
+/// Larger than any sequence number that a participant gives to its own announcements.
 const UNKNOWN: i64 = 1 << 40;
-/// Endpoints that are announced together, and the pause behind them: what a socket's buffer holds.
+/// Number of endpoints that are announced together, and the pause after them. A socket's buffer can hold this number.
 const TOGETHER: usize = 32;
 const PAUSE: Duration = Duration::from_millis(5);
-/// Vendor of the library, as its GUIDs begin.
+/// Vendor ID of the library; its GUIDs start with it.
 const LIBRARY: [u8; 2] = [0x01, 0x12];
-/// Networks that a question names; each makes its answer one more datagram.
+/// Maximum number of networks in a question; each one adds a datagram to the answer.
 const NETWORKS: usize = 4;
-/// After an error of an listener.
+/// Pause after an error of a listener.
 const DEAF: Duration = Duration::from_millis(100);
-/// Longest datagram.
+/// Maximum length of a datagram in bytes.
 const DATAGRAM: usize = 1 << 16;
 
-/// Listens next to the library.
+/// Listens to announcements in addition to the library, and asks lost participants.
 pub(super) struct Returning {
     own: Prefix,
     networks: Vec<Ipv4Addr>,
     presence: Mutex<Presence>,
-    /// Hears the answers to what it asks, too.
+    /// Sends the questions, and also receives their answers.
     socket: OwnSocket,
-    /// Numbers, each given once: to questions, announcements said again, participants that we play.
+    /// Next number. Each is used once: for a question, a repeated announcement, or a simulated participant.
     given: AtomicI64,
 }
 
 impl Returning {
-    /// OwnSocket the participant `own`, which was made on these networks.
+    /// Creates it for the participant `own`, which was created on these networks.
     pub(super) fn new(own: Prefix, networks: Vec<Ipv4Addr>) -> io::Result<Self> {
         let is_here = networks.iter().all(Ipv4Addr::is_loopback);
         let socket = if is_here { OwnSocket::on(Ipv4Addr::LOCALHOST)? } else { OwnSocket::new()? };
         Ok(Self { own, networks, presence: Mutex::default(), socket, given: AtomicI64::new(1) })
     }
 
-    /// The tasks that listen and ask.
+    /// Starts the tasks that listen and ask.
     pub(super) fn start(shared: &Arc<Shared>, domain: u16, runtime: &Handle) -> io::Result<Vec<JoinHandle<()>>> {
         let this = &shared.returning;
         let mut sockets = listeners::open(domain, &this.networks)?;
@@ -89,7 +92,7 @@ impl Returning {
         Ok(tasks)
     }
 
-    /// What discovery says of others.
+    /// Records a discovery event of the library.
     pub(super) fn note(&self, change: Discovery) {
         match change {
             Discovery::Found { participant } => self.presence().found(participant),
@@ -100,12 +103,12 @@ impl Returning {
         }
     }
 
-    /// When a participant spoke again, where it was ever lost.
+    /// Returns the time at which a participant was heard again, or `None` if it was never lost or is still lost.
     pub(super) fn since(&self, who: Prefix) -> Option<Instant> {
         self.presence().since(who)
     }
 
-    /// A panic elsewhere leaves it whole: each change is one call.
+    /// Locks the presence. It is consistent even after a panic elsewhere, because each change is one call.
     fn presence(&self) -> MutexGuard<'_, Presence> {
         self.presence.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -114,12 +117,12 @@ impl Returning {
         self.given.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// Asks those that are lost who they are.
+    /// Asks lost participants to announce themselves.
     fn ask(&self) {
         let lost = self.presence().ask(Instant::now());
         let (who, port) = (played(self.own, 0), self.socket.address().port());
         for address in lost {
-            // Where the answer has to go.
+            // Addresses to which the answer has to be sent.
             let near = self.networks.iter().filter(|network| network.is_loopback() == address.ip().is_loopback());
             let mut here: Vec<_> = near.map(|network| SocketAddrV4::new(*network, port)).take(NETWORKS).collect();
             if here.is_empty() {
@@ -131,7 +134,7 @@ impl Returning {
     }
 }
 
-/// The prefix of a participant that we play: of the same vendor; of nobody else.
+/// Returns the prefix of a simulated participant: it has the same vendor ID, and no other participant has it.
 fn played(own: Prefix, which: i64) -> Prefix {
     let mut prefix = own;
     for (byte, other) in prefix.0[2..].iter_mut().zip((which ^ 0x5a5a_5a5a_5a5a_5a5a).to_le_bytes()) {
@@ -152,7 +155,7 @@ async fn listen(listener: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
     let mut buffer = vec![0; DATAGRAM];
     loop {
         let Ok(length) = listener.recv(&mut buffer).await else {
-            // A closed port was written to. An listener that fails for good must not take all the time.
+            // A datagram was sent to a closed port. The pause limits the load if the listener fails permanently.
             sleep(DEAF).await;
             continue;
         };
@@ -173,7 +176,8 @@ async fn listen(listener: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
     }
 }
 
-/// Makes a participant that was lost, and speaks again, known to the library; what cannot be done is done when it is heard next.
+/// Makes a lost participant that is heard again known to the library. If that fails, it is tried again when the participant is heard
+/// next.
 async fn introduce(shared: Weak<Shared>, said: Announcement) {
     if forget_us(&shared, &said).is_none() {
         return;
@@ -182,7 +186,7 @@ async fn introduce(shared: Weak<Shared>, said: Announcement) {
     let Some(player) = announce(&shared, &said) else { return };
     sleep(KNOWING).await;
     let Some(datagrams) = endpoints(&shared, &said, player) else { return };
-    // Twice, as one that gets lost would hold up all that follow; the library takes each once.
+    // Twice, because a lost datagram would block all that follow. The library handles each one once.
     for some in datagrams.chunks(TOGETHER).chain(datagrams.chunks(TOGETHER)) {
         if tell(&shared, some).is_none() {
             return;
@@ -193,7 +197,7 @@ async fn introduce(shared: Weak<Shared>, said: Announcement) {
     let Some(shared) = shared.upgrade() else { return };
     tell_all(&shared, &[spdp::disposal(player, None, 2)]);
     if shared.returning.presence().told(said.who, Instant::now()) {
-        // As loud as its loss.
+        // With the same severity as its loss.
         tracing::warn!("DDS participant {} speaks again, and is answered", said.who);
     }
 }
@@ -203,7 +207,7 @@ fn forget_us(shared: &Weak<Shared>, said: &Announcement) -> Option<()> {
     let shared = shared.upgrade()?;
     let this = &shared.returning;
     for address in &said.addresses {
-        // Who has asked leaves, too.
+        // Also dispose the simulated participant that has asked.
         this.socket.send(&spdp::disposal(played(this.own, 0), Some(said.who), LATE + this.number()), *address);
         if said.who.0[..2] != LIBRARY {
             this.socket.send(&spdp::disposal(this.own, Some(said.who), LATE + this.number()), *address);
@@ -212,7 +216,7 @@ fn forget_us(shared: &Weak<Shared>, said: &Announcement) -> Option<()> {
     Some(())
 }
 
-/// Step 2; and who announces endpoints.
+/// Step 2; also announces the simulated participant that announces endpoints.
 fn announce(shared: &Weak<Shared>, said: &Announcement) -> Option<Prefix> {
     let shared = shared.upgrade()?;
     let this = &shared.returning;
@@ -230,11 +234,11 @@ fn announce(shared: &Weak<Shared>, said: &Announcement) -> Option<Prefix> {
 /// Step 3.
 fn endpoints(shared: &Weak<Shared>, said: &Announcement, player: Prefix) -> Option<Vec<Vec<u8>>> {
     let shared = shared.upgrade()?;
-    // What it has made since then the library has found by itself.
+    // The library has matched newer endpoints itself.
     let mut endpoints = shared.participant.endpoints_of(said.who);
     endpoints.retain(|endpoint| !shared.is_matched(endpoint.guid));
     let (readers, writers): (Vec<_>, Vec<_>) = endpoints.iter().partition(|endpoint| endpoint.guid.is_reader());
-    // Readers and writers are announced by a writer each, without a gap in its numbers.
+    // Readers and writers are announced by separate writers. The sequence numbers of each must have no gap.
     let announced = |endpoints: Vec<&Endpoint>| {
         let mut all = Vec::new();
         for endpoint in endpoints {
@@ -251,7 +255,7 @@ fn tell(shared: &Weak<Shared>, datagrams: &[Vec<u8>]) -> Option<()> {
     Some(())
 }
 
-/// Tells our library.
+/// Sends datagrams to our library.
 fn tell_all(shared: &Shared, datagrams: &[Vec<u8>]) {
     let inside = shared.participant.discovery_address();
     datagrams.iter().for_each(|datagram| shared.returning.socket.send(datagram, inside));

@@ -1,27 +1,27 @@
-//! The few RTPS messages that are sent next to the DDS library, little endian, and what is read of those that come back.
+//! RTPS messages that are sent in addition to the DDS library (little endian), and a parser of the ACKNACKs that answer them.
 
 use std::net::SocketAddrV4;
 
 use crate::link::guid::{Guid, Prefix};
 
-/// The last 4 bytes of a GUID: the endpoint.
+/// Entity ID: the last 4 bytes of a GUID, which identify the endpoint.
 pub(super) type Entity = [u8; 4];
 
-/// The endpoint's part of a GUID.
+/// Returns the entity ID of a GUID.
 pub(super) fn entity(guid: Guid) -> Entity {
     std::array::from_fn(|place| guid.0[12 + place])
 }
 
-/// An RTPS message in the making.
+/// Builder of an RTPS message.
 pub(super) struct Message(Vec<u8>);
 
 impl Message {
-    /// As rustdds 0.15.1 begins its own: RTPS 2.4, its vendor.
+    /// Starts a message with the same header as rustdds 0.15.1: RTPS 2.4, vendor ID of rustdds.
     pub(super) fn from(prefix: Prefix) -> Self {
         Self([b"RTPS".as_slice(), &[2, 4, 0x01, 0x12], &prefix.0].concat())
     }
 
-    /// A submessage of RTPS 2.5, 8.3.8; at most 64 kB.
+    /// Adds a submessage (RTPS 2.5, 8.3.8) of at most 64 kB.
     pub(super) fn submessage(&mut self, kind: u8, flags: u8, body: &[u8]) -> &mut Self {
         self.0.extend([kind, flags | 1]);
         self.0.extend((body.len() as u16).to_le_bytes());
@@ -29,12 +29,12 @@ impl Message {
         self
     }
 
-    /// INFO_DST: what follows is for this participant.
+    /// INFO_DST: the next submessages are for this participant.
     pub(super) fn to(&mut self, prefix: Prefix) -> &mut Self {
         self.submessage(INFO_DST, 0, &prefix.0)
     }
 
-    /// INFO_TS: when what follows was written, in 2^-32 s since 1970.
+    /// INFO_TS: source timestamp of the next submessages, in 2^-32 s since 1970.
     pub(super) fn time(&mut self, ticks: u64) -> &mut Self {
         let seconds = ((ticks >> 32) as u32).to_le_bytes();
         self.submessage(0x09, 0, &[seconds, (ticks as u32).to_le_bytes()].concat())
@@ -46,14 +46,14 @@ impl Message {
         self.submessage(0x08, 0, &body)
     }
 
-    /// INFO_REPLY: what follows is answered to this address.
+    /// INFO_REPLY: the answers to the next submessages are sent to this address.
     pub(super) fn reply_to(&mut self, address: SocketAddrV4) -> &mut Self {
         let locators = [&1u32.to_le_bytes()[..], &locator(address)].concat();
-        // The DDS library reads a byte more than RTPS has: no multicast list.
+        // The DDS library reads one byte more than RTPS specifies: no multicast list.
         self.submessage(0x0f, 0, &[&locators[..], &[0; 4]].concat())
     }
 
-    /// HEARTBEAT of a writer that has no samples, to be answered.
+    /// HEARTBEAT of a writer that has no samples; it requests an answer.
     pub(super) fn empty_heartbeat(&mut self, reader: Entity, writer: Entity, count: i32) -> &mut Self {
         let body = [&reader[..], &writer, &number(1), &number(0), &count.to_le_bytes()].concat();
         self.submessage(HEARTBEAT, 0, &body)
@@ -65,13 +65,13 @@ impl Message {
         self.submessage(ACKNACK, if ack.is_final { FINAL } else { 0 }, &body)
     }
 
-    /// DATA with a parameter list (its encapsulation included) as payload.
-    pub(super) fn list(&mut self, reader: Entity, writer: Entity, sequence: i64, payload: &[u8]) -> &mut Self {
+    /// DATA with this payload, including its encapsulation.
+    pub(super) fn data(&mut self, reader: Entity, writer: Entity, sequence: i64, payload: &[u8]) -> &mut Self {
         let body = [&[0, 0, 16, 0], reader.as_slice(), &writer, &number(sequence), payload].concat();
         self.submessage(0x15, 0b100, &body)
     }
 
-    /// As it goes out.
+    /// Returns the message as it is sent.
     pub(super) fn bytes(self) -> Vec<u8> {
         self.0
     }
@@ -83,18 +83,18 @@ const HEARTBEAT: u8 = 0x07;
 /// Flag of an ACKNACK that needs no answer.
 const FINAL: u8 = 0b10;
 
-/// An ACKNACK without a set.
+/// An ACKNACK with an empty set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct AckNack {
     pub(super) reader: Entity,
     pub(super) writer: Entity,
-    /// All samples before this number are acknowledged; 0: preemptive, the reader knows nothing of the writer.
+    /// All samples before this number are acknowledged; 0: preemptive, the reader does not know the writer's samples yet.
     pub(super) base: i64,
     pub(super) count: i32,
     pub(super) is_final: bool,
 }
 
-/// What an ACKNACK says of who sends it to whom.
+/// Reader, writer and count of a received ACKNACK.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Acknowledged {
     pub(super) reader: Guid,
@@ -102,7 +102,7 @@ pub(super) struct Acknowledged {
     pub(super) count: i32,
 }
 
-/// The last ACKNACK in a little-endian message.
+/// Returns the last ACKNACK of a little-endian message.
 pub(super) fn read_acknack(datagram: &[u8]) -> Option<Acknowledged> {
     let (from, mut to) = (prefix(datagram, 8)?, None);
     let (mut rest, mut found) = (datagram.get(20..)?, None);
@@ -111,7 +111,7 @@ pub(super) fn read_acknack(datagram: &[u8]) -> Option<Acknowledged> {
             return found;
         }
         let length = usize::from(u16::from_le_bytes([low, high]));
-        // The last submessage may leave its length out.
+        // The last submessage may have length 0: it extends to the end of the message.
         let body = body.get(..if length == 0 { body.len() } else { length })?;
         match kind {
             INFO_DST => to = prefix(body, 0),
@@ -132,19 +132,19 @@ fn prefix(bytes: &[u8], at: usize) -> Option<Prefix> {
     bytes.get(at..at + 12)?.try_into().ok().map(Prefix)
 }
 
-/// A locator of UDP.
+/// Returns the UDP locator of an address.
 pub(super) fn locator(address: SocketAddrV4) -> Vec<u8> {
     let (kind, port) = (1u32.to_le_bytes(), u32::from(address.port()).to_le_bytes());
     [&kind[..], &port, &[0; 12], &address.ip().octets()].concat()
 }
 
-/// A sequence number on the wire.
+/// Returns a sequence number as it is sent.
 pub(super) fn number(n: i64) -> [u8; 8] {
     let (high, low) = (((n >> 32) as i32).to_le_bytes(), (n as u32).to_le_bytes());
     [high[0], high[1], high[2], high[3], low[0], low[1], low[2], low[3]]
 }
 
-/// Adds a parameter to a list.
+/// Adds a parameter to a parameter list.
 pub(super) fn parameter(list: &mut Vec<u8>, id: u16, value: &[u8]) {
     let length = value.len().next_multiple_of(4);
     list.extend(id.to_le_bytes());
@@ -153,7 +153,7 @@ pub(super) fn parameter(list: &mut Vec<u8>, id: u16, value: &[u8]) {
     list.resize(list.len() + length - value.len(), 0);
 }
 
-/// Ends a parameter list.
+/// End of a parameter list.
 pub(super) const SENTINEL: [u8; 4] = [1, 0, 0, 0];
 
 #[cfg(test)]

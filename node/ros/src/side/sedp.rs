@@ -1,4 +1,5 @@
-//! Announcements of endpoints (RTPS 2.5, 8.5.4 and 9.6.3): in the name of a participant that we play, and the end of a reader of ours.
+//! Endpoint announcements (SEDP; RTPS 2.5, 8.5.4 and 9.6.3): announces endpoints in the name of a simulated participant, and disposes
+//! our readers.
 
 use std::net::SocketAddrV4;
 
@@ -6,10 +7,10 @@ use super::rtps::{Entity, Message, SENTINEL, locator, parameter};
 use super::spdp::{PARTICIPANT, gone};
 use crate::link::guid::{Guid, Prefix};
 
-/// Longest announcement (bytes): a datagram has 64 kB.
+/// Maximum length of an announcement in bytes: a datagram has 64 kB.
 const LONGEST: usize = 60_000;
 
-/// What the DDS library needs to match a remote endpoint.
+/// Data that the DDS library needs to match a remote endpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Endpoint {
     pub(super) guid: Guid,
@@ -22,12 +23,13 @@ pub(super) struct Endpoint {
 }
 
 impl Endpoint {
-    /// As sample `sequence` of what `who` announces, of readers or of writers; `None`: its names are too long.
+    /// Returns its announcement by `who`, as sample `sequence` of the announcements of readers or of writers. Returns `None` if the names
+    /// are too long.
     pub(super) fn announced(&self, who: Prefix, sequence: i64) -> Option<Vec<u8>> {
         if self.topic.len() + self.type_name.len() + self.user_data.len() + 24 * self.addresses.len() > LONGEST {
             return None;
         }
-        // All of them fit 16 bits.
+        // All lengths fit into 16 bits.
         let text = |text: &str| [(text.len() as u32 + 1).to_le_bytes().as_slice(), text.as_bytes(), &[0]].concat();
         let mut list = vec![0, 3, 0, 0];
         // Endpoint, its locators, its participant, topic, type, reliability, durability, user data.
@@ -49,13 +51,13 @@ impl Endpoint {
         list.extend(SENTINEL);
         let topic = if self.guid.is_reader() { 4 } else { 3 };
         let mut message = Message::from(who);
-        message.list([0, 0, topic, 0xc7], [0, 0, topic, 0xc2], sequence, &list);
+        message.data([0, 0, topic, 0xc7], [0, 0, topic, 0xc2], sequence, &list);
         Some(message.bytes())
     }
 }
 
-/// `reader` is no more, as sample `sequence` of what its participant announces of readers. The DDS library (0.15.1) says so without a
-/// key hash, which Fast DDS needs; of two samples of one number it takes the first.
+/// Returns the disposal of `reader`, as sample `sequence` of the reader announcements of its participant. The DDS library (0.15.1)
+/// sends its own disposal without a key hash, which Fast DDS needs. If two samples have the same number, Fast DDS uses the first.
 pub(super) fn reader_gone(reader: Guid, sequence: i64) -> Vec<u8> {
     let ends: (Entity, Entity) = ([0, 0, 4, 0xc7], [0, 0, 4, 0xc2]);
     let mut message = Message::from(reader.prefix());

@@ -1,5 +1,5 @@
-//! Announcements of participants (RTPS 2.5, 8.5.3 and 9.6.3): heard and said again, a good-bye in the name of one of ours, and
-//! one that we play.
+//! Participant announcements (SPDP; RTPS 2.5, 8.5.3 and 9.6.3): reads and repeats them, disposes our participants, and announces
+//! simulated participants.
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
@@ -10,41 +10,41 @@ const SPDP_WRITER: Entity = [0, 1, 0, 0xc2];
 const SPDP_READER: Entity = [0, 1, 0, 0xc7];
 pub(super) const PARTICIPANT: Entity = [0, 0, 1, 0xc1];
 
-/// Where participants announce themselves where there is multicast.
+/// Multicast group to which participants announce themselves on networks with multicast.
 pub(super) const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
-/// Participants of one host and domain (RTPS 2.5, 9.6.2.3).
+/// Maximum number of participants of one host and domain (RTPS 2.5, 9.6.2.3).
 pub(super) const PROGRAMS: u16 = 120;
 
-/// The port of the group in a domain.
+/// Returns the port of the multicast group in a domain.
 pub(super) fn group_port(domain: u16) -> u16 {
     7400 + 250 * domain
 }
 
-/// Where a participant of a host reads announcements that are sent to itself.
+/// Returns the port on which the participant with this ID reads announcements that are sent to it (unicast).
 pub(super) fn own_port(domain: u16, id: u16) -> u16 {
     group_port(domain) + 10 + 2 * id
 }
 
-/// Larger than any number that the library gives its own announcements: Fast DDS takes only larger ones.
+/// Larger than any sequence number that the library gives to its own announcements: Fast DDS accepts only rising numbers.
 pub(super) const LATE: i64 = 1 << 30;
 
-/// Addresses of a participant that count; each is one more datagram to it.
+/// Maximum number of addresses of a participant that are used; each one adds a datagram.
 const ADDRESSES: usize = 4;
 
-/// An announcement of a participant, as it came.
+/// A received announcement of a participant.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Announcement {
     pub(super) who: Prefix,
-    /// It says good-bye.
+    /// Whether the participant is disposed or unregistered.
     pub(super) is_gone: bool,
-    /// Where it reads announcements.
+    /// Addresses on which it reads announcements.
     pub(super) addresses: Vec<SocketAddrV4>,
-    /// A parameter list with its encapsulation.
+    /// Parameter list with its encapsulation.
     payload: Vec<u8>,
 }
 
 impl Announcement {
-    /// The first one in a datagram.
+    /// Reads the first announcement in a datagram.
     pub(super) fn read(datagram: &[u8]) -> Option<Self> {
         if datagram.get(..4)? != b"RTPS" {
             return None;
@@ -54,7 +54,7 @@ impl Announcement {
         while let [kind, flags, ..] = *rest {
             let little = flags & 1 != 0;
             let length = usize::from(u16_at(rest, 2, little)?);
-            // The last submessage may leave its length out.
+            // The last submessage may have length 0: it extends to the end of the message.
             let end = if length == 0 { rest.len() } else { 4 + length };
             let body = rest.get(4..end)?;
             if kind == 0x15 && body.get(8..12) == Some(&SPDP_WRITER) {
@@ -65,11 +65,11 @@ impl Announcement {
         None
     }
 
-    /// From the body of a DATA.
+    /// Reads the announcement from the body of a DATA submessage.
     fn of(who: Prefix, flags: u8, body: &[u8]) -> Option<Self> {
         let little = flags & 1 != 0;
         let mut payload = body.get(4 + usize::from(u16_at(body, 2, little)?)..)?;
-        // A key alone in the place of the data.
+        // The payload is only a key, without data.
         let mut is_gone = flags & 0b1000 != 0;
         if flags & 0b10 != 0 {
             let (inline, rest) = parameters(payload, little)?;
@@ -79,7 +79,7 @@ impl Announcement {
         }
         let little = payload.get(1)? & 1 != 0;
         let (list, _) = parameters(payload.get(4..)?, little)?;
-        // PID_PARTICIPANT_GUID, which is all that the library looks at.
+        // PID_PARTICIPANT_GUID: the library identifies the participant by this parameter only.
         if list.iter().any(|(id, value)| *id == 0x50 && value.get(..12) != Some(&who.0)) {
             return None;
         }
@@ -89,13 +89,13 @@ impl Announcement {
         Some(Self { who, is_gone, addresses, payload: payload.to_vec() })
     }
 
-    /// The same as sample `sequence`.
+    /// Returns the same announcement as sample `sequence`.
     pub(super) fn again(&self, sequence: i64) -> Vec<u8> {
         if self.is_gone {
             return disposal(self.who, None, sequence);
         }
         let mut message = Message::from(self.who);
-        message.list(SPDP_READER, SPDP_WRITER, sequence, &self.payload);
+        message.data(SPDP_READER, SPDP_WRITER, sequence, &self.payload);
         message.bytes()
     }
 }
@@ -110,10 +110,10 @@ fn u32_at(bytes: &[u8], at: usize, little: bool) -> Option<u32> {
     Some(if little { u32::from_le_bytes(four) } else { u32::from_be_bytes(four) })
 }
 
-/// Ids and values of a list.
+/// IDs and values of a parameter list.
 type Parameters<'a> = Vec<(u16, &'a [u8])>;
 
-/// A list, and what stands behind it.
+/// Returns a parameter list, and the bytes after it.
 fn parameters(bytes: &[u8], little: bool) -> Option<(Parameters<'_>, &[u8])> {
     let (mut all, mut rest) = (Vec::new(), bytes);
     loop {
@@ -134,7 +134,7 @@ fn udp_v4(locator: &[u8], little: bool) -> Option<SocketAddrV4> {
     is_udp_v4.then(|| SocketAddrV4::new(Ipv4Addr::from(address), port))
 }
 
-/// `who` says good-bye, as sample `sequence` of its announcements; to `whom` only, or to all.
+/// Returns the disposal of `who`, as sample `sequence` of its announcements; for `whom` only, or for all participants.
 pub(super) fn disposal(who: Prefix, whom: Option<Prefix>, sequence: i64) -> Vec<u8> {
     let guid = [who.0.as_slice(), &PARTICIPANT].concat();
     let mut message = Message::from(who);
@@ -145,37 +145,37 @@ pub(super) fn disposal(who: Prefix, whom: Option<Prefix>, sequence: i64) -> Vec<
     message.bytes()
 }
 
-/// The body of a DATA: what has this GUID is no more. `key` is the parameter of the GUID.
+/// Returns the body of a DATA submessage that disposes the entity with this GUID. `key` is the parameter ID of the GUID.
 pub(super) fn gone(guid: &[u8], key: u16, (reader, writer): (Entity, Entity), sequence: i64) -> Vec<u8> {
     let mut body = [&[0, 0, 16, 0], reader.as_slice(), &writer, &number(sequence)].concat();
     // PID_KEY_HASH; PID_STATUS_INFO: disposed and unregistered.
     parameter(&mut body, 0x70, guid);
     parameter(&mut body, 0x71, &[0, 0, 0, 3]);
     body.extend(SENTINEL);
-    // The key as parameter list.
+    // The key as a parameter list.
     body.extend([0, 3, 0, 0]);
     parameter(&mut body, key, guid);
     body.extend(SENTINEL);
     body
 }
 
-/// A participant that we play.
+/// A simulated participant.
 pub(super) struct Played<'a> {
     pub(super) who: Prefix,
-    /// Where it reads.
+    /// Addresses on which it reads.
     pub(super) addresses: &'a [SocketAddrV4],
-    /// Its built-in endpoints.
+    /// Bit set of its built-in endpoints.
     pub(super) builtin: u32,
     pub(super) lease_s: i32,
 }
 
-/// Built-in endpoints of a participant that has only its announcement.
+/// Built-in endpoints of a participant that only announces itself.
 pub(super) const BARE: u32 = 0x3;
-/// Of one that announces endpoints, and asks for none.
+/// Built-in endpoints of a participant that also announces endpoints, and reads no announcements of endpoints.
 pub(super) const ANNOUNCER: u32 = 0x15;
 
 impl Played<'_> {
-    /// It announces itself.
+    /// Returns its announcement as sample `sequence`.
     pub(super) fn announced(&self, sequence: i64) -> Vec<u8> {
         let mut list = vec![0, 3, 0, 0];
         // Protocol version, vendor, participant, built-in endpoints, locators of discovery and of data, lease.
@@ -188,7 +188,7 @@ impl Played<'_> {
         parameter(&mut list, 0x02, &[self.lease_s.to_le_bytes(), [0; 4]].concat());
         list.extend(SENTINEL);
         let mut message = Message::from(self.who);
-        message.list(SPDP_READER, SPDP_WRITER, sequence, &list);
+        message.data(SPDP_READER, SPDP_WRITER, sequence, &list);
         message.bytes()
     }
 }
@@ -222,7 +222,7 @@ mod tests {
         for length in 0..whole.len() {
             assert_eq!(Announcement::read(&whole[..length]), None, "{length}");
         }
-        // In the name of another one.
+        // In the name of another participant.
         let mut forged = whole.clone();
         forged[8..20].fill(6);
         assert_eq!(Announcement::read(&forged), None);

@@ -9,12 +9,12 @@ use super::*;
 use crate::link::qos::Qos;
 
 const WRITER: Guid = Guid([1; 16]);
-/// From this number on readers are volatile.
+/// Readers with this number or a larger one are volatile.
 const VOLATILE: u8 = 200;
-/// A little longer than until the last GAP.
+/// Slightly longer than the time until the last GAP.
 const SETTLED: Duration = Duration::from_secs(4);
 
-/// What a reader was sent.
+/// A message that was sent to a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sent {
     /// A value, as the sample with this number.
@@ -23,15 +23,15 @@ enum Sent {
     Gap(i64),
 }
 
-/// Records what goes to which reader, and how much room there is.
+/// Records the messages to each reader, and limits the space of the writer.
 #[derive(Clone, Debug)]
 struct Record(Arc<Mutex<State>>);
 
 #[derive(Debug)]
 struct State {
-    /// The reader, and what it was sent.
+    /// Number of the reader, and the message that was sent to it.
     sent: Vec<(u8, Sent)>,
-    /// In samples.
+    /// Free space in samples.
     room: usize,
 }
 
@@ -44,7 +44,7 @@ impl Record {
         std::mem::take(&mut self.0.lock().unwrap().sent)
     }
 
-    /// As [`Record::take`], without repeated GAPs.
+    /// Like [`Record::take`], without GAPs.
     fn take_samples(&self) -> Vec<(u8, u8)> {
         let value = |(reader, sent): (u8, Sent)| match sent {
             Sent::Sample(value, _) => Some((reader, value)),
@@ -172,11 +172,11 @@ async fn a_full_writer_is_tried_again_and_expired_values_are_left_out() {
     assert_eq!(record.take_samples(), [(7, 2)], "lines live for 10 s");
 }
 
-/// What may happen to the sender of a latched topic.
+/// Events of the sender of a latched topic.
 #[derive(Clone, Copy, Debug)]
 enum Event {
     Set,
-    /// A reader comes, or goes if it is there.
+    /// A reader joins, or leaves if it is matched.
     Match(u8),
     Room(usize),
     Wait(u64),
@@ -191,7 +191,7 @@ fn event() -> impl Strategy<Value = Event> {
     ]
 }
 
-/// What a reader has been sent since it came, and what it must have got in the end.
+/// Samples that a reader has got since it joined, and values that it still has to get.
 #[derive(Default)]
 struct Seen {
     samples: Vec<(u8, i64)>,
@@ -199,7 +199,7 @@ struct Seen {
 }
 
 proptest! {
-    /// In no order of events a GAP covers a sample that was sent to its reader, of which fragments may be on their way; and each
+    /// For any order of events: no GAP covers a sample that was sent to its reader, because fragments of it may be in transit. Each
     /// reader gets the newest values once, in their order.
     #[test]
     fn no_gap_covers_a_sample_of_its_reader(events in prop::collection::vec(event(), 1..80), depth in 1usize..4) {
