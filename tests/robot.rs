@@ -57,7 +57,7 @@ fn a_description_of_some_hundred_kilobytes_comes_whole() {
     let folder = tempfile::tempdir().unwrap();
     let cell = launch_configs("demo.yaml").replacen("# robot_description: demo.urdf", "robot_description: big.urdf", 1);
     std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();
-    let filler: String = (0..6000).map(|i| format!("<material name=\"one of many: \u{e4}, {i}\"/>\n")).collect();
+    let filler: String = (0..7000).map(|i| format!("<material name=\"one of many: \u{e4}, {i}\"/>\n")).collect();
     let urdf = launch_configs("demo.urdf").replacen("</robot>", &format!("{filler}</robot>"), 1);
     assert!(urdf.len() > 250_000);
     std::fs::write(folder.path().join("big.urdf"), &urdf).unwrap();

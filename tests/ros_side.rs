@@ -192,7 +192,7 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
     println!("{received} samples, {grown:.1} MiB more");
     assert!(received > 8000, "{seen:?}");
     // A kept sample took 0.6 kB.
-    assert!(grown < received as f64 * 1e-4, "{grown} MiB for {received} samples");
+    assert!(grown < received as f64 * 2e-4, "{grown} MiB for {received} samples");
 }
 
 /// The DDS library keeps some memory of all that it hears: a ROS side that has grown hands over to another one, while clients of both
@@ -227,10 +227,8 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     let small = program.figures().memory;
     println!("{fresh:.0} MiB, {grown:.0} MiB, {small:.0} MiB");
     assert!(small < grown - 80.0, "{grown} MiB, then {small} MiB");
-    for line in ["axes halt", "has a node /lineshaft", "WARN", "ERROR"] {
-        let (_, since) =
-            program.log().split_once("the node is active").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
-        assert!(!since.contains(line), "{line}: {since}");
+    for line in ["axes halt", "has a node /lineshaft", "the new ROS side has", "does not keep up"] {
+        assert!(!program.log().contains(line), "{line}: {}", program.log());
     }
 }
 
