@@ -211,11 +211,11 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     }
     let mut visitors = Peer::fastdds(&domain);
     visitors.tell("visits /lineshaft --count 100");
-    for _ in 0..150 {
+    for _ in 0..240 {
         peer.fails("import /lineshaft nothing --pad 1000000");
     }
     let grown = program.figures().memory;
-    assert!(grown > fresh + 100.0, "{grown} MiB");
+    assert!(grown > fresh + 230.0, "{grown} MiB");
     wait_for(&program, "the new ROS side is in charge", seconds(30.0));
     for (client, axis) in &mut clients {
         let (seen, error) = client.answer();
@@ -226,7 +226,7 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     assert_eq!(axis(&mut peer, "turret")["state"], "CONTINUOUS_MOTION", "{}", program.log());
     let small = program.figures().memory;
     println!("{fresh:.0} MiB, {grown:.0} MiB, {small:.0} MiB");
-    assert!(small < grown - 80.0, "{grown} MiB, then {small} MiB");
+    assert!(small < grown - 150.0, "{grown} MiB, then {small} MiB");
     for line in ["axes halt", "has a node /lineshaft", "the new ROS side has", "does not keep up"] {
         assert!(!program.log().contains(line), "{line}: {}", program.log());
     }

@@ -30,7 +30,7 @@ const GOOD: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(50);
 const LONGEST_PAUSE: Duration = Duration::from_millis(800);
 /// Memory limit of a side in bytes, and the period of its check. The DDS library never releases some of the memory of each client.
-const MEMORY: u64 = 128 << 20;
+const MEMORY: u64 = 256 << 20;
 const CHECK: Duration = Duration::from_secs(10);
 /// Minimum and maximum time for which two sides run, until the next one has matched all readers.
 const MIN_OVERLAP: Duration = Duration::from_secs(1);
