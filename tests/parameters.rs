@@ -90,14 +90,6 @@ fn every_parameter_is_held_at_its_doors() {
     }
 }
 
-/// The tools read each value as YAML, the robot's description too.
-#[test]
-fn ros2_param_load_takes_what_ros2_param_dump_wrote() {
-    let mut bench = Bench::start();
-    let seen = bench.cyclone.run("dump-and-load /lineshaft");
-    assert!(seen["values"].as_u64().unwrap() > 300, "{seen:?}");
-}
-
 #[test]
 fn malformed_requests_change_nothing() {
     let mut bench = Bench::start();

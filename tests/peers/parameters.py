@@ -63,39 +63,6 @@ def events(peer, a):
                   "changed": {p.name: p.value.get() for p in m.changed_parameters}} for m in seen])
 
 
-def value_of_tools(text):
-    """A value as `ros2 param load` makes it of a text (rclpy.parameter.get_parameter_value)."""
-    try:
-        value = yaml.safe_load(text)
-    except yaml.parser.ParserError:
-        return text
-    if isinstance(value, (bool, int, float, list)):
-        return value
-    return text
-
-
-def dump_and_load(peer, a):
-    """`ros2 param dump`, then `ros2 param load` of what it wrote: every value that can be set is taken, and none is changed.
-
-    The tools load null as the text `None`. A parameter without a value may get the one in force: another one shows it, too.
-    """
-    client = client_of(peer, a.node)
-    before = everything(client)
-    values = {name: value_of_tools(str(value)) for name, value in yaml.safe_load(yaml.dump(before)).items()}
-    fixed = {d.name for d in client.describe(*values) if d.read_only}
-    refused = {}
-    for name, value in values.items():
-        result = client.set({name: value})[0]
-        if not result.successful and name not in fixed:
-            refused[name] = result.reason
-    now = everything(client)
-    changed = {name: f"{before[name]} is now {now[name]}" for name in differences(client, before)
-               if before[name] is not None}
-    show(values=len(values), read_only=len(fixed))
-    if refused or changed:
-        raise Failure(f"refused: {refused}; changed: {changed}")
-
-
 def layers(peer, a):
     if a.what == "reset":
         client = peer.service(a.node, "reset_parameters", "ResetParameters", ResetRequest, Answer)
@@ -334,10 +301,10 @@ def dump(peer, a):
 
 
 def guessed(text):
-    """rclpy's get_parameter_value: what YAML 1.1 makes of a text."""
+    """rclpy's get_parameter_value: what YAML 1.1 makes of a text. At another error of YAML `ros2 param load` ends with a traceback."""
     try:
         return rw.ParameterValue.of(text if (v := yaml.safe_load(text)) is None else v)
-    except yaml.YAMLError:
+    except yaml.parser.ParserError:
         return rw.ParameterValue.of(text)
 
 
@@ -381,7 +348,6 @@ def add_commands(command):
     p = command("import", import_text, pad=0)
     p.add_argument("text", nargs="*", help="a ; breaks the line")
     command("import-of-export", import_of_export)
-    command("dump-and-load", dump_and_load)
     command("described-parameters", described)
     command("parameter-doors", doors, object="x")
     command("bad-parameter-requests", bad_requests)
