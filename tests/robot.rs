@@ -18,11 +18,15 @@ fn description(peer: &mut Peer) -> String {
     seen["text"].as_str().expect("a text").to_owned()
 }
 
-/// The elements of a URDF with their attributes.
+/// The elements and attributes of a URDF.
 fn elements(urdf: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(urdf).expect("XML");
-    let elements = document.descendants().filter(roxmltree::Node::is_element);
-    elements.map(|node| format!("{:?} {:?}", node.tag_name(), node.attributes().collect::<Vec<_>>())).collect()
+    let mut all = Vec::new();
+    for node in document.descendants().filter(roxmltree::Node::is_element) {
+        all.push(node.tag_name().name().to_owned());
+        all.extend(node.attributes().map(|attribute| format!("{}={}", attribute.name(), attribute.value())));
+    }
+    all
 }
 
 /// The attribute `name` of each joint that is not fixed.
