@@ -228,7 +228,9 @@ impl Supervisor {
         if let Some(next) = next {
             self.dead.extend(next.end(failure.is_some()).1);
         }
-        self.wait_for_previous();
+        if failure.is_none() {
+            self.wait_for_previous();
+        }
         Ok(match (failure, died) {
             (None, _) => End::Closed,
             (Some(reason), None) => End::Lost { reason, has_answered },
