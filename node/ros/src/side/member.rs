@@ -27,6 +27,10 @@ use super::{acknowledge, dispose, sedp};
 use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
 
+/// Values of a latched topic that keeps one value are written at most this often, each to every reader. The status of many short goals
+/// would fill the memory of the library, which frees samples every 6 s.
+const GATHER: Duration = Duration::from_millis(10);
+
 /// State that the tasks of a member share.
 pub(super) struct Shared {
     pub(super) participant: Arc<Participant>,
@@ -263,7 +267,8 @@ impl Member {
                 if qos.latched {
                     let (target, matches) =
                         (latched::DirectedWriter { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
-                    let latched = Latched::start(&self.runtime, target, matches, *qos, Duration::ZERO);
+                    let gather = if qos.depth == 1 { GATHER } else { Duration::ZERO };
+                    let latched = Latched::start(&self.runtime, target, matches, *qos, gather);
                     (guid, Open::Latched { guid, latched })
                 } else {
                     let writer = Arc::new(writer);
