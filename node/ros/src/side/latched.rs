@@ -10,7 +10,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::{self, UnboundedReceiver, UnboundedSender};
-use tokio::time::{Instant, sleep, sleep_until};
+use tokio::time::{Instant, sleep_until};
 
 use super::acknowledge::acknowledge;
 use super::dds::{Address, Writer};
@@ -94,25 +94,36 @@ async fn run<T: Target>(
 ) {
     let mut changes = matches.changes();
     let mut has_room = true;
+    // When the values are written that were set since the last time.
+    let mut due = None;
     loop {
         let again = if has_room { keeper.next_repeat() } else { Some(Instant::now() + RETRY) };
-        tokio::select! {
-            value = values.recv() => match value {
-                Some(value) => keeper.set(value, Instant::now()),
-                None => return,
-            },
-            change = changes.changed() => if change.is_err() { return },
-            () = sleep_until(again.unwrap_or_else(Instant::now)), if again.is_some() => {}
-        }
-        if !gather.is_zero() {
-            sleep(gather).await;
-        }
+        let wake = due.into_iter().chain(again).min();
+        // A reader that comes must not wait: the library would send it what it has.
+        let is_due = tokio::select! {
+            value = values.recv() => {
+                let Some(value) = value else { return };
+                keeper.set(value, Instant::now());
+                due.get_or_insert(Instant::now() + gather);
+                gather.is_zero()
+            }
+            change = changes.changed() => {
+                if change.is_err() {
+                    return;
+                }
+                true
+            }
+            () = sleep_until(wake.unwrap_or_else(Instant::now)), if wake.is_some() => true,
+        };
         while let Ok(value) = values.try_recv() {
             keeper.set(value, Instant::now());
         }
         changes.mark_unchanged();
         keeper.matched(&matches.readers(keeper.guid()), Instant::now());
         keeper.repeat_gaps(Instant::now());
-        has_room = keeper.write();
+        if is_due {
+            has_room = keeper.write();
+            due = None;
+        }
     }
 }
