@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::{Signal, kill_process};
 use serde_json::Value;
 use support::{domain::Domain, namespace, peer::Peer, program::Program, setup};
 
@@ -162,14 +162,6 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
 }
 
-/// MiB of a process.
-fn memory(process: Pid) -> f64 {
-    let path = format!("/proc/{}/statm", process.as_raw_nonzero());
-    let statm = std::fs::read_to_string(path).expect("it lives");
-    let pages: f64 = statm.split(' ').nth(1).and_then(|pages| pages.parse().ok()).expect("statm(5)");
-    pages * rustix::param::page_size() as f64 / 1_048_576.0
-}
-
 /// The DDS library waits for the acknowledgement of every reader, and best-effort readers never acknowledge: with one of them and a reliable
 /// one it kept all samples.
 #[test]
@@ -185,9 +177,9 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
     let (mut best_effort, mut reliable) = (Peer::cyclone(&domain), Peer::cyclone(&domain));
     best_effort.run("stamps --system --best-effort");
     reliable.run("joint-states --seconds 4");
-    let before = memory(program.ros_side());
+    let before = program.memory_of_ros_side();
     let seen = reliable.run("joint-states --seconds 12");
-    let grown = memory(program.ros_side()) - before;
+    let grown = program.memory_of_ros_side() - before;
     let received = seen["received"].as_u64().expect("a number");
     println!("{received} samples, {grown:.1} MiB more");
     assert!(received > 8000, "{seen:?}");

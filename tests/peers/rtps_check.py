@@ -82,9 +82,13 @@ def prove_itself():
     def heartbeat(count):
         return HEARTBEAT, writer + struct.pack("<iIiIi", 0, 1, 0, 7, count)
 
+    def acknack(count):
+        return ACKNACK, writer + struct.pack("<iIIi", 0, 1, 0, count)
+
     for parts, kind in [([fragment(1, 2), gap(5, 8)], "gap"), ([fragment(1, 2), gap(5, 7)], None),
                         ([fragment(1, 2), fragment(3, 1), gap(5, 8)], None), ([heartbeat(2), heartbeat(2)], "heartbeat"),
-                        ([heartbeat(2), heartbeat(3)], None)]:
+                        ([heartbeat(2), heartbeat(3)], None), ([acknack(3), acknack(1)], "acknack"),
+                        ([acknack(1), acknack(3)], None)]:
         check = Check()
         for part in parts:
             check.take(0.0, ("127.0.0.1", 7411), message(to, part))

@@ -186,7 +186,7 @@ pub(crate) struct Figures {
 }
 
 impl Figures {
-    fn of(id: u32) -> Option<Self> {
+    pub(super) fn of(id: u32) -> Option<Self> {
         let read = |name: &str| fs::read_to_string(format!("/proc/{id}/{name}")).ok();
         let status = read("status")?;
         let memory = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

@@ -75,6 +75,13 @@ impl Program {
         }
     }
 
+    /// Memory that its ROS side occupies (MiB).
+    #[track_caller]
+    pub(crate) fn memory_of_ros_side(&self) -> f64 {
+        let side = self.ros_side().as_raw_nonzero().get().unsigned_abs();
+        Figures::of(side).expect("the ROS side lives").memory
+    }
+
     /// What it takes of the machine now, with its ROS side; panics when it has ended.
     #[track_caller]
     pub(crate) fn figures(&self) -> Figures {

@@ -115,12 +115,12 @@ pub(super) struct Participant {
 impl Participant {
     /// Joins `domain` on the networks of these addresses; `None`: on all networks of the host.
     pub(super) fn new(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<Self, DdsError> {
-        let fail = |reason: String| DdsError::new(format!("a participant in domain {domain}"), reason);
-        let participant = Self::join(domain, networks).map_err(fail)?;
+        let participant = Self::join(domain, networks)?;
+        let fail = |error| DdsError::new(format!("a participant in domain {domain}"), error);
         let defaults = QosPolicyBuilder::new().build();
         Ok(Self {
-            publisher: participant.create_publisher(&defaults).map_err(|error| fail(format!("{error:?}")))?,
-            subscriber: participant.create_subscriber(&defaults).map_err(|error| fail(format!("{error:?}")))?,
+            publisher: participant.create_publisher(&defaults).map_err(fail)?,
+            subscriber: participant.create_subscriber(&defaults).map_err(fail)?,
             listener: participant.status_listener(),
             participant,
             readers_told: AtomicI64::new(0),
@@ -129,7 +129,8 @@ impl Participant {
     }
 
     /// Creates the participant, on a data port that no other program uses.
-    fn join(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<DomainParticipant, String> {
+    fn join(domain: u16, networks: Option<&[Ipv4Addr]>) -> Result<DomainParticipant, DdsError> {
+        let what = format!("a participant in domain {domain}");
         let mut port = 0;
         for _ in 0..TRIES {
             let mut builder = DomainParticipantBuilder::new(domain);
@@ -137,7 +138,7 @@ impl Participant {
                 builder = builder.with_only_networks(addresses.iter().copied().map(IpAddr::V4));
             }
             let occupied = ports::occupy(domain);
-            let participant = builder.build().map_err(|error| format!("{error:?}"))?;
+            let participant = builder.build().map_err(|error| DdsError::new(&*what, error))?;
             drop(occupied);
             port = ports::data_port(domain, participant.participant_id());
             if ports::is_own(port) != Some(false) {
@@ -145,7 +146,7 @@ impl Participant {
             }
             // Another program has bound the port at this moment.
         }
-        Err(format!("UDP port {port} is in use"))
+        Err(DdsError { what, reason: format!("UDP port {port} is in use") })
     }
 
     pub(super) fn guid(&self) -> Guid {

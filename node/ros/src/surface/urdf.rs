@@ -29,7 +29,7 @@ pub(super) fn published(urdf: &str) -> String {
     output
 }
 
-/// What stands before `end`, and what after it.
+/// Splits a text at `end`, into the part before it and the part after it.
 fn cut<'a>(text: &'a str, end: &str) -> (&'a str, &'a str) {
     text.split_once(end).unwrap_or((text, ""))
 }

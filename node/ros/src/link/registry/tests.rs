@@ -61,7 +61,7 @@ async fn a_new_side_is_told_all_that_counts() {
     else {
         panic!("{told:?}")
     };
-    assert_eq!(latest, &Order::Write(1, vec![3].into()), "what is latched; nobody heard what was published");
+    assert_eq!(latest, &Order::Write(1, vec![3].into()), "the latched value; no side received the published one");
     assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
     let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
     assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
