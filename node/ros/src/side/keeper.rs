@@ -3,7 +3,9 @@
 //! Law      each sample is sent to one reader. A reader that joins gets a GAP, which covers all samples so far. Then it gets the
 //!          latched values, the newest last, unless it is volatile. Then it gets each value that is set.
 //!          No GAP covers a sample that was sent to its reader. Otherwise Fast DDS (2.6 to 2.14) hangs: a reader that has some
-//!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock
+//!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock.
+//!          The readers of a Cyclone DDS participant share the GAPs of a writer: a GAP to one of them must not overtake a sample to
+//!          another. If the participant has a matched reader already, the first GAP is sent later, with the first repeat.
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::time::Duration;
@@ -33,6 +35,8 @@ pub(super) trait Target: Send + Sync + 'static {
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
     /// Whether the reader wants the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
+    /// Tells the library that a reader does not want the samples before this number.
+    fn acknowledge(&self, reader: Guid, before: i64);
     /// Sends a GAP to a reader: the samples before this number are not for it.
     fn skip(&self, reader: Guid, before: i64);
     /// Returns the GUID of the writer.
@@ -100,7 +104,10 @@ impl<T: Target> Keeper<T> {
             };
             let reader = Reader { pending, since: now, first: self.last + 1, repeats: 0 };
             if reader.has_gap() {
-                self.target.skip(*guid, reader.first);
+                self.target.acknowledge(*guid, reader.first);
+                if self.readers.keys().all(|other| other.prefix() != guid.prefix()) {
+                    self.target.skip(*guid, reader.first);
+                }
             }
             self.readers.insert(*guid, reader);
         }

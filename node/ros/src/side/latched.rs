@@ -40,10 +40,12 @@ impl Target for DirectedWriter {
         self.shared.participant.keeps_for(reader)
     }
 
+    fn acknowledge(&self, reader: Guid, before: i64) {
+        acknowledge(&self.shared, reader, self.writer.guid(), before);
+    }
+
     fn skip(&self, reader: Guid, before: i64) {
         let writer = self.writer.guid();
-        // First, so that the library does not send the samples of other readers to this one.
-        acknowledge(&self.shared, reader, writer, before);
         let mut message = Message::from(writer.prefix());
         message.to(reader.prefix()).gap(entity(reader), entity(writer), 1, before);
         let datagram = message.bytes();

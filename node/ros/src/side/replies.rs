@@ -46,6 +46,14 @@ struct Numbers {
     to: HashMap<Guid, i64>,
 }
 
+impl Numbers {
+    /// Whether no reader of this reader's participant has got a sample. The readers of a Cyclone DDS participant share what they know of
+    /// a writer: a GAP to one of them would cover samples that are still under way to another.
+    fn is_first_to(&self, reader: Guid) -> bool {
+        self.to.keys().all(|other| other.prefix() != reader.prefix())
+    }
+}
+
 impl Replies {
     pub(super) fn new(writer: Arc<Writer>, topic: String) -> Self {
         Self { writer, topic, known: Mutex::default(), numbers: tokio::sync::Mutex::default() }
@@ -93,7 +101,7 @@ impl Replies {
             let reply = LongReply { writer, reader, number, from, time, answers, bytes: &bytes };
             say(shared, reader, &reply.datagrams()).await;
         }
-        if answers.is_none() && bytes.len() <= LONGEST_FIRST && !numbers.to.contains_key(&reader) {
+        if answers.is_none() && bytes.len() <= LONGEST_FIRST && numbers.is_first_to(reader) {
             // Sent before the library has the sample, because the library might announce the sample in a HEARTBEAT before it sends it. A
             // Cyclone DDS reader that has just matched accepts only samples after its first HEARTBEAT.
             let datagram = first_reply(self.writer.guid(), reader, numbers.last + 1, bytes);
@@ -198,6 +206,16 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn second_reader_of_a_participant_gets_no_first_reply() {
+        let reader =
+            |participant, entity| [vec![participant; 12], vec![entity; 4]].concat().try_into().map(Guid).unwrap();
+        let numbers = Numbers { last: 1, to: HashMap::from([(reader(1, 1), 1)]) };
+        assert!(!numbers.is_first_to(reader(1, 1)));
+        assert!(!numbers.is_first_to(reader(1, 2)));
+        assert!(numbers.is_first_to(reader(2, 1)));
+    }
 
     #[test]
     fn first_reply_is_data_after_a_gap_over_earlier_samples() {

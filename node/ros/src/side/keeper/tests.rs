@@ -75,6 +75,8 @@ impl Target for (Record, Mutex<i64>) {
         reader.0[0] < VOLATILE
     }
 
+    fn acknowledge(&self, _: Guid, _: i64) {}
+
     fn skip(&self, reader: Guid, before: i64) {
         self.0.0.lock().unwrap().sent.push((reader.0[0], Sent::Gap(before)));
     }
@@ -170,6 +172,20 @@ async fn a_full_writer_is_tried_again_and_expired_values_are_left_out() {
     record.room(5);
     tokio::time::sleep(Duration::from_millis(30)).await;
     assert_eq!(record.take_samples(), [(7, 2)], "lines live for 10 s");
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_gap_to_a_second_reader_of_a_participant_does_not_overtake_samples_to_the_first() {
+    let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
+    let reader = |entity| [vec![7; 12], vec![entity; 4]].concat().try_into().map(Guid).unwrap();
+    matches.note(Discovery::Matched { writer: WRITER, reader: reader(1) });
+    latched.set(vec![1]);
+    a_moment().await;
+    matches.note(Discovery::Matched { writer: WRITER, reader: reader(2) });
+    a_moment().await;
+    assert_eq!(record.take(), [(7, Sent::Sample(1, 1)), (7, Sent::Sample(1, 2))]);
+    tokio::time::sleep(GAP_REPEATS[0]).await;
+    assert_eq!(record.take(), [(7, Sent::Gap(2))]);
 }
 
 /// Events of the sender of a latched topic.
