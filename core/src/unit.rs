@@ -17,6 +17,7 @@ mod macs;
 mod names;
 mod quantity;
 mod scale;
+mod si;
 
 pub use amount::{Amount, Units};
 pub use axis::AxisUnit;
@@ -29,3 +30,4 @@ pub use macs::{MLONG, MacsFactors};
 pub use names::{Dimension, Unit};
 pub use quantity::Quantity;
 pub use scale::{Scale, ScaleKind};
+pub use si::SiScale;

@@ -130,7 +130,7 @@ fn recorded(c: &mut Criterion, name: &str, with_bag: bool) {
         commander,
         trials().0,
         ask,
-        Snapshot::default(),
+        triple_buffer::triple_buffer(&Snapshot::default()).1,
         ParameterImage::default(),
     ));
     let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));

@@ -3,7 +3,7 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
-use lineshaft::run::frames::frames;
+use lineshaft::run::frames::{Taken, frames};
 use lineshaft::run::lanes::lanes;
 use lineshaft::run::trials::trials;
 use lineshaft::tune::{Bounds, Ended, Setting, Trial};
@@ -35,7 +35,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
     let mut machine = Machine::new(cell.machine).unwrap();
     let (mut sender, mut receiver, mut spent) = frames(&machine);
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
-    let (commander, mut lanes) = lanes(4);
+    let ((commander, mut lanes), mut taken) = (lanes(4), Taken::default());
     for cycle in 0..10_000 {
         for Command { source, action, .. } in commands(cycle) {
             commander.submit(source, action).unwrap();
@@ -59,8 +59,8 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
         spent.free();
         // From cycle 5000 to the end of 7500 the recorder stands still.
         if !(5000..7500).contains(&cycle) {
-            while let Some((frame, taken)) = receiver.take() {
-                receiver.give_back(frame, taken);
+            while let Some(head) = receiver.take(&mut taken) {
+                head.state.into_iter().for_each(|state| receiver.give_back(state));
             }
         }
     }

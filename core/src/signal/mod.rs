@@ -173,6 +173,18 @@ impl Board {
         self.words.clone_from(&other.words);
     }
 
+    /// The words of all signals, in the order of the directory.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// Takes the words of all signals, in the order of the directory; those of another board are not taken.
+    pub fn copy_words(&mut self, words: &[u64]) {
+        if words.len() == self.words.len() {
+            self.words.copy_from_slice(words);
+        }
+    }
+
     /// How many signals.
     pub fn len(&self) -> usize {
         self.words.len()

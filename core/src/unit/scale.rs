@@ -2,7 +2,7 @@
 
 use super::fraction::nine_digits;
 use super::{
-    AxisUnit, Dimension, Fraction, MacsFactors, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_f64,
+    AxisUnit, Dimension, Fraction, MacsFactors, Quantity, SiScale, Unit, UnitError, fraction_from_f64, fraction_to_f64,
     fraction_to_text, number_to_text, round,
 };
 use num_traits::{CheckedDiv, CheckedMul, Signed};
@@ -271,6 +271,12 @@ impl Scale {
         let mut rounded = (8..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
         let number = rounded.find(|number| self.rate_from_unit(*number, order) == Ok(rate)).unwrap_or(exact);
         self.unit.with_order(order).text(&number_to_text(number))
+    }
+
+    /// The scale, prepared for many conversions to SI units.
+    pub(super) fn prepared(self) -> SiScale {
+        let unit = self.si_unit().into();
+        SiScale::new(self, self.exact_per(unit), self.per(unit))
     }
 
     fn si_unit(&self) -> Unit {

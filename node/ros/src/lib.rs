@@ -10,4 +10,5 @@ pub mod layer;
 pub mod line_limit;
 mod link;
 pub mod side;
+pub mod silence;
 pub mod surface;

@@ -4,6 +4,7 @@ use super::names::quote;
 use crate::document::Value;
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Longest node name, and longest namespace.
@@ -30,6 +31,8 @@ pub struct RosOptions {
     pub interfaces: Vec<String>,
     /// What the machine does when its ROS side is lost.
     pub on_loss: OnLoss,
+    /// How long the ROS side or the surface may give no answer before it counts as lost, 0.5 s to 5 s.
+    pub loss_timeout: Duration,
     /// How old a request may be that is carried out, 0.1 s to 1 h.
     pub request_timeout: Duration,
 }
@@ -55,6 +58,7 @@ impl Default for RosOptions {
             robot_description: None,
             interfaces: Vec::new(),
             on_loss: OnLoss::Halt,
+            loss_timeout: Duration::from_secs(2),
             request_timeout: Duration::from_secs(2),
         }
     }
@@ -79,7 +83,8 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let robot_description = map.optional("robot_description").map(|value| file_name(&value));
     let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
     let on_loss = map.optional("on_loss").map(|value| on_loss(&value));
-    let request_timeout = map.optional("request_timeout").map(|value| request_timeout(&value));
+    let loss_timeout = map.optional("loss_timeout").map(|value| time(&value, 0.5..=5.0));
+    let request_timeout = map.optional("request_timeout").map(|value| time(&value, 0.1..=3600.0));
     map.finish();
     Some(RosOptions {
         name: name.unwrap_or(Some(usual.name))?,
@@ -91,6 +96,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         robot_description: robot_description.map_or(Some(None), |file| file.map(Some))?,
         interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
         on_loss: on_loss.unwrap_or(Some(usual.on_loss))?,
+        loss_timeout: loss_timeout.unwrap_or(Some(usual.loss_timeout))?,
         request_timeout: request_timeout.unwrap_or(Some(usual.request_timeout))?,
     })
 }
@@ -106,13 +112,14 @@ fn on_loss(value: &Value<'_>) -> Option<OnLoss> {
     }
 }
 
-fn request_timeout(value: &Value<'_>) -> Option<Duration> {
+/// A time within a range (s).
+fn time(value: &Value<'_>, allowed: RangeInclusive<f64>) -> Option<Duration> {
     let seconds = value.quantity(&[Dimension::Time], &crate::document::Allowed::Any)?.si();
-    if (0.1..=3600.0).contains(&seconds) {
+    if allowed.contains(&seconds) {
         return Some(Duration::from_secs_f64(seconds));
     }
-    let given = quote(value.peek().unwrap_or_default());
-    value.refuse(format!("{} is {given}; 0.1 s..3600 s is allowed", value.label()), None);
+    let (given, least, most) = (quote(value.peek().unwrap_or_default()), allowed.start(), allowed.end());
+    value.refuse(format!("{} is {given}; {least} s..{most} s is allowed", value.label()), None);
     None
 }
 

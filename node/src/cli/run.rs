@@ -97,6 +97,7 @@ fn start(
     warnings(cell).iter().for_each(|warning| tracing::warn!("{warning}"));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
+        .thread_name(watch::SURFACE)
         // Requests and their ends come from the threads of the link and of the bridge: the usual 61 tasks between two looks there made
         // some wait for seconds while clients hammer.
         .global_queue_interval(3)
@@ -172,11 +173,12 @@ fn react(handle: &Handle, on_loss: OnLoss) {
 }
 
 /// Watches the surface; one that is lost takes the program with it, as it cannot be made anew.
-fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss) -> std::io::Result<Watch> {
-    let (runtime, patience) = (tokio::runtime::Handle::current(), Patience::USUAL);
+fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss, loss_timeout: Duration) -> std::io::Result<Watch> {
+    let (runtime, patience) = (tokio::runtime::Handle::current(), Patience::until(loss_timeout));
     Watch::start(runtime, patience, surface.pulse(), move |change| match change {
-        Change::Silent => {
-            let (ms, reaction) = (patience.silent.as_millis(), reaction(on_loss));
+        Change::Overdue(doing) => tracing::warn!("the ROS surface has not worked for {doing}"),
+        Change::Silent(time) => {
+            let (ms, reaction) = (time.as_millis(), reaction(on_loss));
             tracing::error!("the ROS surface has not worked for {ms} ms: {reaction}");
             react(&handle, on_loss);
         }
@@ -236,6 +238,7 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
     let Start { args, cell, mut options, environment, logging } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
     let is_lost = Arc::<AtomicBool>::default();
+    options.side.loss_timeout = cell.ros.loss_timeout;
     options.side.on_loss = on_loss(prepared.handle.clone(), cell.ros.on_loss, Arc::clone(&is_lost));
     let name = options.names.node().clone();
     let surface = Node::with(options, environment).map_err(CreateError::from).and_then(|node| {
@@ -254,7 +257,7 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
     };
     let recording = Recording::open(args, cell, &name, &prepared.buses)?;
     let running = prepared.start(recording);
-    let watch = watch(&surface, Arc::clone(&running.handle), cell.ros.on_loss);
+    let watch = watch(&surface, Arc::clone(&running.handle), cell.ros.on_loss, cell.ros.loss_timeout);
     let watch = watch.map_err(|error| format!("no thread that watches ROS: {error}"))?;
     let networks = match &environment.networks {
         Networks::Loopback => "this host only".to_owned(),

@@ -24,7 +24,7 @@ use lineshaft_ros::surface::messages::{self, AxisView};
 use serde::Serialize;
 
 /// Makes the messages of one cycle after the other.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Encoder {
     config: MachineConfig,
     views: Vec<AxisView>,

@@ -12,6 +12,7 @@ pub mod encoder;
 pub mod info;
 pub mod inputs;
 pub mod metadata;
+pub mod packed;
 pub mod plot;
 pub mod replay;
 #[cfg(test)]

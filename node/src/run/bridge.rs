@@ -11,6 +11,7 @@ use super::services::HealthBoard;
 use super::thread::Statistics;
 use super::trials::TrialDesk;
 use super::tuning;
+use super::wake::Wake;
 use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints, Source};
@@ -33,13 +34,13 @@ use lineshaft_ros::surface::{StateSender, is_told};
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::Duration;
 use tokio::sync::mpsc::UnboundedSender;
 use tokio::sync::oneshot;
 
-/// How often the rings are looked at: well above any rate that ROS is given.
-const PERIOD: Duration = Duration::from_micros(500);
+/// How often the bridge looks without being woken: after what nobody waits for.
+const PERIOD: Duration = Duration::from_millis(20);
 
 /// The running machine for everybody outside the cycle thread.
 #[derive(Debug)]
@@ -48,7 +49,7 @@ pub struct Handle {
     directory: Directory,
     pub(super) commander: Commander,
     recorder: Sender<Asked>,
-    newest: RwLock<Arc<Snapshot>>,
+    newest: Mutex<Newest>,
     parameters: RwLock<Arc<ParameterImage>>,
     keeper: Option<Orders>,
     robot_description: Option<String>,
@@ -64,6 +65,23 @@ pub struct Handle {
     begins_active: bool,
 }
 
+/// The signals of the newest cycle, taken when they are asked for.
+#[derive(Debug)]
+struct Newest {
+    signals: triple_buffer::Output<Snapshot>,
+    /// As they were when they were asked for last.
+    snapshot: Arc<Snapshot>,
+}
+
+impl Newest {
+    fn read(&mut self) -> Arc<Snapshot> {
+        if self.signals.update() {
+            self.snapshot = Arc::new(self.signals.output_buffer().clone());
+        }
+        Arc::clone(&self.snapshot)
+    }
+}
+
 impl Handle {
     /// A handle on a machine that is about to run.
     pub fn new(
@@ -72,10 +90,12 @@ impl Handle {
         commander: Commander,
         trials: TrialDesk,
         recorder: Sender<Asked>,
-        first: Snapshot,
+        mut signals: triple_buffer::Output<Snapshot>,
         parameters: ParameterImage,
     ) -> Self {
-        let (newest, parameters) = (RwLock::new(Arc::new(first)), RwLock::new(Arc::new(parameters)));
+        let snapshot = Arc::new(signals.read().clone());
+        let newest = Mutex::new(Newest { signals, snapshot });
+        let parameters = RwLock::new(Arc::new(parameters));
         Self {
             config,
             directory,
@@ -278,7 +298,7 @@ impl Host for Handle {
     }
 
     fn snapshot(&self) -> Arc<Snapshot> {
-        Arc::clone(&self.newest.read().unwrap_or_else(PoisonError::into_inner))
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner).read()
     }
 
     fn parameters(&self) -> Arc<ParameterImage> {
@@ -298,8 +318,6 @@ enum Line {
 pub struct Bridge {
     /// Events.
     events: Consumer<StampedEvent>,
-    /// Signals.
-    signals: triple_buffer::Output<Snapshot>,
     /// Signals of the cycles of the state topics, and who publishes them.
     samples: (SampleReceiver, StateSender),
     /// Parameters.
@@ -310,6 +328,8 @@ pub struct Bridge {
     listeners: Vec<UnboundedSender<StampedEvent>>,
     /// How the cycle thread does.
     statistics: Arc<Statistics>,
+    /// Woken by the cycle thread.
+    wake: Wake,
     /// Events of one look.
     taken: Vec<StampedEvent>,
     /// Lost events that were told.
@@ -323,21 +343,21 @@ impl Bridge {
     /// A bridge with one listener.
     pub fn new(
         events: Consumer<StampedEvent>,
-        signals: triple_buffer::Output<Snapshot>,
         samples: (SampleReceiver, StateSender),
         parameters: triple_buffer::Output<ParameterImage>,
         spent: Spent,
         listener: UnboundedSender<StampedEvent>,
         statistics: Arc<Statistics>,
+        wake: Wake,
     ) -> Self {
         Self {
             events,
-            signals,
             samples,
             parameters,
             spent,
             listeners: vec![listener],
             statistics,
+            wake,
             taken: Vec::new(),
             told: 0,
             told_samples: 0,
@@ -349,7 +369,7 @@ impl Bridge {
     pub fn run(mut self, handle: &Handle, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
             self.pass_on(handle);
-            std::thread::sleep(PERIOD);
+            self.wake.sleep(PERIOD);
         }
         self.pass_on(handle);
     }
@@ -358,13 +378,9 @@ impl Bridge {
         self.spent.free();
         handle.commander.free_kept();
         handle.trials.collect();
-        // Events are taken before the signals, and passed on after them: the cycle thread publishes its signals first, so
+        // Events are taken before the parameters, and passed on after them: the cycle thread publishes its parameters first, so
         // these are at least as new as the events.
         self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));
-        if self.signals.update() {
-            let newest = Arc::new(self.signals.output_buffer().clone());
-            *handle.newest.write().unwrap_or_else(PoisonError::into_inner) = newest;
-        }
         let (samples, states) = &mut self.samples;
         samples.take(|sample| {
             let snapshot = Arc::new(sample.snapshot.clone());

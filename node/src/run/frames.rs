@@ -1,45 +1,60 @@
 //! The way of whole cycles out of the cycle thread, for the recorder.
 //!
-//! Frames go round. Events and applied commands travel beside them in rings of their own, because their number differs;
-//! commands are freed where they arrive. When the recorder does not keep up, the cycle is left out and counted.
+//! Each cycle is packed: only what has changed is sent. Events, latches, setpoints and applied commands travel beside it in rings of
+//! their own, because their number differs; commands are freed where they arrive. When the recorder does not keep up, the cycle is
+//! left out and counted.
 
-use super::pool::{Emptier, Filler, Room, pool};
-use crate::recording::key_cycles;
-use lineshaft_core::command::{Command, Setpoints};
-use lineshaft_core::drive::Inputs;
+use crate::recording::packed::{Packer, Unpacker};
+use crate::recording::{Way, key_cycles};
+use lineshaft_core::command::{Command, Setpoint, Setpoints, Source};
+use lineshaft_core::drive::{Inputs, Latch};
 use lineshaft_core::event::Event;
 use lineshaft_core::machine::{Machine, State};
-use lineshaft_core::signal::Board;
 use rtrb::{Consumer, Producer, PushError, RingBuffer};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cycles that may wait for the recorder.
-const ROOM: Room = Room { time_ns: 2_000_000_000, bytes: 128 << 20, least: 64 };
+/// Cycles that may wait for the recorder are those of this time (ns)..
+const TIME_NS: u64 = 2_000_000_000;
+/// ..of which an eighth of all words has changed, within this memory (bytes)..
+const MEMORY: usize = 32 << 20;
+/// ..and these in any case.
+const LEAST: usize = 16;
 /// States that may be on their way.
 const STATES: usize = 4;
 /// Commands that may be on their way.
 const COMMANDS: usize = 2048;
-/// Events that may be on their way.
-const EVENTS: usize = 1 << 15;
+/// Events, latches and setpoints that may be on their way, of each kind.
+const BESIDE: usize = 1 << 14;
 
-/// One cycle on its way.
+/// A cycle on its way; its packed bytes stand in a ring of their own.
 #[derive(Debug)]
-pub struct Frame {
+pub struct Head {
+    /// k
+    pub cycle: u64,
     /// t_k: nanoseconds since the Unix epoch.
     pub stamp_ns: u64,
-    /// As the machine took them.
-    pub inputs: Inputs,
-    /// Streamed setpoints that were new, if any.
-    pub stream: Setpoints,
-    /// At the end of the cycle.
-    pub board: Board,
+    /// Packed bytes.
+    pub length: usize,
+    /// Packed without the cycles before it.
+    pub is_key: bool,
     /// Before the cycle; key cycles have it, if one was free.
     pub state: Option<Box<State>>,
+}
+
+impl Head {
+    /// May a bag begin with it? Then a replay can.
+    pub fn can_begin(&self) -> bool {
+        self.is_key && (self.cycle == 0 || self.state.is_some())
+    }
 }
 
 /// The end in the cycle thread.
 #[derive(Debug)]
 pub struct FrameSender {
-    pool: Filler<Frame>,
+    packer: Packer,
+    heads: Producer<Head>,
+    bytes: Producer<u8>,
     states: Consumer<Box<State>>,
     /// The state before the cycle that runs.
     state: Option<Box<State>>,
@@ -47,8 +62,14 @@ pub struct FrameSender {
     /// Commands for which the recorder leaves no room, on their way to be freed elsewhere.
     spent: Producer<Command>,
     events: Producer<Event>,
+    latches: Producer<(u64, Latch)>,
+    setpoints: Producer<(u64, StreamedSetpoint)>,
     key_cycles: u64,
+    lost: Arc<AtomicU64>,
 }
+
+/// A setpoint of a cycle: who gave the newest of them, of which axis, and what.
+pub type StreamedSetpoint = (Source, u16, Setpoint);
 
 /// Frees the commands for which the recorder has left no room.
 #[derive(Debug)]
@@ -64,49 +85,116 @@ impl Spent {
 /// The end in the recorder.
 #[derive(Debug)]
 pub struct FrameReceiver {
-    pool: Emptier<Frame>,
+    heads: Consumer<Head>,
+    bytes: Consumer<u8>,
     states: Producer<Box<State>>,
     commands: Consumer<(u64, Command)>,
     events: Consumer<Event>,
-    /// Room for what belongs to the next frame.
-    room: Taken,
+    latches: Consumer<(u64, Latch)>,
+    setpoints: Consumer<(u64, StreamedSetpoint)>,
+    unpacker: Unpacker,
+    lost: Arc<AtomicU64>,
 }
 
-/// What belongs to a frame.
+/// What belongs to a cycle, in memory that is used again.
 #[derive(Debug, Default)]
 pub struct Taken {
-    /// In the order in which they applied.
-    pub commands: Vec<Command>,
-    /// In their order.
-    pub events: Vec<Event>,
+    /// Packed inputs and signals.
+    pub bytes: Vec<u8>,
+    /// What travelled beside them.
+    pub beside: Beside,
     /// Events of cycles before it that were left out.
     pub left_out: Vec<Event>,
 }
 
+/// What few cycles have.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    /// In the order in which they applied.
+    pub commands: Vec<Command>,
+    /// In their order.
+    pub events: Vec<Event>,
+    /// Of the inputs.
+    pub latches: Vec<Latch>,
+    /// Streamed setpoints that were new.
+    pub setpoints: Vec<StreamedSetpoint>,
+    /// Frames on CAN; the recorder adds them.
+    pub frames: Vec<BusFrame>,
+}
+
+impl Beside {
+    /// Has the cycle none of it?
+    pub fn is_empty(&self) -> bool {
+        let Self { commands, events, latches, setpoints, frames } = self;
+        commands.is_empty() && events.is_empty() && latches.is_empty() && setpoints.is_empty() && frames.is_empty()
+    }
+
+    /// Memory that it takes (bytes), without what the commands point to.
+    pub fn memory(&self) -> usize {
+        let Self { commands, events, latches, setpoints, frames } = self;
+        size_of::<Self>()
+            + commands.capacity() * size_of::<Command>()
+            + events.capacity() * size_of::<Event>()
+            + latches.capacity() * size_of::<Latch>()
+            + setpoints.capacity() * size_of::<StreamedSetpoint>()
+            + frames.capacity() * size_of::<BusFrame>()
+    }
+}
+
+/// A frame that went over a bus on CAN.
+#[derive(Clone, Copy, Debug)]
+pub struct BusFrame {
+    /// Place of the bus.
+    pub bus: usize,
+    /// Which way it went.
+    pub way: Way,
+    /// How long behind the beginning of the cycle (ns).
+    pub offset_ns: i64,
+    /// The frame.
+    pub frame: lineshaft_can::Frame,
+}
+
 /// Makes the way for one machine.
 pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
-    let axes = machine.config().axes.len();
-    let frame = || {
-        let (inputs, stream, board) = (machine.inputs(), Setpoints::none(axes), machine.board().clone());
-        Frame { stamp_ns: 0, inputs, stream, board, state: None }
-    };
     let cycle_ns = machine.config().cycle_ns;
-    let bytes = size_of::<Frame>() + size_of_val(machine.inputs().drive.as_slice()) + 8 * machine.board().len();
-    let bytes = bytes + size_of_val(Setpoints::none(axes).axes.as_slice());
-    let (filler, emptier) = pool(ROOM.count(cycle_ns, bytes), frame);
+    let inputs = machine.inputs();
+    let packer = Packer::new(&inputs, machine.board());
+    let count = usize::try_from(TIME_NS / cycle_ns.max(1)).unwrap_or(usize::MAX).max(LEAST);
+    let memory = count.saturating_mul(packer.most() / 8).min(MEMORY).max(LEAST * packer.most());
+    let (heads, heads_out) = RingBuffer::new(count);
+    let (bytes, bytes_out) = RingBuffer::new(memory);
     let (mut states_in, states) = RingBuffer::new(STATES);
     (0..STATES).for_each(|_| drop(states_in.push(Box::new(machine.state().clone()))));
     let (commands, commands_out) = RingBuffer::new(COMMANDS);
-    let (events, events_out) = RingBuffer::new(EVENTS);
+    let (events, events_out) = RingBuffer::new(BESIDE);
+    let (latches, latches_out) = RingBuffer::new(BESIDE);
+    let (setpoints, setpoints_out) = RingBuffer::new(BESIDE);
     let (spent, spent_out) = RingBuffer::new(COMMANDS);
-    let key_cycles = key_cycles(cycle_ns);
-    let sender = FrameSender { pool: filler, states, state: None, commands, spent, events, key_cycles };
+    let lost = Arc::<AtomicU64>::default();
+    let sender = FrameSender {
+        packer,
+        heads,
+        bytes,
+        states,
+        state: None,
+        commands,
+        spent,
+        events,
+        latches,
+        setpoints,
+        key_cycles: key_cycles(cycle_ns),
+        lost: Arc::clone(&lost),
+    };
     let receiver = FrameReceiver {
-        pool: emptier,
+        heads: heads_out,
+        bytes: bytes_out,
         states: states_in,
         commands: commands_out,
         events: events_out,
-        room: Taken::default(),
+        latches: latches_out,
+        setpoints: setpoints_out,
+        unpacker: Unpacker::new(&inputs, machine.board()),
+        lost,
     };
     (sender, receiver, Spent(spent_out))
 }
@@ -134,6 +222,31 @@ impl FrameSender {
         stream: Option<&Setpoints>,
         commands: impl Iterator<Item = Command>,
     ) {
+        if !self.send_beside(inputs, machine, stream, commands) || self.is_full() {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+            return;
+        }
+        let cycle = inputs.cycle;
+        let is_key = cycle.is_multiple_of(self.key_cycles);
+        let packed = self.packer.pack(inputs, machine.board(), is_key);
+        let state = if is_key { self.state.take() } else { None };
+        // There is room for both. The bytes go first: they are there when the head is.
+        let _ = self.bytes.push_entire_slice(packed);
+        drop(self.heads.push(Head { cycle, stamp_ns, length: packed.len(), is_key, state }));
+    }
+
+    fn is_full(&self) -> bool {
+        self.heads.is_full() || self.bytes.slots() < self.packer.most()
+    }
+
+    /// Sends what travels beside the packed cycle. False if not all of it has room.
+    fn send_beside(
+        &mut self,
+        inputs: &Inputs,
+        machine: &Machine,
+        stream: Option<&Setpoints>,
+        commands: impl Iterator<Item = Command>,
+    ) -> bool {
         let cycle = inputs.cycle;
         let mut is_whole = true;
         for command in commands {
@@ -146,76 +259,103 @@ impl FrameSender {
         for &event in machine.events() {
             is_whole &= self.events.push(event).is_ok();
         }
-        if !is_whole {
-            return self.pool.leave_out();
+        for &latch in &inputs.latch {
+            is_whole &= self.latches.push((cycle, latch)).is_ok();
         }
-        self.pool.send(|frame| {
-            frame.stamp_ns = stamp_ns;
-            frame.inputs.copy_from(inputs);
-            frame.stream.clear();
-            if let Some(stream) = stream {
-                frame.stream.take(stream);
+        if let Some(Setpoints { source, axes }) = stream {
+            for (axis, setpoint) in (0..).zip(axes).filter_map(|(axis, setpoint)| Some((axis, (*setpoint)?))) {
+                is_whole &= self.setpoints.push((cycle, (*source, axis, setpoint))).is_ok();
             }
-            frame.board.copy_from(machine.board());
-            frame.state = if cycle.is_multiple_of(self.key_cycles) { self.state.take() } else { None };
-        });
+        }
+        is_whole
     }
 }
 
 impl FrameReceiver {
-    /// The next cycle, with its commands and events.
-    pub fn take(&mut self) -> Option<(Box<Frame>, Taken)> {
-        let frame = self.pool.take()?;
-        let cycle = frame.inputs.cycle;
-        let mut taken = std::mem::take(&mut self.room);
-        // What stands before belongs to cycles that were left out.
-        while self.commands.peek().is_ok_and(|(of, _)| *of <= cycle) {
-            let Ok((of, command)) = self.commands.pop() else { break };
-            if of == cycle {
-                taken.commands.push(command);
-            }
-        }
-        while self.events.peek().is_ok_and(|event| event.cycle <= cycle) {
+    /// The next cycle, and in `taken` what belongs to it.
+    pub fn take(&mut self, taken: &mut Taken) -> Option<Head> {
+        let head = self.heads.pop().ok()?;
+        taken.bytes.resize(head.length, 0);
+        // They were sent before the head.
+        let _ = self.bytes.pop_entire_slice(&mut taken.bytes);
+        let beside = &mut taken.beside;
+        beside.frames.clear();
+        beside.events.clear();
+        taken.left_out.clear();
+        while self.events.peek().is_ok_and(|event| event.cycle <= head.cycle) {
             let Ok(event) = self.events.pop() else { break };
-            let of = if event.cycle == cycle { &mut taken.events } else { &mut taken.left_out };
+            let of = if event.cycle == head.cycle { &mut beside.events } else { &mut taken.left_out };
             of.push(event);
         }
-        Some((frame, taken))
+        take_those_of(head.cycle, &mut self.commands, &mut beside.commands);
+        take_those_of(head.cycle, &mut self.latches, &mut beside.latches);
+        take_those_of(head.cycle, &mut self.setpoints, &mut beside.setpoints);
+        Some(head)
     }
 
-    /// Gives a frame back to be filled again.
-    pub fn give_back(&mut self, mut frame: Box<Frame>, mut taken: Taken) {
-        if let Some(state) = frame.state.take() {
-            drop(self.states.push(state));
-        }
-        self.pool.give_back(frame);
-        taken.commands.clear();
-        taken.events.clear();
-        taken.left_out.clear();
-        self.room = taken;
+    /// An unpacker of what is sent here, before its first cycle.
+    pub fn unpacker(&self) -> Unpacker {
+        self.unpacker.clone()
+    }
+
+    /// Gives the state of a cycle back, to be filled again.
+    pub fn give_back(&mut self, state: Box<State>) {
+        drop(self.states.push(state));
     }
 
     /// Cycles that were left out so far.
     pub fn lost(&self) -> u64 {
-        self.pool.lost()
+        self.lost.load(Ordering::Relaxed)
     }
+}
+
+/// Takes what belongs to a cycle. What stands before it belongs to cycles that were left out.
+fn take_those_of<T>(cycle: u64, from: &mut Consumer<(u64, T)>, to: &mut Vec<T>) {
+    to.clear();
+    while from.peek().is_ok_and(|(of, _)| *of <= cycle) {
+        let Ok((of, thing)) = from.pop() else { return };
+        if of == cycle {
+            to.push(thing);
+        }
+    }
+}
+
+/// The setpoints of a cycle as the machine took them; none where nothing was new.
+pub fn stream(setpoints: &[StreamedSetpoint], axes: usize) -> Option<Setpoints> {
+    let (source, ..) = setpoints.first()?;
+    let mut stream = Setpoints { source: *source, ..Setpoints::none(axes) };
+    for (_, axis, setpoint) in setpoints {
+        if let Some(place) = stream.axes.get_mut(usize::from(*axis)) {
+            *place = Some(*setpoint);
+        }
+    }
+    Some(stream)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cell::Cell;
-    use lineshaft_core::command::{Action, Commands, Setpoint, Source};
-    use lineshaft_core::object::AxisSet;
+    use lineshaft_core::command::{Action, Commands};
+    use lineshaft_core::drive::Edge;
+    use lineshaft_core::object::{AxisSet, Object};
 
     fn machine() -> Machine {
         Machine::new(Cell::demo().machine).unwrap()
     }
 
+    fn latch(cycle: u64) -> Latch {
+        Latch { object: Object::Axis(1), edge: Edge::Rising, age_ns: None, position: Some(cycle as i64) }
+    }
+
     /// Runs a cycle with one command and sends it.
-    fn run(machine: &mut Machine, sender: &mut FrameSender) {
+    fn run(machine: &mut Machine, sender: &mut FrameSender) -> Inputs {
         let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
-        inputs.cycle = machine.next_cycle();
+        inputs.begin(machine.next_cycle(), 0);
+        inputs.drive[0].count = -5 * inputs.cycle as i64;
+        if inputs.cycle.is_multiple_of(3) {
+            inputs.add_latch(latch(inputs.cycle));
+        }
         let action = Action::Enable(AxisSet::one(0));
         let commands = [Command { sequence: inputs.cycle + 1, source: Source::Cli, action }];
         sender.before(machine);
@@ -225,48 +365,57 @@ mod tests {
         let stream = Some(&stream).filter(|_| inputs.cycle.is_multiple_of(2));
         machine.cycle(&inputs, Commands { stream, ..Commands::queue(&commands) }, &mut outputs);
         sender.send(7 * inputs.cycle, &inputs, machine, stream, commands.into_iter());
+        inputs
     }
 
     #[test]
-    fn a_frame_holds_what_the_machine_took_and_did() {
+    fn a_cycle_arrives_as_the_machine_took_and_did_it() {
         let mut machine = machine();
         let (mut sender, mut receiver, _spent) = frames(&machine);
-        for cycle in 0..2500 {
+        let (mut unpacker, mut taken) = (receiver.unpacker(), Taken::default());
+        for cycle in 0..2500_u64 {
             let before = postcard::to_allocvec(machine.state()).unwrap();
-            run(&mut machine, &mut sender);
-            let (frame, taken) = receiver.take().unwrap();
-            assert_eq!((frame.inputs.cycle, frame.stamp_ns), (cycle, 7 * cycle));
-            assert_eq!(&frame.board, machine.board());
+            let mut inputs = run(&mut machine, &mut sender);
+            let head = receiver.take(&mut taken).unwrap();
+            assert_eq!((head.cycle, head.stamp_ns, head.is_key), (cycle, 7 * cycle, cycle.is_multiple_of(1000)));
+            unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
+            assert_eq!(taken.beside.latches, inputs.latch);
+            inputs.latch.clear();
+            assert_eq!((&unpacker.inputs, &unpacker.board), (&inputs, machine.board()));
             let setpoint = Setpoint { velocity: cycle as f64, duration: Some(cycle) };
-            let streamed = Some(setpoint).filter(|_| cycle.is_multiple_of(2));
-            assert_eq!(frame.stream.axes, [None, streamed, None, None], "cycle {cycle}");
-            assert_eq!(taken.events, machine.events());
-            assert_eq!(taken.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [cycle + 1]);
-            let state = frame.state.as_ref().map(|state| postcard::to_allocvec(state).unwrap());
+            let streamed = Setpoints { source: Source::Ros, axes: vec![None, Some(setpoint), None, None] };
+            let streamed = Some(streamed).filter(|_| cycle.is_multiple_of(2));
+            assert_eq!(stream(&taken.beside.setpoints, 4), streamed, "cycle {cycle}");
+            assert_eq!(taken.beside.events, machine.events());
+            assert_eq!(taken.beside.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [cycle + 1]);
+            let state = head.state.as_ref().map(|state| postcard::to_allocvec(state).unwrap());
             assert_eq!(state, cycle.is_multiple_of(1000).then_some(before));
-            receiver.give_back(frame, taken);
+            head.state.into_iter().for_each(|state| receiver.give_back(state));
         }
         assert_eq!(receiver.lost(), 0);
-        assert!(receiver.take().is_none());
+        assert!(receiver.take(&mut taken).is_none());
     }
 
     #[test]
     fn a_recorder_that_stands_still_costs_cycles_which_are_counted_and_then_goes_on() {
         let mut machine = machine();
         let (mut sender, mut receiver, _spent) = frames(&machine);
-        (0..2100).for_each(|_| run(&mut machine, &mut sender));
-        let mut expected = 0;
-        while let Some((frame, taken)) = receiver.take() {
-            assert_eq!(frame.inputs.cycle, expected);
+        (0..2100).for_each(|_| drop(run(&mut machine, &mut sender)));
+        let (mut unpacker, mut taken, mut expected) = (receiver.unpacker(), Taken::default(), 0);
+        while let Some(head) = receiver.take(&mut taken) {
+            assert_eq!(head.cycle, expected);
+            unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
             expected += 1;
-            receiver.give_back(frame, taken);
         }
         assert_eq!((expected, receiver.lost()), (2000, 100), "2 s fit");
-        // Commands and events of the cycles that were left out are gone; the next cycle has its own.
+        // What belongs to the cycles that were left out is gone; the next cycle has its own, and counts from the last one that was sent.
         run(&mut machine, &mut sender);
-        let (frame, taken) = receiver.take().unwrap();
-        assert_eq!(frame.inputs.cycle, 2100);
-        assert_eq!(taken.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [2101]);
-        assert!(taken.events.iter().all(|event| event.cycle == 2100));
+        let head = receiver.take(&mut taken).unwrap();
+        assert_eq!(head.cycle, 2100);
+        assert_eq!(taken.beside.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [2101]);
+        assert!(taken.beside.events.iter().all(|event| event.cycle == 2100));
+        assert_eq!(taken.beside.latches, [latch(2100)]);
+        unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
+        assert_eq!(&unpacker.board, machine.board());
     }
 }

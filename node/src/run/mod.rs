@@ -6,6 +6,7 @@
 
 pub mod backends;
 pub mod bridge;
+pub mod decoder;
 pub mod flight;
 pub mod frames;
 pub mod gate;
@@ -20,4 +21,15 @@ pub mod services;
 pub mod thread;
 pub mod trials;
 mod tuning;
+pub mod wake;
 pub mod writer;
+
+use std::thread::{Builder, JoinHandle};
+
+/// Starts a thread. Tools such as `top -H` and `perf` show the first 15 bytes of its name.
+///
+/// # Panics
+/// The system has no thread left, as [`std::thread::spawn`].
+pub fn spawn<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) -> JoinHandle<T> {
+    Builder::new().name(name.to_owned()).spawn(work).unwrap_or_else(|error| panic!("thread {name}: {error}"))
+}

@@ -1,5 +1,5 @@
-//! The recorder: takes whole cycles from the cycle thread, encodes each once, and gives it to the bag that is being written and
-//! to the flight recorder.
+//! The recorder: takes whole cycles from the cycle thread, keeps them packed in the flight recorder, and makes messages of them for
+//! the bag that is being written.
 //!
 //! The recorder runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
 //! (a command `Note`, so that it stands in the recording too) and in the log.
@@ -7,13 +7,15 @@
 mod requests;
 
 use super::bridge::Handle;
-use super::flight::Flight;
+use super::decoder::Decoder;
 use super::flight::folder::FlightFolder;
-use super::frames::{Frame, FrameReceiver, Taken};
+use super::flight::{Flight, Kept};
+use super::frames::{BusFrame, FrameReceiver, Head, Taken};
+use super::spawn;
 use super::writer::{Failure, Writer};
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use crate::recording::encoder::Encoder;
-use crate::recording::{Cycle, Encoded, Way};
+use crate::recording::{Encoded, Way};
 use lineshaft_can::master::Frames;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
@@ -50,7 +52,9 @@ pub type BusFrames = (String, Frames);
 pub struct Recorder {
     handle: Arc<Handle>,
     frames: FrameReceiver,
-    encoder: Encoder,
+    /// What belongs to the cycle that is taken.
+    taken: Taken,
+    decoder: Decoder,
     subject: Arc<Subject>,
     asked: Receiver<Asked>,
     writer: Option<Writer>,
@@ -93,10 +97,12 @@ impl Recorder {
         bag: Option<Bag>,
         flight: Option<FlightRecorder>,
     ) -> Self {
+        let decoder = Decoder::new(frames.unpacker(), encoder, handle.config());
         Self {
             handle,
             frames,
-            encoder,
+            taken: Taken::default(),
+            decoder,
             subject,
             asked,
             writer: bag.map(Writer::of),
@@ -134,9 +140,9 @@ impl Recorder {
     fn look(&mut self) -> bool {
         let mut left = MOST_CYCLES;
         while left > 0
-            && let Some((frame, taken)) = self.frames.take()
+            && let Some(head) = self.frames.take(&mut self.taken)
         {
-            self.take(frame, taken);
+            self.take(head);
             left -= 1;
         }
         self.tell_missing();
@@ -149,48 +155,36 @@ impl Recorder {
         left == 0
     }
 
-    fn take(&mut self, frame: Box<Frame>, taken: Taken) {
-        let cycle = frame.inputs.cycle;
-        self.count_missing(cycle);
-        if self.is_idle() {
-            self.buses.iter_mut().for_each(|(_, frames)| frames.take(cycle, |_, _, _| {}));
-            return self.frames.give_back(frame, taken);
-        }
-        let of_frame = Cycle {
-            stamp_ns: frame.stamp_ns,
-            inputs: &frame.inputs,
-            commands: &taken.commands,
-            stream: Some(&frame.stream).filter(|stream| !stream.is_empty()),
-            events: &taken.events,
-            board: &frame.board,
-        };
-        let mut encoded = self.encoder.encode(&of_frame);
-        for (place, (_, frames)) in self.buses.iter_mut().enumerate() {
-            frames.take(cycle, |offset_ns, frame, is_sent| {
+    fn take(&mut self, mut head: Head) {
+        self.count_missing(head.cycle);
+        for (bus, (_, frames)) in self.buses.iter_mut().enumerate() {
+            frames.take(head.cycle, |offset_ns, frame, is_sent| {
                 let way = if is_sent { Way::Sent } else { Way::Received };
-                encoded.add_frame(place, way, offset_ns, frame);
+                self.taken.beside.frames.push(BusFrame { bus, way, offset_ns, frame: *frame });
             });
         }
-        if let Some(state) = &frame.state {
-            encoded = encoded.with_state(state, self.handle.config());
+        let is_wanted = self.writer.is_some() || (self.waiting.is_some() && head.can_begin());
+        if is_wanted {
+            let encoded = Arc::new(self.decoder.decode(&head, &self.taken));
+            self.begin_waiting(&encoded);
+            if let Some(writer) = &mut self.writer
+                && !writer.push(&encoded)
+            {
+                self.missing += 1;
+            }
         }
-        let encoded = Arc::new(encoded);
         // A fault in a cycle that was left out is one all the same.
-        let is_fault = taken.left_out.iter().chain(&taken.events).any(is_fault);
-        self.frames.give_back(frame, taken);
-        self.begin_waiting(&encoded);
-        if let Some(writer) = &mut self.writer
-            && !writer.push(&encoded)
-        {
-            self.missing += 1;
-        }
+        let is_fault = self.taken.left_out.iter().chain(&self.taken.beside.events).any(is_fault);
         if let Some((flight, _)) = &mut self.flight
-            && flight.push(&encoded, is_fault)
+            && flight.push(&head, &mut self.taken, is_fault)
             // While a bag is being saved the next one waits: what it is about stays in memory.
             && self.saving.is_none()
         {
-            let cycles = flight.freeze();
-            self.save(cycles, None);
+            let kept = flight.freeze();
+            self.save(kept, None);
+        }
+        if let Some(state) = head.state.take() {
+            self.frames.give_back(state);
         }
     }
 
@@ -292,13 +286,14 @@ impl Recorder {
     }
 
     /// Saves cycles as a bag of the flight recorder.
-    fn save(&mut self, cycles: Vec<Arc<Encoded>>, answer: Option<Answer>) {
+    fn save(&mut self, kept: Kept, answer: Option<Answer>) {
         let Some((_, folder)) = &self.flight else { return };
         let buses = self.buses.iter().map(|(name, _)| name.clone()).collect();
         let (folder, subject) = (folder.clone(), Subject { buses, ..Subject::clone(&self.subject) });
+        let mut decoder = self.decoder.clone();
         let is_recording = self.writer.is_some();
-        self.saving = Some(std::thread::spawn(move || {
-            let saved = folder.save(&cycles, &subject);
+        self.saving = Some(spawn("flight bag", move || {
+            let saved = folder.save(&kept, &mut decoder, &subject);
             let ended = ended(saved, "saved", Code::FLIGHT_FAILED, &folder.to_string());
             let response = RecordResponse { recording: is_recording, ..ended.response.clone() };
             // Whoever asked may have gone.
@@ -318,8 +313,8 @@ impl Recorder {
         if let Some((flight, _)) = &mut self.flight
             && flight.is_due()
         {
-            let cycles = flight.freeze();
-            self.save(cycles, None);
+            let kept = flight.freeze();
+            self.save(kept, None);
         }
         let writer = self.take_writer();
         if self.missing > 0 {

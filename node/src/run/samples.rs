@@ -57,18 +57,20 @@ pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSende
 
 impl SampleSender {
     /// Sends the cycle that has just run, if a topic takes it.
-    pub fn send(&mut self, cycle: u64, stamp_ns: u64, board: &Board) {
+    pub fn send(&mut self, cycle: u64, stamp_ns: u64, board: &Board) -> bool {
         let joint_states = self.cadences.joint_states.is_due(cycle);
         let axis_states = self.cadences.axis_states.is_due(cycle);
         let shaft = self.cadences.shaft.as_mut().is_some_and(|shaft| shaft.is_due(cycle));
-        if !joint_states && !axis_states && !shaft {
-            return;
+        let is_taken = joint_states || axis_states || shaft;
+        if !is_taken {
+            return false;
         }
         self.pool.send(|sample| {
             (sample.joint_states, sample.axis_states, sample.shaft) = (joint_states, axis_states, shaft);
             (sample.snapshot.cycle, sample.snapshot.stamp_ns) = (cycle, stamp_ns);
             sample.snapshot.board.copy_from(board);
         });
+        true
     }
 }
 
@@ -129,7 +131,9 @@ mod tests {
         let machine = Machine::new(Cell::demo().machine).unwrap();
         let seen = |shaft| {
             let (mut sender, mut receiver) = at([1.0, 1.0], shaft, machine.board());
-            (0..100).for_each(|cycle| sender.send(cycle, 0, machine.board()));
+            (0..100).for_each(|cycle| {
+                sender.send(cycle, 0, machine.board());
+            });
             let mut seen = Vec::new();
             receiver.take(|sample| seen.push((sample.snapshot.cycle, sample.axis_states, sample.shaft)));
             seen
@@ -142,7 +146,9 @@ mod tests {
     fn samples_that_nobody_takes_are_counted_and_the_first_ones_kept() {
         let machine = Machine::new(Cell::demo().machine).unwrap();
         let (mut sender, mut receiver) = at([1000.0, 1.0], None, machine.board());
-        (0..507).for_each(|cycle| sender.send(cycle, 0, machine.board()));
+        (0..507).for_each(|cycle| {
+            sender.send(cycle, 0, machine.board());
+        });
         let mut seen = Vec::new();
         receiver.take(|sample| seen.push(sample.snapshot.cycle));
         assert_eq!((seen, receiver.lost()), ((0..500).collect(), 7));

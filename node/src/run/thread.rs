@@ -7,6 +7,7 @@ use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
 use super::trials::TrialSlot;
+use super::wake::Wake;
 use crate::scenario::{Player, Report};
 use lineshaft_core::command::Commands;
 use lineshaft_core::drive::{Inputs, Outputs};
@@ -110,6 +111,8 @@ pub struct CycleThread {
     pub parameters: triple_buffer::Input<ParameterImage>,
     /// The version that went out last.
     pub published: u64,
+    /// Wakes the bridge when there is something to pass on.
+    pub wake: Wake,
     /// Closed, no cycle runs.
     pub gate: Arc<Gate>,
     /// Set from outside to end it.
@@ -202,8 +205,8 @@ impl CycleThread {
         snapshot.stamp_ns = stamp_ns;
         snapshot.board.copy_from(self.machine.board());
         self.snapshot.publish();
-        self.samples.send(inputs.cycle, stamp_ns, self.machine.board());
-        self.publish_parameters();
+        let is_sampled = self.samples.send(inputs.cycle, stamp_ns, self.machine.board());
+        let is_set = self.publish_parameters();
         // After the signals: who reacts to an event finds signals that are at least as new.
         for &event in self.machine.events() {
             if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
@@ -212,15 +215,21 @@ impl CycleThread {
         }
         let (stream, commands) = self.lanes.drain();
         self.frames.send(stamp_ns, inputs, &self.machine, stream, commands);
+        if is_sampled || is_set || !self.machine.events().is_empty() {
+            self.wake.wake();
+        }
     }
 
-    fn publish_parameters(&mut self) {
+    /// Publishes the parameters, if they have changed.
+    fn publish_parameters(&mut self) -> bool {
         // Of the three images each is brought up to date when its turn comes.
-        if self.published != self.machine.parameter_version() {
+        let is_set = self.published != self.machine.parameter_version();
+        if is_set {
             self.published = self.machine.parameter_version();
             self.machine.copy_parameters(self.parameters.input_buffer_mut());
             self.parameters.publish();
         }
+        is_set
     }
 
     /// Judges the cycle for the scenario, and reports it when it is over.

@@ -1,5 +1,6 @@
 //! A bag that is being written, on a thread of its own: a disk that stands still for seconds holds up nothing but it.
 
+use super::spawn;
 use crate::recording::Encoded;
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use lineshaft_msgs::srv::RecordResponse;
@@ -84,7 +85,7 @@ impl Writer {
         let (jobs, todo) = channel();
         let progress = Arc::new(Progress::default());
         let of_thread = Arc::clone(&progress);
-        let thread = std::thread::spawn(move || write(make()?, &todo, &of_thread).map_err(Failure::Broken));
+        let thread = spawn("bag", move || write(make()?, &todo, &of_thread).map_err(Failure::Broken));
         Self { jobs, thread, progress, path, cycles: 0, lost: 0, room: MOST_WAITING, waits_for_key: false }
     }
 

@@ -38,11 +38,13 @@ pub struct SideOptions {
     pub participants: Option<PathBuf>,
     /// Told of each loss, on a thread of its own, before another side starts.
     pub on_loss: OnLoss,
+    /// Maximum time without an answer, after which it is lost.
+    pub loss_timeout: Duration,
 }
 
 impl Default for SideOptions {
     fn default() -> Self {
-        Self { side: Side::Thread, participants: None, on_loss: Arc::new(|_| {}) }
+        Self { side: Side::Thread, participants: None, on_loss: Arc::new(|_| {}), loss_timeout: Duration::from_secs(2) }
     }
 }
 
@@ -144,6 +146,7 @@ impl Node {
             name: names.node().name().to_owned(),
             participants: side.participants,
             on_loss: side.on_loss,
+            loss_timeout: side.loss_timeout,
             growth: Growth::default(),
         })?;
         let (open, closed) = watch::channel(());

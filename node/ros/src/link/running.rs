@@ -15,11 +15,14 @@ use super::protocol::{Departed, Line, Order, Report};
 use super::registry::{Orders, Registry};
 use super::start::{Side, Started};
 use crate::line_limit::LineLimit;
+use crate::silence::{Check, Silence};
 
 /// Period of the probes.
 pub(super) const PROBES: Duration = Duration::from_millis(100);
-/// Maximum time without an answer.
-const SILENCE: Duration = Duration::from_millis(700);
+/// Period of the calls of [`Running::watch`].
+pub(super) const WATCH: Duration = Duration::from_millis(50);
+/// A side that has not answered for so many times `loss_timeout` is lost, whatever the reason.
+const MOST: u32 = 5;
 /// Maximum time from the start of a side to its first answer. This includes the disposal of earlier participants.
 const START: Duration = Duration::from_secs(5);
 /// Maximum time that a side takes to leave, and maximum wait for the exit status of a side that has failed.
@@ -50,10 +53,9 @@ struct Probe {
     number: u64,
     is_answered: bool,
     next: Instant,
-    /// Time of the last good answer.
-    good: Instant,
-    /// Time of the last call of `watch`.
-    tick: Instant,
+    /// Time since the last good answer.
+    silence: Silence,
+    timeout: Duration,
     /// Part of the side that does not work.
     stuck: Option<String>,
 }
@@ -79,6 +81,7 @@ impl Running {
         side: &Side,
         registry: &Arc<Registry>,
         lines: &Arc<SideLines>,
+        timeout: Duration,
         orders: impl FnOnce() -> Orders,
     ) -> io::Result<Self> {
         let (stream, started) = side.start()?;
@@ -92,7 +95,8 @@ impl Running {
         let thread = |name: &str| std::thread::Builder::new().name(name.to_owned());
         let threads = [thread("ros orders").spawn(write)?, thread("ros reports").spawn(read)?];
         let now = Instant::now();
-        let probe = Probe { number: 0, is_answered: true, next: now, good: now, tick: now, stuck: None };
+        let silence = Silence::new(started.threads(), timeout, WATCH);
+        let probe = Probe { number: 0, is_answered: true, next: now, silence, timeout, stuck: None };
         let (joined, entry, has_answered) = (None, None, false);
         Ok(Self { number, stream, started, threads, heard, since: now, joined, entry, has_answered, probe })
     }
@@ -121,18 +125,17 @@ impl Running {
             }
         }
         let probe = &mut self.probe;
-        // If this process itself has paused, the timeout of the side starts again.
-        if probe.tick.elapsed() > SILENCE / 3 {
-            probe.good = Instant::now();
-        }
-        probe.tick = Instant::now();
+        let silence = probe.silence.check();
+        let most = MOST * probe.timeout;
         if self.joined.is_none() || !self.has_answered {
             if self.since.elapsed() > START {
                 return SideEvent::Failed(format!("did not begin to work within {} s", START.as_secs()));
             }
-        } else if probe.good.elapsed() > SILENCE {
+        } else if silence == Check::Silent || probe.silence.since() > most {
             let what = probe.stuck.as_ref().map(|what| format!(" ({what})")).unwrap_or_default();
-            return SideEvent::Failed(format!("has not answered for {} ms{what}", SILENCE.as_millis()));
+            return SideEvent::Failed(format!("has not answered for {} ms{what}", probe.silence.since().as_millis()));
+        } else if let Check::Overdue(doing) = silence {
+            tracing::warn!("the ROS side has not answered for {doing}");
         }
         if self.joined.is_some() && probe.is_answered && Instant::now() >= probe.next {
             probe.number += 1;
@@ -147,7 +150,8 @@ impl Running {
         let probe = &mut self.probe;
         match report {
             Report::Alive(number) if number == probe.number => {
-                (probe.is_answered, probe.good, probe.stuck) = (true, Instant::now(), None);
+                (probe.is_answered, probe.stuck) = (true, None);
+                probe.silence.answered();
                 self.has_answered = true;
             }
             // The next probe may find that it works again.

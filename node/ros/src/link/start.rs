@@ -9,6 +9,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::silence::Threads;
+
 /// Thread or process in which a ROS side runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Side {
@@ -62,6 +64,15 @@ impl Side {
 }
 
 impl Started {
+    /// The threads that have to answer.
+    pub(super) fn threads(&self) -> Threads {
+        match self {
+            // Its threads are among those of the program; tests alone run one so.
+            Self::Thread(_) => Threads::Process(std::process::id()),
+            Self::Process(child) => Threads::Process(child.id()),
+        }
+    }
+
     /// Returns the resident memory of its process in bytes, if the system reports it.
     pub(super) fn memory(&self) -> Option<u64> {
         let statm = match self {

@@ -1,7 +1,7 @@
 //! Supervises the ROS side: starts it, watches it, and starts another one when it fails or has grown.
 //!
-//! Law      a side works while it answers probes, which pass through its DDS library, within 0.7 s. A side that does not is killed, the
-//!          loss is reported at once, and the registry initializes the next side.
+//! Law      a side works while it answers probes, which pass through its DDS library, within `loss_timeout` (2 s). A side that does not is
+//!          killed, the loss is reported at once, and the registry initializes the next side.
 //!          A side that exceeds a memory limit hands over to a new side. Both sides run until the new one has matched as many
 //!          readers. No sample is lost, and no loss is reported
 //! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it permanently
@@ -20,7 +20,7 @@ use super::participants::{self, Entry};
 use super::protocol::{Departed, Join, Order};
 use super::qos::Qos;
 use super::registry::{Orders, Reader, Registry, Writer};
-use super::running::{PROBES, Running, SideEvent, SideLines};
+use super::running::{Running, SideEvent, SideLines, WATCH};
 use super::start::Side;
 
 /// Number of sides in a row that never answered a probe, after which no other side is started.
@@ -63,6 +63,8 @@ pub(crate) struct Settings {
     pub(crate) participants: Option<PathBuf>,
     /// Called at each loss, on the supervisor's thread, before another side starts.
     pub(crate) on_loss: Arc<dyn Fn(&Loss) + Send + Sync>,
+    /// Maximum time without an answer of the side.
+    pub(crate) loss_timeout: Duration,
     pub(crate) growth: Growth,
 }
 
@@ -207,7 +209,7 @@ impl Supervisor {
             if self.is_closed.load(Ordering::Acquire) {
                 break None;
             }
-            match side.watch(PROBES / 2, &self.registry) {
+            match side.watch(WATCH, &self.registry) {
                 SideEvent::Nothing => {}
                 SideEvent::Joined(prefix) => self.joined(prefix, &mut side, &left),
                 // The link may have been closed meanwhile.
@@ -244,10 +246,10 @@ impl Supervisor {
         dead: Vec<Departed>,
         predecessor: Option<Prefix>,
     ) -> io::Result<Running> {
-        let Settings { side, domain, networks, namespace, name, .. } = &self.settings;
+        let Settings { side, domain, networks, namespace, name, loss_timeout, .. } = &self.settings;
         let (networks, namespace, name) = (networks.clone(), namespace.clone(), name.clone());
         let join = Join { domain: *domain, networks, namespace, name, dead, predecessor };
-        Running::start(side, &self.registry, &self.lines, || begin(&self.registry, join))
+        Running::start(side, &self.registry, &self.lines, *loss_timeout, || begin(&self.registry, join))
     }
 
     /// Starts the next side if this one exceeds its memory limit.
@@ -355,7 +357,17 @@ mod tests {
         // A separate domain: no side of these tests ever joins it.
         let networks = Some(vec![Ipv4Addr::LOCALHOST]);
         let growth = Growth::default();
-        let settings = Settings { side, domain: 232, networks, namespace, name, participants: None, on_loss, growth };
+        let settings = Settings {
+            side,
+            domain: 232,
+            networks,
+            namespace,
+            name,
+            participants: None,
+            on_loss,
+            loss_timeout: Duration::from_secs(2),
+            growth,
+        };
         (settings, losses)
     }
 

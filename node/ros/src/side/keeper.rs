@@ -5,7 +5,8 @@
 //!          No GAP covers a sample that was sent to its reader. Otherwise Fast DDS (2.6 to 2.14) hangs: a reader that has some
 //!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock.
 //!          The readers of a Cyclone DDS participant share the GAPs of a writer: a GAP to one of them must not overtake a sample to
-//!          another. If the participant has a matched reader already, the first GAP is sent later, with the first repeat.
+//!          another. So a reader whose participant has another one first gets a GAP over the samples that are surely sent, and with
+//!          the first repeat a GAP over all of them.
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::time::Duration;
@@ -29,14 +30,15 @@ const GAP_REPEATS: [Duration; 8] = [
     Duration::from_millis(3200),
 ];
 
+/// Time after which a sample is surely sent: the library sends it within a few milliseconds.
+const SENDING: Duration = GAP_REPEATS[0];
+
 /// Destination of the samples.
 pub(super) trait Target: Send + Sync + 'static {
     /// Writes a sample to one matched reader and returns its number.
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
     /// Whether the reader wants the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
-    /// Tells the library that a reader does not want the samples before this number.
-    fn acknowledge(&self, reader: Guid, before: i64);
     /// Sends a GAP to a reader: the samples before this number are not for it.
     fn skip(&self, reader: Guid, before: i64);
     /// Returns the GUID of the writer.
@@ -53,6 +55,8 @@ pub(super) struct Keeper<T> {
     readers: BTreeMap<Guid, Reader>,
     /// Number of the newest sample.
     last: i64,
+    /// Times and numbers of the samples that are perhaps not sent yet, the oldest first.
+    sending: VecDeque<(Instant, i64)>,
 }
 
 /// A matched reader.
@@ -68,7 +72,15 @@ struct Reader {
 
 impl<T: Target> Keeper<T> {
     pub(super) fn new(target: T, depth: usize, lifespan: Option<Duration>) -> Self {
-        Self { target, depth: depth.max(1), lifespan, kept: VecDeque::new(), readers: BTreeMap::new(), last: 0 }
+        Self {
+            target,
+            depth: depth.max(1),
+            lifespan,
+            kept: VecDeque::new(),
+            readers: BTreeMap::new(),
+            last: 0,
+            sending: VecDeque::new(),
+        }
     }
 
     pub(super) fn guid(&self) -> Guid {
@@ -103,14 +115,19 @@ impl<T: Target> Keeper<T> {
                 false => VecDeque::new(),
             };
             let reader = Reader { pending, since: now, first: self.last + 1, repeats: 0 };
-            if reader.has_gap() {
-                self.target.acknowledge(*guid, reader.first);
-                if self.readers.keys().all(|other| other.prefix() != guid.prefix()) {
-                    self.target.skip(*guid, reader.first);
-                }
+            let has_sibling = self.readers.keys().any(|other| other.prefix() == guid.prefix());
+            let before = if has_sibling { self.first_unsent(now) } else { reader.first };
+            if before > 1 {
+                self.target.skip(*guid, before);
             }
             self.readers.insert(*guid, reader);
         }
+    }
+
+    /// Returns the number of the first sample that is perhaps not sent yet.
+    fn first_unsent(&mut self, now: Instant) -> i64 {
+        while self.sending.pop_front_if(|(since, _)| *since + SENDING <= now).is_some() {}
+        self.sending.front().map_or(self.last + 1, |(_, number)| *number)
     }
 
     /// Repeats the GAPs that are due.
@@ -131,11 +148,15 @@ impl<T: Target> Keeper<T> {
     }
 
     /// Writes the pending values. Returns false if the writer has no space for all of them.
-    pub(super) fn write(&mut self) -> bool {
+    pub(super) fn write(&mut self, now: Instant) -> bool {
+        self.first_unsent(now);
         for (guid, reader) in &mut self.readers {
             while let Some(value) = reader.pending.front() {
                 match self.target.write(value, *guid) {
-                    Ok(number) => self.last = number,
+                    Ok(number) => {
+                        self.last = number;
+                        self.sending.push_back((now, number));
+                    }
                     Err(ReplyFailure::Broken(reason)) => {
                         tracing::error!("a latched value was not published: {reason}");
                     }

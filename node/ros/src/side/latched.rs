@@ -40,12 +40,10 @@ impl Target for DirectedWriter {
         self.shared.participant.keeps_for(reader)
     }
 
-    fn acknowledge(&self, reader: Guid, before: i64) {
-        acknowledge(&self.shared, reader, self.writer.guid(), before);
-    }
-
     fn skip(&self, reader: Guid, before: i64) {
         let writer = self.writer.guid();
+        // First, so that the library does not send the samples of other readers to this one.
+        acknowledge(&self.shared, reader, writer, before);
         let mut message = Message::from(writer.prefix());
         message.to(reader.prefix()).gap(entity(reader), entity(writer), 1, before);
         let datagram = message.bytes();
@@ -124,7 +122,7 @@ async fn run<T: Target>(
         keeper.matched(&matches.readers(keeper.guid()), Instant::now());
         keeper.repeat_gaps(Instant::now());
         if is_due {
-            has_room = keeper.write();
+            has_room = keeper.write(Instant::now());
             due = None;
         }
     }

@@ -88,7 +88,12 @@ fn run(stream: UnixStream, reports: Sender<Report>, queue: Receiver<Report>, is_
     if writer.is_err() {
         return;
     }
-    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_io().enable_time().build();
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(1)
+        .thread_name("side")
+        .enable_io()
+        .enable_time()
+        .build();
     let Ok(runtime) = runtime else { return };
     follow(stream, &reports, runtime.handle(), is_process);
     // Replies that still wait for their readers are dropped.

@@ -97,6 +97,8 @@ impl Probe {
             }
             sequence += 2;
         }
+        // Tried again at the next probe.
+        self.turn.lock().unwrap_or_else(PoisonError::into_inner).next = Instant::now();
         false
     }
 

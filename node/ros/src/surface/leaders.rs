@@ -7,14 +7,14 @@ use super::messages::header;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::object::{Leader, VIRTUAL_MASTER};
 use lineshaft_core::signal::{Board, Directory, Signal};
-use lineshaft_core::unit::Scale;
+use lineshaft_core::unit::SiScale;
 use lineshaft_msgs::msg::{LeaderState, ShaftStates};
 
 /// Where a leader stands on the board, and how its increments read.
 #[derive(Clone, Debug)]
 pub(super) struct LeaderView {
     name: String,
-    scale: Option<Scale>,
+    scale: Option<SiScale>,
     position: Signal,
     velocity: Signal,
     /// None of what is counted.
@@ -55,7 +55,7 @@ impl LeaderView {
         };
         Some(Self {
             name: name.to_owned(),
-            scale: config.known_scale_of(leader),
+            scale: config.known_scale_of(leader).map(SiScale::from),
             position: directory.find(&position)?,
             velocity: find("velocity")?,
             fraction: find("fraction"),
@@ -75,8 +75,8 @@ impl LeaderView {
             name: self.name.clone(),
             valid,
             has_scale: self.scale.is_some(),
-            position: self.scale.map_or(0.0, |scale| scale.position_to_si(increments, fraction)),
-            velocity: self.scale.map_or(0.0, |scale| scale.rate_to_si(rate)),
+            position: self.scale.map_or(0.0, |scale| scale.position(increments, fraction)),
+            velocity: self.scale.map_or(0.0, |scale| scale.rate(rate)),
             position_increments: increments,
             fraction,
             velocity_increments: rate,

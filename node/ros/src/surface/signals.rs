@@ -4,7 +4,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_core::signal::gantry::GantrySignal;
 use lineshaft_core::signal::{Board, Directory, Signal};
-use lineshaft_core::unit::Scale;
+use lineshaft_core::unit::{Scale, SiScale};
 use lineshaft_msgs::msg::AxisState;
 
 /// Where an axis stands on the board, and how its increments read.
@@ -16,6 +16,7 @@ pub struct AxisView {
     /// First of [`GantrySignal`], where it has two drives.
     gantry: Option<Signal>,
     scale: Scale,
+    si: SiScale,
 }
 
 impl AxisView {
@@ -26,7 +27,8 @@ impl AxisView {
         axes.filter_map(|axis| {
             let is_virtual = axis.drive.is_none();
             let gantry = axis.second.and_then(|_| directory.find(&format!("{}.skew", axis.name)));
-            Some(Self { name: axis.name.clone(), is_virtual, first: first(&axis.name)?, gantry, scale: axis.scale })
+            let (name, first, scale) = (axis.name.clone(), first(&axis.name)?, axis.scale);
+            Some(Self { name, is_virtual, first, gantry, scale, si: scale.into() })
         })
         .collect()
     }
@@ -50,12 +52,12 @@ impl AxisView {
 
     /// Whole increments in m or rad.
     pub(super) fn si(&self, increments: i64, fraction: f64) -> f64 {
-        self.scale.position_to_si(increments, fraction)
+        self.si.position(increments, fraction)
     }
 
     /// A velocity or acceleration in SI units.
     pub(super) fn rate(&self, board: &Board, signal: AxisSignal) -> f64 {
-        self.scale.rate_to_si(self.real(board, signal))
+        self.si.rate(self.real(board, signal))
     }
 
     /// Increments in the axis' unit, with the unit.

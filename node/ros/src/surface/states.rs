@@ -105,6 +105,10 @@ async fn publish<M: Message>(
 ) {
     let mut failed = 0_u64;
     while let Some(snapshot) = samples.recv().await {
+        // A message that nobody reads is not made.
+        if publisher.subscriptions() == 0 {
+            continue;
+        }
         match publisher.publish(&message(&snapshot)) {
             Ok(()) => {}
             // The program is ending.

@@ -64,7 +64,7 @@ fn format_and_cycle() {
 fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
                 shaft_rate: 50 Hz, autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
-                on_loss: none, request_timeout: 500 ms}\n";
+                on_loss: none, loss_timeout: 1500 ms, request_timeout: 500 ms}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
         RosOptions {
@@ -77,6 +77,7 @@ fn ros_options() {
             robot_description: Some("a/r.urdf".into()),
             interfaces: vec!["lo".into(), "192.168.0.1".into()],
             on_loss: OnLoss::None,
+            loss_timeout: Duration::from_millis(1500),
             request_timeout: Duration::from_millis(500),
         }
     );
@@ -97,6 +98,8 @@ fn ros_options() {
         ("shaft_rate: ^-1 Hz", "shaft_rate is `-1 Hz`; 0, or 1 Hz..1000 Hz, is allowed"),
         ("shaft_rate: ^1001", "shaft_rate is `1001`; 0, or 1 Hz..1000 Hz, is allowed"),
         ("on_loss: ^stop", "on_loss is `stop`; halt or none is allowed"),
+        ("loss_timeout: ^0.4 s", "loss_timeout is `0.4 s`; 0.5 s..5 s is allowed"),
+        ("loss_timeout: ^6", "loss_timeout is `6`; 0.5 s..5 s is allowed"),
         ("request_timeout: ^99 ms", "request_timeout is `99 ms`; 0.1 s..3600 s is allowed"),
         ("request_timeout: ^3601", "request_timeout is `3601`; 0.1 s..3600 s is allowed"),
         ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
@@ -105,7 +108,7 @@ fn ros_options() {
         (
             "^domain: 3",
             "unknown key `domain` in ros, known are name, namespace, joint_states_rate, axis_states_rate, shaft_rate, \
-             autostart, robot_description, interfaces, on_loss, request_timeout",
+             autostart, robot_description, interfaces, on_loss, loss_timeout, request_timeout",
         ),
     ] {
         assert_said(&format!("{HEAD}ros: {{{text}}}"), sentence);

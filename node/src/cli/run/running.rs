@@ -18,8 +18,10 @@ use crate::run::realtime::Processor;
 use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
+use crate::run::spawn;
 use crate::run::thread::{CycleThread, Play, Statistics};
 use crate::run::trials::trials;
+use crate::run::wake::Wake;
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
 use lineshaft_can::config::BusConfig;
@@ -209,6 +211,7 @@ impl Prepared {
         let (events, events_out) = RingBuffer::new(EVENT_ROOM);
         let first = Snapshot { cycle: 0, stamp_ns: 0, board: machine.board().clone() };
         let (snapshot, signals) = triple_buffer::triple_buffer(&first);
+        let wake = Wake::default();
         let cycle_ns = machine.config().cycle_ns;
         let cadences = Cadences {
             joint_states: Cadence::new(cell.ros.joint_states_rate, cycle_ns),
@@ -223,7 +226,7 @@ impl Prepared {
         let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
         // Without any, cycles wait for nobody.
         let services = (!services.is_empty()).then(|| Services::new(services, Arc::clone(&gate)));
-        let handle = Handle::new(config.clone(), directory, commander, desk, ask, first, image)
+        let handle = Handle::new(config.clone(), directory, commander, desk, ask, signals, image)
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
             .with_hardware(cell.hardware_names())
             .with_health(services.as_ref().map(Services::board).unwrap_or_default())
@@ -258,12 +261,12 @@ impl Prepared {
         };
         let bridge = Bridge::new(
             events_out,
-            signals,
             (samples_out, states),
             parameters_out,
             spent,
             listener,
             Arc::clone(&statistics),
+            wake.clone(),
         );
         let cycle = CycleThread {
             machine,
@@ -277,6 +280,7 @@ impl Prepared {
             samples,
             parameters,
             published: 0,
+            wake,
             gate,
             stop: Arc::default(),
             statistics,
@@ -293,7 +297,7 @@ impl Prepared {
         let Recording { subject, bag, flight } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
         let statistics = Arc::clone(&cycle.statistics);
-        let keeper = keeper.map(|keeper| std::thread::spawn(move || keeper.run()));
+        let keeper = keeper.map(|keeper| spawn("store", move || keeper.run()));
         let recorder =
             Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight).with_buses(buses);
         let (ready, granted) = channel();
@@ -303,15 +307,15 @@ impl Prepared {
             // With a full lane the log has what matters.
             let _ = by_services.submit_as(Source::Machine, Action::Note { code, number });
         };
-        let services = services.map(|services| std::thread::spawn(move || services.run(&end, &tell)));
-        let cycle = std::thread::spawn(move || cycle.run(ready));
+        let services = services.map(|services| spawn("backends", move || services.run(&end, &tell)));
+        let cycle = spawn("cycle", move || cycle.run(ready));
         if let Ok(refused) = granted.recv() {
             warn(&refused);
         }
         let (for_bridge, end) = (Arc::clone(&handle), Arc::clone(&stop_others));
-        let bridge = std::thread::spawn(move || bridge.run(&for_bridge, &end));
+        let bridge = spawn("bridge", move || bridge.run(&for_bridge, &end));
         let end = Arc::clone(&stop_others);
-        let recorder = std::thread::spawn(move || recorder.run(&end));
+        let recorder = spawn("recorder", move || recorder.run(&end));
         Running { handle, services, statistics, stop_cycle, stop_others, cycle, bridge, recorder, keeper, report }
     }
 }

@@ -1,14 +1,18 @@
 //! Does the surface still work?
 //!
 //! Law      some 20 times a second a task goes through the runtime of the surface and takes what every request takes. Where none has
-//!          come through for 700 ms the surface is silent, after 10 s for good; where this thread itself had no time, it begins anew
+//!          come through for `loss_timeout` the surface is silent, after 10 s for good; the time for which its threads or this one had
+//!          no processor is no silence
 
+use lineshaft_ros::silence::{Check, Silence, Threads};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tokio::runtime::Handle;
 
+/// Name of the threads of the surface.
+pub(super) const SURFACE: &str = "surface";
 /// Between two tasks.
 const PULSES: Duration = Duration::from_millis(50);
 
@@ -20,14 +24,18 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    pub(super) const USUAL: Self = Self { silent: Duration::from_millis(700), lost: Duration::from_secs(10) };
+    pub(super) fn until(silent: Duration) -> Self {
+        Self { silent, lost: Duration::from_secs(10) }
+    }
 }
 
 /// What becomes of a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Its tasks do not come through.
-    Silent,
+    /// Its tasks have not come through for half of the time: how long, and what its threads do.
+    Overdue(String),
+    /// Its tasks have not come through for so long.
+    Silent(Duration),
     /// Its tasks come through again.
     Back,
     /// Its tasks never will: nobody watches any more.
@@ -77,14 +85,11 @@ fn watch(
     tell: &impl Fn(Change),
 ) {
     let (mut sent, came) = (0, Arc::<AtomicU64>::default());
-    let (mut good, mut tick, mut is_silent) = (Instant::now(), Instant::now(), false);
+    let (mut silence, mut is_silent) = (Silence::new(Threads::Own(SURFACE), patience.silent, PULSES), false);
     while !is_closed.load(Ordering::Acquire) {
-        if tick.elapsed() > patience.silent / 3 {
-            good = Instant::now();
-        }
-        tick = Instant::now();
+        let check = silence.check();
         if came.load(Ordering::Acquire) == sent {
-            good = Instant::now();
+            silence.answered();
             if std::mem::take(&mut is_silent) {
                 tell(Change::Back);
             }
@@ -94,11 +99,13 @@ fn watch(
                 pulse();
                 came.fetch_add(1, Ordering::Release);
             });
-        } else if good.elapsed() > patience.lost {
+        } else if silence.since() > patience.lost {
             return tell(Change::Lost);
-        } else if good.elapsed() > patience.silent && !is_silent {
+        } else if check == Check::Silent && !is_silent {
             is_silent = true;
-            tell(Change::Silent);
+            tell(Change::Silent(silence.since()));
+        } else if let Check::Overdue(doing) = check {
+            tell(Change::Overdue(doing));
         }
         std::thread::sleep(PULSES);
     }
@@ -112,18 +119,25 @@ mod tests {
 
     #[test]
     fn a_surface_that_hangs_is_silent_then_back_or_lost() {
-        let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).build().unwrap();
-        let patience = Patience { lost: Duration::from_secs(2), ..Patience::USUAL };
+        let runtime =
+            tokio::runtime::Builder::new_multi_thread().worker_threads(1).thread_name(SURFACE).build().unwrap();
+        let patience = Patience { silent: Duration::from_millis(700), lost: Duration::from_secs(2) };
         let (taken_by_all, (told, changes)) = (Arc::<Mutex<()>>::default(), channel());
         let taken = Arc::clone(&taken_by_all);
         let pulse = move || drop(taken.lock());
         let watch = Watch::start(runtime.handle().clone(), patience, pulse, move |change| told.send(change).unwrap());
         let held = taken_by_all.lock().unwrap();
-        assert_eq!(changes.recv(), Ok(Change::Silent));
+        let silent = || {
+            let Ok(Change::Overdue(doing)) = changes.recv() else { panic!("overdue first") };
+            assert!(doing.contains("`surface` waits"), "{doing}");
+            let Ok(Change::Silent(time)) = changes.recv() else { panic!("silent") };
+            assert!(time >= patience.silent, "{time:?}");
+        };
+        silent();
         drop(held);
         assert_eq!(changes.recv(), Ok(Change::Back));
         let held = taken_by_all.lock().unwrap();
-        assert_eq!(changes.recv(), Ok(Change::Silent));
+        silent();
         assert_eq!(changes.recv(), Ok(Change::Lost));
         assert!(changes.recv().is_err(), "it watches no more");
         drop((held, watch));

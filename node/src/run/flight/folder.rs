@@ -1,7 +1,9 @@
 //! Where the bags of the flight recorder go: a folder that holds a few of them, the oldest making room for the newest.
 
+use super::super::decoder::Decoder;
+use super::Kept;
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
-use crate::recording::{Encoded, date_and_time};
+use crate::recording::date_and_time;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -72,18 +74,18 @@ impl FlightFolder {
     ///
     /// # Errors
     /// The folder or the bag cannot be written, or there is nothing to save.
-    pub fn save(&self, cycles: &[Arc<Encoded>], subject: &Subject) -> Result<Summary, BagError> {
-        let Some(newest) = cycles.last() else {
+    pub fn save(&self, kept: &Kept, decoder: &mut Decoder, subject: &Subject) -> Result<Summary, BagError> {
+        let Some((cycle, stamp_ns)) = kept.newest() else {
             let sentence = "the flight recorder has kept no cycle yet that a bag can begin with";
             return Err(BagError::Refused(sentence.to_owned()));
         };
         // Somebody may have taken it away meanwhile.
         let folder = &self.folder;
         fs::create_dir_all(folder).map_err(|error| BagError::Write { path: folder.clone(), error })?;
-        let name = format!("{PREFIX}{}_{:012}", date_and_time(newest.stamp_ns), newest.cycle);
+        let name = format!("{PREFIX}{}_{:012}", date_and_time(stamp_ns), cycle);
         let options = BagOptions { path: folder.join(name), ..BagOptions::default() };
         let mut bag = Bag::create(&options, Subject::clone(subject))?;
-        cycles.iter().try_for_each(|cycle| bag.write(cycle))?;
+        kept.decode(decoder, |cycle| bag.write(cycle))?;
         let summary = bag.finish()?;
         if let Err(error) = self.remove_oldest(&summary.path) {
             tracing::warn!("{self}: old bags of the flight recorder cannot be removed: {error}");

@@ -6,6 +6,8 @@
 
 pub mod folder;
 
+use super::decoder::Decoder;
+use super::frames::{Beside, Head, Taken};
 use crate::recording::Encoded;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -19,7 +21,7 @@ const MOST_BYTES: usize = 512 << 20;
 #[derive(Debug)]
 pub struct Flight {
     length_ns: u64,
-    segments: VecDeque<Segment>,
+    segments: VecDeque<Arc<Segment>>,
     newest_ns: u64,
     bytes: usize,
     /// Whether a line has said that less than the length is kept.
@@ -30,8 +32,85 @@ pub struct Flight {
     saved_ns: Option<u64>,
 }
 
-/// Cycles from one that a bag may begin with up to the next one.
-type Segment = Vec<Arc<Encoded>>;
+/// Cycles from one that a bag may begin with up to the next one, packed.
+#[derive(Clone, Debug, Default)]
+struct Segment {
+    cycles: Vec<Packed>,
+    bytes: Vec<u8>,
+    /// Of the cycles that have any.
+    beside: Vec<(u64, Beside)>,
+    /// The state of the machine before the first cycle, serialized; none before cycle 0.
+    state: Option<Vec<u8>>,
+    /// Memory that all but `cycles` and `bytes` takes (bytes).
+    memory: usize,
+}
+
+/// A cycle and its part of `bytes`.
+#[derive(Clone, Copy, Debug)]
+struct Packed {
+    cycle: u64,
+    stamp_ns: u64,
+    length: usize,
+}
+
+impl Segment {
+    fn push(&mut self, head: &Head, taken: &mut Taken) {
+        self.cycles.push(Packed { cycle: head.cycle, stamp_ns: head.stamp_ns, length: head.length });
+        self.bytes.extend_from_slice(&taken.bytes);
+        if !taken.beside.is_empty() {
+            let beside = std::mem::take(&mut taken.beside);
+            self.memory += beside.memory();
+            self.beside.push((head.cycle, beside));
+        }
+        if let Some(state) = &head.state {
+            // Nothing in a state has no serialized form; without one no bag would begin here.
+            self.state = postcard::to_allocvec(state).ok();
+            self.memory += self.state.as_ref().map_or(0, Vec::len);
+        }
+    }
+
+    fn memory(&self) -> usize {
+        self.memory + self.bytes.len() + size_of_val(self.cycles.as_slice())
+    }
+
+    /// Decodes its cycles, until `each` fails.
+    fn decode<E>(&self, decoder: &mut Decoder, each: &mut impl FnMut(&Encoded) -> Result<(), E>) -> Result<(), E> {
+        let (mut taken, mut bytes, mut beside) =
+            (Taken::default(), self.bytes.as_slice(), self.beside.iter().peekable());
+        let mut state = self.state.as_ref().and_then(|state| postcard::from_bytes(state).ok());
+        for &Packed { cycle, stamp_ns, length } in &self.cycles {
+            let (of_cycle, rest) = bytes.split_at_checked(length).unwrap_or_default();
+            bytes = rest;
+            taken.bytes.clear();
+            taken.bytes.extend_from_slice(of_cycle);
+            taken.beside = beside.next_if(|(of, _)| *of == cycle).map(|(_, beside)| beside.clone()).unwrap_or_default();
+            let is_key = self.cycles.first().is_some_and(|first| first.cycle == cycle);
+            let head = Head { cycle, stamp_ns, length, is_key, state: state.take() };
+            each(&decoder.decode(&head, &taken))?;
+        }
+        Ok(())
+    }
+}
+
+/// The cycles that the flight recorder had at one moment.
+#[derive(Debug, Default)]
+pub struct Kept(Vec<Arc<Segment>>);
+
+impl Kept {
+    /// Number and time (ns) of the newest cycle; nothing without one.
+    pub fn newest(&self) -> Option<(u64, u64)> {
+        let newest = self.0.iter().rev().find_map(|segment| segment.cycles.last())?;
+        Some((newest.cycle, newest.stamp_ns))
+    }
+
+    /// Gives the messages of each cycle, until `each` fails.
+    ///
+    /// # Errors
+    /// Those of `each`.
+    pub fn decode<E>(&self, decoder: &mut Decoder, mut each: impl FnMut(&Encoded) -> Result<(), E>) -> Result<(), E> {
+        self.0.iter().try_for_each(|segment| segment.decode(decoder, &mut each))
+    }
+}
 
 impl Flight {
     /// Keeps `length_ns` at least, and up to a second more.
@@ -47,29 +126,32 @@ impl Flight {
         }
     }
 
-    /// Takes a cycle; `is_fault`: something failed in it. True when it is time to save.
-    pub fn push(&mut self, cycle: &Arc<Encoded>, is_fault: bool) -> bool {
-        self.newest_ns = cycle.stamp_ns;
-        if cycle.can_begin() {
-            self.segments.push_back(Segment::new());
+    /// Takes a cycle, and what travelled beside it out of `taken`; `is_fault`: something failed in it. True when it is time to save.
+    pub fn push(&mut self, head: &Head, taken: &mut Taken, is_fault: bool) -> bool {
+        self.newest_ns = head.stamp_ns;
+        if head.can_begin() {
+            self.segments.push_back(Arc::default());
         }
         // Before the first cycle that a bag may begin with there is nothing to keep.
         let Some(segment) = self.segments.back_mut() else { return false };
-        segment.push(Arc::clone(cycle));
-        self.bytes += cycle.memory();
+        // A bag that is being saved has a segment of its own.
+        let segment = Arc::make_mut(segment);
+        self.bytes -= segment.memory();
+        segment.push(head, taken);
+        self.bytes += segment.memory();
         self.forget();
         if is_fault {
             let earliest = self.saved_ns.map_or(0, |saved| saved.saturating_add(self.length_ns));
-            let due = cycle.stamp_ns.saturating_add(AFTERMATH_NS).max(earliest);
+            let due = head.stamp_ns.saturating_add(AFTERMATH_NS).max(earliest);
             self.due_ns.get_or_insert(due);
         }
-        self.due_ns.is_some_and(|due| cycle.stamp_ns >= due)
+        self.due_ns.is_some_and(|due| head.stamp_ns >= due)
     }
 
     /// Lets go of the segments that lie wholly before the last seconds, and of the oldest where they take too much memory.
     fn forget(&mut self) {
         let oldest = self.newest_ns.saturating_sub(self.length_ns);
-        while let Some(next) = self.segments.get(1).and_then(|next| next.first()) {
+        while let Some(next) = self.segments.get(1).and_then(|next| next.cycles.first()) {
             let is_past = next.stamp_ns <= oldest;
             if !is_past && self.bytes <= MOST_BYTES {
                 return;
@@ -82,7 +164,7 @@ impl Flight {
                 );
             }
             let freed = self.segments.pop_front();
-            self.bytes -= freed.iter().flatten().map(|cycle| cycle.memory()).sum::<usize>();
+            self.bytes -= freed.map_or(0, |segment| segment.memory());
         }
     }
 
@@ -92,12 +174,12 @@ impl Flight {
     }
 
     /// The cycles so far, for a bag.
-    pub fn cycles(&self) -> Vec<Arc<Encoded>> {
-        self.segments.iter().flatten().map(Arc::clone).collect()
+    pub fn cycles(&self) -> Kept {
+        Kept(self.segments.iter().map(Arc::clone).collect())
     }
 
     /// The cycles so far, for the bag that is due.
-    pub fn freeze(&mut self) -> Vec<Arc<Encoded>> {
+    pub fn freeze(&mut self) -> Kept {
         self.due_ns = None;
         self.saved_ns = Some(self.newest_ns);
         self.cycles()
@@ -107,24 +189,25 @@ impl Flight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::Cell;
+    use lineshaft_core::machine::Machine;
 
     const SECOND: u64 = 1_000_000_000;
 
-    /// A cycle of 100 ms; every tenth has a state.
-    fn cycle(number: u64) -> Arc<Encoded> {
-        let mut cycle = Encoded::default();
-        cycle.cycle = number;
-        cycle.stamp_ns = 1_700_000_000 * SECOND + number * SECOND / 10;
-        cycle.is_key = number.is_multiple_of(10);
-        cycle.state = cycle.is_key.then(Vec::new);
-        Arc::new(cycle)
+    /// Takes a cycle of 100 ms; every tenth has a state.
+    fn push(flight: &mut Flight, cycle: u64, is_fault: bool) -> bool {
+        let is_key = cycle.is_multiple_of(10);
+        let state = is_key.then(|| Box::new(Machine::new(Cell::demo().machine).unwrap().state().clone()));
+        let stamp_ns = 1_700_000_000 * SECOND + cycle * SECOND / 10;
+        flight.push(&Head { cycle, stamp_ns, length: 0, is_key, state }, &mut Taken::default(), is_fault)
     }
 
     fn kept(flight: &Flight) -> (u64, u64) {
-        let cycles = flight.cycles();
-        let numbers: Vec<u64> = cycles.iter().map(|cycle| cycle.cycle).collect();
+        let kept = flight.cycles();
+        let numbers: Vec<u64> = kept.0.iter().flat_map(|segment| &segment.cycles).map(|cycle| cycle.cycle).collect();
         assert!(numbers.windows(2).all(|pair| pair[1] == pair[0] + 1), "no gap");
-        assert!(cycles[0].can_begin());
+        assert!(numbers[0].is_multiple_of(10) && kept.0[0].state.is_some());
+        assert_eq!(flight.bytes, flight.segments.iter().map(|segment| segment.memory()).sum::<usize>());
         (numbers[0], *numbers.last().unwrap())
     }
 
@@ -132,7 +215,7 @@ mod tests {
     fn it_keeps_at_least_its_length_and_begins_with_a_state() {
         let mut flight = Flight::new(3 * SECOND);
         for number in 3..1000 {
-            assert!(!flight.push(&cycle(number), false));
+            assert!(!push(&mut flight, number, false));
             if number >= 100 {
                 let (first, last) = kept(&flight);
                 assert_eq!(last, number);
@@ -144,23 +227,24 @@ mod tests {
     #[test]
     fn cycles_before_the_first_state_are_not_kept() {
         let mut flight = Flight::new(3 * SECOND);
-        (3..10).for_each(|number| assert!(!flight.push(&cycle(number), true)));
-        assert!(flight.cycles().is_empty());
-        flight.push(&cycle(10), false);
+        (3..10).for_each(|number| assert!(!push(&mut flight, number, true)));
+        assert!(flight.cycles().newest().is_none());
+        push(&mut flight, 10, false);
         assert_eq!(kept(&flight), (10, 10));
     }
 
     #[test]
     fn a_fault_is_saved_with_its_aftermath() {
         let mut flight = Flight::new(3 * SECOND);
-        (0..100).for_each(|number| assert!(!flight.push(&cycle(number), false)));
-        let saved = (100..200).find(|&number| flight.push(&cycle(number), number == 105)).unwrap();
+        (0..100).for_each(|number| assert!(!push(&mut flight, number, false)));
+        let saved = (100..200).find(|&number| push(&mut flight, number, number == 105)).unwrap();
         assert_eq!(saved, 115);
         // Who looks meanwhile takes nothing of it away.
         assert!(flight.is_due());
         let (first, last) = kept(&flight);
         assert!(first <= 105 - 20 && last == 115, "{first}..{last}");
-        assert_eq!(flight.freeze().len() as u64, last - first + 1);
+        let saved: usize = flight.freeze().0.iter().map(|segment| segment.cycles.len()).sum();
+        assert_eq!(saved as u64, last - first + 1);
         assert!(!flight.is_due());
     }
 
@@ -169,7 +253,7 @@ mod tests {
         let mut flight = Flight::new(3 * SECOND);
         let mut bags = Vec::new();
         for number in 0..300 {
-            if flight.push(&cycle(number), (100..200).contains(&number)) {
+            if push(&mut flight, number, (100..200).contains(&number)) {
                 bags.push(kept(&flight));
                 flight.freeze();
             }

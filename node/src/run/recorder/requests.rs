@@ -1,5 +1,7 @@
 //! Requests of `~/record`.
 
+use super::super::flight::Kept;
+use super::super::spawn;
 use super::{Answer, Recorder, end};
 use crate::recording::bag::BagOptions;
 use crate::recording::date_and_time;
@@ -31,7 +33,7 @@ impl Recorder {
                 }
             },
             RecordRequest::SAVE => match self.kept() {
-                Ok(cycles) => return self.save(cycles, Some(answer)),
+                Ok(kept) => return self.save(kept, Some(answer)),
                 Err(sentence) => self.refused(sentence.to_owned()),
             },
             other => self.refused(format!("command is {other}; 0 STATUS, 1 START, 2 STOP, 3 SAVE are allowed")),
@@ -43,7 +45,7 @@ impl Recorder {
     /// Ends what is recorded; the answer back where there is nothing to end.
     fn stop(&mut self, answer: Answer) -> Option<(Answer, RecordResponse)> {
         if let Some(writer) = self.take_writer() {
-            self.ending.push(std::thread::spawn(move || {
+            self.ending.push(spawn("bag end", move || {
                 let ended = end(writer);
                 let _ = answer.send(ended.response.clone());
                 ended
@@ -59,7 +61,7 @@ impl Recorder {
     }
 
     /// What the flight recorder holds, if it can be saved now.
-    fn kept(&self) -> Result<Vec<std::sync::Arc<crate::recording::Encoded>>, &'static str> {
+    fn kept(&self) -> Result<Kept, &'static str> {
         match (&self.flight, &self.saving) {
             (None, _) => Err("the flight recorder is off"),
             (_, Some(_)) => Err("the flight recorder is saving a bag already"),

@@ -37,7 +37,7 @@ impl Rig {
             commander,
             trials().0,
             ask.clone(),
-            Default::default(),
+            triple_buffer::triple_buffer(&Default::default()).1,
             Default::default(),
         ));
         let subject = Arc::new(Subject::new(&cell, &cell.ros.node_name()));

@@ -7,7 +7,7 @@ use lineshaft_core::config::{EncoderConfig, SumConfig};
 use lineshaft_core::encoder::Form;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::{Change, MACHINE, Row, Value};
-use lineshaft_core::unit::{Fraction, Quantity, Unit};
+use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_msgs::action::{MoveAxis, MoveAxisGoal};
 use proptest::prelude::*;
 

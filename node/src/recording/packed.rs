@@ -1,0 +1,259 @@
+//! Inputs and signals of a cycle in few bytes: what has changed since the cycle before.
+//!
+//! Law      unpacking what was packed, from a key cycle on and without a gap, gives the same words, bit by bit
+//! Reads    [`Inputs`] without their latches, and a [`Board`]; both keep their shape
+//! Writes   for each word that has changed: how many words that have not come before it (LEB128), a byte with the number of zero
+//!          bytes at both ends of the exclusive or of old and new (3 bits each, the upper end first), and the bytes between. A
+//!          key cycle counts from zeros
+//!
+//! Packing takes no memory.
+
+use lineshaft_core::drive::{BusState, DriveInput, Emergency, EncoderInput, Inputs};
+use lineshaft_core::signal::Board;
+
+/// Words of a drive and of an encoder.
+const DRIVE: usize = 7;
+const ENCODER: usize = 3;
+/// Most bytes of a changed word: 3 for the way to it, which is below 2^21 words, 1 and 8.
+const MOST: usize = 12;
+/// Words that are compared at once.
+const TOGETHER: usize = 8;
+
+/// Packs one cycle after the other.
+#[derive(Debug)]
+pub struct Packer {
+    before: Vec<u64>,
+    /// Words of the inputs of this cycle.
+    inputs: Vec<u64>,
+    bytes: Vec<u8>,
+}
+
+impl Packer {
+    /// A packer for inputs and boards of this shape.
+    pub fn new(inputs: &Inputs, board: &Board) -> Self {
+        let of_inputs = input_words(inputs);
+        let words = of_inputs + board.len();
+        Self { before: vec![0; words], inputs: vec![0; of_inputs], bytes: Vec::with_capacity(MOST * words) }
+    }
+
+    /// Most bytes of a cycle.
+    pub fn most(&self) -> usize {
+        MOST * self.before.len()
+    }
+
+    /// Packs a cycle. The next one counts from it.
+    pub fn pack(&mut self, inputs: &Inputs, board: &Board, is_key: bool) -> &[u8] {
+        if is_key {
+            self.before.fill(0);
+        }
+        write_inputs(inputs, &mut self.inputs);
+        self.bytes.clear();
+        let (of_inputs, of_board) = self.before.split_at_mut(self.inputs.len());
+        let same = pack_words(of_inputs, &self.inputs, 0, &mut self.bytes);
+        pack_words(of_board, board.words(), same, &mut self.bytes);
+        &self.bytes
+    }
+}
+
+/// Packs words behind `same` words that have not changed. Returns how many of the last ones have not.
+fn pack_words(before: &mut [u64], words: &[u64], mut same: usize, bytes: &mut Vec<u8>) -> usize {
+    for (before, words) in before.chunks_mut(TOGETHER).zip(words.chunks(TOGETHER)) {
+        if before == words {
+            same += words.len();
+            continue;
+        }
+        for (before, word) in before.iter_mut().zip(words) {
+            let change = std::mem::replace(before, *word) ^ word;
+            if change == 0 {
+                same += 1;
+            } else {
+                push_number(std::mem::take(&mut same), bytes);
+                push_change(change, bytes);
+            }
+        }
+    }
+    same
+}
+
+fn push_number(mut number: usize, bytes: &mut Vec<u8>) {
+    while number >= 0x80 {
+        bytes.push(0x80 | (number & 0x7f) as u8);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+fn push_change(change: u64, bytes: &mut Vec<u8>) {
+    let (upper, lower) = (change.leading_zeros() / 8, change.trailing_zeros() / 8);
+    // Both are below 8, because the change is not 0.
+    bytes.push((upper << 3 | lower) as u8);
+    bytes.extend_from_slice(&(change >> (8 * lower)).to_le_bytes()[..(8 - upper - lower) as usize]);
+}
+
+/// Unpacks one cycle after the other.
+#[derive(Clone, Debug)]
+pub struct Unpacker {
+    words: Vec<u64>,
+    of_inputs: usize,
+    /// Of the newest cycle, without its latches.
+    pub inputs: Inputs,
+    /// Of the newest cycle.
+    pub board: Board,
+}
+
+impl Unpacker {
+    /// An unpacker for inputs and boards of this shape.
+    pub fn new(inputs: &Inputs, board: &Board) -> Self {
+        let of_inputs = input_words(inputs);
+        let words = vec![0; of_inputs + board.len()];
+        Self { words, of_inputs, inputs: inputs.clone(), board: board.clone() }
+    }
+
+    /// Unpacks the cycle that follows the newest one, or a key cycle.
+    pub fn unpack(&mut self, cycle: u64, mut bytes: &[u8], is_key: bool) {
+        if is_key {
+            self.words.fill(0);
+        }
+        let mut place = 0;
+        while let Some((same, change)) = take_number(&mut bytes).zip(take_change(&mut bytes)) {
+            place += same;
+            if let Some(word) = self.words.get_mut(place) {
+                *word ^= change;
+            }
+            place += 1;
+        }
+        let (of_inputs, of_board) = self.words.split_at(self.of_inputs);
+        read_inputs(of_inputs, &mut self.inputs);
+        self.inputs.cycle = cycle;
+        self.inputs.latch.clear();
+        self.board.copy_words(of_board);
+    }
+}
+
+fn take_number(bytes: &mut &[u8]) -> Option<usize> {
+    let mut number = 0;
+    for shift in [0, 7, 14] {
+        let (&byte, rest) = bytes.split_first()?;
+        *bytes = rest;
+        number |= usize::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            break;
+        }
+    }
+    Some(number)
+}
+
+fn take_change(bytes: &mut &[u8]) -> Option<u64> {
+    let (&head, rest) = bytes.split_first()?;
+    let (upper, lower) = (usize::from(head >> 3), usize::from(head & 7));
+    let length = 8_usize.checked_sub(upper + lower)?;
+    let (middle, rest) = rest.split_at_checked(length)?;
+    *bytes = rest;
+    let mut change = [0; 8];
+    change.iter_mut().zip(middle).for_each(|(byte, from)| *byte = *from);
+    Some(u64::from_le_bytes(change) << (8 * lower))
+}
+
+/// How many words inputs take.
+fn input_words(inputs: &Inputs) -> usize {
+    1 + inputs.digital.len() + inputs.analog.len() + ENCODER * inputs.encoder.len() + DRIVE * inputs.drive.len()
+}
+
+fn write_inputs(inputs: &Inputs, words: &mut [u64]) {
+    let head = u64::from(inputs.missed) | u64::from(inputs.latches_lost) << 32;
+    let terminals = inputs.digital.iter().copied().chain(inputs.analog.iter().map(|volts| volts.to_bits()));
+    let encoders = inputs.encoder.iter().flat_map(encoder_words);
+    let all = [head].into_iter().chain(terminals).chain(encoders).chain(inputs.drive.iter().flat_map(drive_words));
+    words.iter_mut().zip(all).for_each(|(word, new)| *word = new);
+}
+
+fn read_inputs(words: &[u64], inputs: &mut Inputs) {
+    let Some((head, words)) = words.split_first() else { return };
+    (inputs.missed, inputs.latches_lost) = (*head as u32, (*head >> 32) as u32);
+    let Some((digital, words)) = words.split_at_checked(inputs.digital.len()) else { return };
+    inputs.digital.copy_from_slice(digital);
+    let Some((analog, words)) = words.split_at_checked(inputs.analog.len()) else { return };
+    inputs.analog.iter_mut().zip(analog).for_each(|(volts, word)| *volts = f64::from_bits(*word));
+    let Some((encoders, drives)) = words.split_at_checked(ENCODER * inputs.encoder.len()) else { return };
+    let encoders = encoders.as_chunks().0.iter().map(|words| encoder(*words));
+    inputs.encoder.iter_mut().zip(encoders).for_each(|(encoder, new)| *encoder = new);
+    let drives = drives.as_chunks().0.iter().map(|words| drive(*words));
+    inputs.drive.iter_mut().zip(drives).for_each(|(drive, new)| *drive = new);
+}
+
+fn encoder_words(encoder: &EncoderInput) -> [u64; ENCODER] {
+    let EncoderInput { count, epoch, valid, index } = *encoder;
+    let flags = u64::from(epoch) | u64::from(valid) << 32 | u64::from(index.is_some()) << 33;
+    [count.cast_unsigned(), flags, index.unwrap_or(0).cast_unsigned()]
+}
+
+fn encoder([count, flags, index]: [u64; ENCODER]) -> EncoderInput {
+    let has = |bit: u32| flags >> bit & 1 == 1;
+    EncoderInput {
+        count: count.cast_signed(),
+        epoch: flags as u32,
+        valid: has(32),
+        index: has(33).then_some(index.cast_signed()),
+    }
+}
+
+fn drive_words(drive: &DriveInput) -> [u64; DRIVE] {
+    let DriveInput {
+        count,
+        epoch,
+        velocity,
+        effort,
+        status,
+        mode,
+        fault,
+        online,
+        fresh,
+        bus,
+        emergency,
+        inputs,
+        index,
+    } = *drive;
+    let flags = u64::from(status)
+        | u64::from(fault) << 16
+        | u64::from(mode.cast_unsigned()) << 32
+        | u64::from(online) << 40
+        | u64::from(fresh) << 41
+        | u64::from(emergency.is_some()) << 42
+        | u64::from(index.is_some()) << 43
+        | (bus as u64) << 44;
+    [
+        count.cast_unsigned(),
+        velocity.to_bits(),
+        effort.to_bits(),
+        u64::from(epoch) | u64::from(inputs) << 32,
+        flags,
+        emergency.map_or(0, |sent| u64::from_le_bytes(sent.to_bytes())),
+        index.unwrap_or(0).cast_unsigned(),
+    ]
+}
+
+fn drive([count, velocity, effort, epoch, flags, emergency, index]: [u64; DRIVE]) -> DriveInput {
+    let has = |bit: u32| flags >> bit & 1 == 1;
+    DriveInput {
+        count: count.cast_signed(),
+        epoch: epoch as u32,
+        velocity: f64::from_bits(velocity),
+        effort: f64::from_bits(effort),
+        status: flags as u16,
+        mode: ((flags >> 32) as u8).cast_signed(),
+        fault: (flags >> 16) as u16,
+        online: has(40),
+        fresh: has(41),
+        bus: match flags >> 44 {
+            0 => BusState::Active,
+            1 => BusState::Passive,
+            _ => BusState::Off,
+        },
+        emergency: has(42).then_some(Emergency::from_bytes(emergency.to_le_bytes())),
+        inputs: (epoch >> 32) as u32,
+        index: has(43).then_some(index.cast_signed()),
+    }
+}
+
+#[cfg(test)]
+mod tests;
