@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Which cycles a rate takes: k where floor(k T rate) differs from that of k - 1, and cycle 0.
 ///
 /// T rate is the reduced fraction `share / whole` of exact integers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cadence {
     share: u128,
     whole: u128,
@@ -21,6 +21,11 @@ impl Cadence {
         let whole = 1_000_000_000_000_000_000;
         let divisor = greatest_common_divisor(share, whole);
         Self { share: share / divisor, whole: whole / divisor, pause: 0..0 }
+    }
+
+    /// The part of all cycles that it takes, 0 to 1.
+    pub fn share(&self) -> f64 {
+        (self.share as f64 / self.whole as f64).min(1.0)
     }
 
     /// Does the rate take this cycle?

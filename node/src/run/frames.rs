@@ -16,7 +16,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Cycles that may wait for the recorder are those of this time (ns)..
 const TIME_NS: u64 = 2_000_000_000;
-/// ..of which an eighth of all words has changed, within this memory (bytes)..
+/// ..of which one word in so many has changed, as when all axes move..
+const CHANGED: usize = 16;
+/// ..within this memory (bytes)..
 const MEMORY: usize = 32 << 20;
 /// ..and these in any case.
 const LEAST: usize = 16;
@@ -160,7 +162,7 @@ pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let inputs = machine.inputs();
     let packer = Packer::new(&inputs, machine.board());
     let count = usize::try_from(TIME_NS / cycle_ns.max(1)).unwrap_or(usize::MAX).max(LEAST);
-    let memory = count.saturating_mul(packer.most() / 8).min(MEMORY).max(LEAST * packer.most());
+    let memory = count.saturating_mul(packer.most() / CHANGED).min(MEMORY).max(LEAST * packer.most());
     let (heads, heads_out) = RingBuffer::new(count);
     let (bytes, bytes_out) = RingBuffer::new(memory);
     let (mut states_in, states) = RingBuffer::new(STATES);

@@ -32,7 +32,7 @@ use tokio::sync::oneshot;
 pub use requests::{BAG_DURATIONS, is_bag_duration};
 
 /// How often it looks for cycles.
-const PERIOD: Duration = Duration::from_millis(5);
+const PERIOD: Duration = Duration::from_millis(20);
 /// Most cycles of one look: however many there are, requests and failures are looked at in between.
 const MOST_CYCLES: usize = 512;
 /// Least time between two events about missing cycles.

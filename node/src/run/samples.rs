@@ -21,6 +21,15 @@ pub struct Cadences {
     pub shaft: Option<Cadence>,
 }
 
+impl Cadences {
+    /// The part of all cycles that some topic takes, 0 to 1: equal rates take the same cycles.
+    fn share(&self) -> f64 {
+        let mut all: Vec<&Cadence> = [&self.joint_states, &self.axis_states].into_iter().chain(&self.shaft).collect();
+        all.dedup();
+        all.iter().map(|cadence| cadence.share()).sum::<f64>().min(1.0)
+    }
+}
+
 /// The signals of a cycle, and which topics take it.
 #[derive(Clone, Debug)]
 pub struct Sample {
@@ -51,7 +60,8 @@ pub struct SampleReceiver {
 pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSender, SampleReceiver) {
     let first = Snapshot { cycle: 0, stamp_ns: 0, board: board.clone() };
     let sample = Sample { snapshot: first, joint_states: false, axis_states: false, shaft: false };
-    let (filler, emptier) = pool(ROOM.count(cycle_ns, 8 * board.len()), || sample.clone());
+    let per_sample = (cycle_ns as f64 / cadences.share().max(f64::EPSILON)) as u64;
+    let (filler, emptier) = pool(ROOM.count(per_sample, 8 * board.len()), || sample.clone());
     (SampleSender { cadences, pool: filler }, SampleReceiver { pool: emptier })
 }
 
