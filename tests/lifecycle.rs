@@ -427,6 +427,10 @@ fn statistics_of_the_cycle_come_once_a_second() {
         for what in ["lateness", "duration"] {
             let [mean, max, worst] = ["mean", "max", "worst"].map(|key| of(now, &format!("{what}_{key}")));
             assert!(0.0 < mean && mean <= max && max <= worst, "{now}");
+            for (time, max) in [("", max), ("_since_start", worst)] {
+                let [p50, p99, p999] = ["p50", "p99", "p999"].map(|key| of(now, &format!("{what}_{key}{time}")));
+                assert!(0.0 < p50 && p50 <= p99 && p99 <= p999 && p999 <= max, "{now}");
+            }
         }
         assert_eq!((of(now, "cycle_ns"), of(now, "events_lost")), (1e6, 0.0));
         assert!(of(now, "cycle") > of(before, "cycle"));

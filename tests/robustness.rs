@@ -57,7 +57,7 @@ fn ended(mut program: Program) -> (String, String) {
     let log = program.log();
     assert_eq!(status.code(), Some(0), "{log}");
     let line = log.lines().find_map(|line| line.split_once("INFO").map(|(_, said)| said.trim().to_owned()));
-    let times = log.lines().find(|line| line.contains("latest start")).map(str::to_owned).or(line);
+    let times = log.lines().find(|line| line.contains(" missed; lateness ")).map(str::to_owned).or(line);
     (times.expect("a line about the cycles"), log)
 }
 

@@ -4,6 +4,7 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
 use lineshaft::run::frames::{Taken, frames};
+use lineshaft::run::histogram::Histogram;
 use lineshaft::run::lanes::lanes;
 use lineshaft::run::trials::trials;
 use lineshaft::tune::{Bounds, Ended, Setting, Trial};
@@ -36,6 +37,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
     let (mut sender, mut receiver, mut spent) = frames(&machine);
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let ((commander, mut lanes), mut taken) = (lanes(4), Taken::default());
+    let lateness = Histogram::default();
     for cycle in 0..10_000 {
         for Command { source, action, .. } in commands(cycle) {
             commander.submit(source, action).unwrap();
@@ -53,6 +55,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
             machine.cycle(&inputs, lanes.commands(), &mut outputs);
             let (stream, commands) = lanes.drain();
             sender.send(cycle, &inputs, &machine, stream, commands);
+            lateness.record(cycle * cycle);
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         plant.write(&outputs);

@@ -102,6 +102,18 @@ class CycleStatistics(IdlStruct, typename="lineshaft_msgs::msg::dds_::CycleStati
     duration_max: t.uint64 = 0
     duration_worst: t.uint64 = 0
     events_lost: t.uint64 = 0
+    lateness_p50: t.uint64 = 0
+    lateness_p99: t.uint64 = 0
+    lateness_p999: t.uint64 = 0
+    duration_p50: t.uint64 = 0
+    duration_p99: t.uint64 = 0
+    duration_p999: t.uint64 = 0
+    lateness_p50_since_start: t.uint64 = 0
+    lateness_p99_since_start: t.uint64 = 0
+    lateness_p999_since_start: t.uint64 = 0
+    duration_p50_since_start: t.uint64 = 0
+    duration_p99_since_start: t.uint64 = 0
+    duration_p999_since_start: t.uint64 = 0
 
 
 ASKED = {"state": ("get_state", "GetState", GetStateResponse, "current_state"),

@@ -145,7 +145,7 @@ def measure(drives, count, hz, seconds, folder):
     code, log = run(folder, ["--scenario", folder / "gear.yaml", "--record", folder / "bag", "--record-frames"])
     if code == 2:
         return {"drives": count, "hz": hz, "refused": log.strip()}
-    cycles, missed, late, longest = map(int, re.search(r"(\d+) cycles, (\d+) missed; latest start (\d+) us .* longest cycle (\d+) us", log).groups())
+    cycles, missed, late, longest = map(int, re.search(r"(\d+) cycles, (\d+) missed; lateness .* max (\d+) us; duration .* max (\d+) us", log).groups())
     states = [drives.state(node) for node in range(1, count + 1)]
     syncs, behind, silent = answered(folder, count)
     first = states[0]["position"]

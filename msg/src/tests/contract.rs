@@ -61,7 +61,10 @@ const OWN_INTERFACES: [(&str, &str); 35] = [
         float64 lateness_mean
         uint64 lateness_max lateness_worst
         float64 duration_mean
-        uint64 duration_max duration_worst events_lost",
+        uint64 duration_max duration_worst events_lost
+        uint64 lateness_p50 lateness_p99 lateness_p999 duration_p50 duration_p99 duration_p999
+        uint64 lateness_p50_since_start lateness_p99_since_start lateness_p999_since_start
+        uint64 duration_p50_since_start duration_p99_since_start duration_p999_since_start",
     ),
     (
         "msg/CycleInputs",

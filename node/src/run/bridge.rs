@@ -8,7 +8,7 @@ use super::objects::ObjectDesk;
 use super::recorder::Asked;
 use super::samples::SampleReceiver;
 use super::services::HealthBoard;
-use super::thread::Statistics;
+use super::thread::{Statistics, Taken};
 use super::trials::TrialDesk;
 use super::tuning;
 use super::wake::Wake;
@@ -55,6 +55,8 @@ pub struct Handle {
     robot_description: Option<String>,
     gate: Arc<Gate>,
     statistics: Arc<Statistics>,
+    /// Counts at the last call of [`Host::statistics`].
+    taken: Mutex<Taken>,
     /// What each axis' drive is called, in file order; none for a virtual axis.
     hardware: Vec<Option<String>>,
     health: HealthBoard,
@@ -106,6 +108,7 @@ impl Handle {
             keeper: None,
             gate: Arc::new(Gate::opening()),
             statistics: Arc::default(),
+            taken: Mutex::default(),
             hardware: Vec::new(),
             health: HealthBoard::default(),
             objects: ObjectDesk::default(),
@@ -286,7 +289,7 @@ impl Host for Handle {
     }
 
     fn statistics(&self) -> HostStatistics {
-        self.statistics.take()
+        self.statistics.take(&mut self.taken.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn backends(&self) -> Vec<BackendHealth> {

@@ -10,6 +10,7 @@ pub mod decoder;
 pub mod flight;
 pub mod frames;
 pub mod gate;
+pub mod histogram;
 pub mod keeper;
 pub mod lanes;
 pub mod objects;

@@ -3,6 +3,7 @@
 use super::backends::Backends;
 use super::frames::FrameSender;
 use super::gate::Gate;
+use super::histogram::{Counts, Histogram};
 use super::lanes::{Lanes, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
@@ -13,7 +14,7 @@ use lineshaft_core::command::Commands;
 use lineshaft_core::drive::{Inputs, Outputs};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::ParameterImage;
-use lineshaft_ros::surface::host::{self, Snapshot, StampedEvent};
+use lineshaft_ros::surface::host::{self, Percentiles, Snapshot, StampedEvent};
 use rtrb::Producer;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
@@ -40,8 +41,19 @@ pub struct Statistics {
     pub worst_lateness_ns: AtomicU64,
     /// Longest cycle, from its wake-up to its end (ns).
     pub worst_duration_ns: AtomicU64,
+    /// All wake-ups after their deadlines (ns).
+    pub lateness: Histogram,
+    /// The lengths of all cycles (ns).
+    pub duration: Histogram,
     /// Events that found the ring full.
     pub events_lost: AtomicU64,
+}
+
+/// Counts of both histograms when [`Statistics::take`] was called last: they belong to the caller.
+#[derive(Clone, Debug, Default)]
+pub struct Taken {
+    lateness: Counts,
+    duration: Counts,
 }
 
 /// A scenario that plays on the running machine. It takes memory, so such a run is for rehearsals.
@@ -55,20 +67,49 @@ pub struct Play {
 }
 
 impl Statistics {
-    /// What the surface tells of it. The newest maxima begin anew: for one asker.
-    pub fn take(&self) -> host::Statistics {
+    /// Returns what the surface publishes. The newest maxima and percentiles start again: for one caller, which keeps `last`. It
+    /// takes memory, so the cycle thread never calls it.
+    pub fn take(&self, last: &mut Taken) -> host::Statistics {
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let newest_maximum = |maximum: &AtomicU64| maximum.swap(0, Ordering::Relaxed);
+        let now = Taken { lateness: self.lateness.counts(), duration: self.duration.counts() };
+        let last = std::mem::replace(last, now.clone());
+        let newest_lateness_ns = newest_maximum(&self.newest_lateness_ns);
+        let newest_duration_ns = newest_maximum(&self.newest_duration_ns);
+        let (worst_lateness_ns, worst_duration_ns) = (of(&self.worst_lateness_ns), of(&self.worst_duration_ns));
         host::Statistics {
             cycles: of(&self.cycles),
             missed: of(&self.missed),
             lateness_ns: of(&self.lateness_ns),
             duration_ns: of(&self.duration_ns),
-            newest_lateness_ns: self.newest_lateness_ns.swap(0, Ordering::Relaxed),
-            newest_duration_ns: self.newest_duration_ns.swap(0, Ordering::Relaxed),
-            worst_lateness_ns: of(&self.worst_lateness_ns),
-            worst_duration_ns: of(&self.worst_duration_ns),
+            newest_lateness_ns,
+            newest_duration_ns,
+            worst_lateness_ns,
+            worst_duration_ns,
+            newest_lateness: now.lateness.since(&last.lateness).percentiles(newest_lateness_ns),
+            newest_duration: now.duration.since(&last.duration).percentiles(newest_duration_ns),
+            lateness: now.lateness.percentiles(worst_lateness_ns),
+            duration: now.duration.percentiles(worst_duration_ns),
             events_lost: of(&self.events_lost),
         }
+    }
+
+    /// Returns one line for people about all cycles, with times in whole us, rounded down.
+    pub fn summary(&self) -> String {
+        let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let times = |histogram: &Histogram, worst: &AtomicU64| {
+            let worst = of(worst);
+            let Percentiles { p50, p99, p999 } = histogram.counts().percentiles(worst);
+            let [p50, p99, p999, worst] = [p50, p99, p999, worst].map(|time| time / 1000);
+            format!("p50 {p50} us, p99 {p99} us, p99.9 {p999} us, max {worst} us")
+        };
+        format!(
+            "{} cycles, {} missed; lateness {}; duration {}",
+            of(&self.cycles),
+            of(&self.missed),
+            times(&self.lateness, &self.worst_lateness_ns),
+            times(&self.duration, &self.worst_duration_ns),
+        )
     }
 
     /// Notes a cycle (ns).
@@ -84,6 +125,8 @@ impl Statistics {
             newest.fetch_max(value, Ordering::Relaxed);
             worst.fetch_max(value, Ordering::Relaxed);
         }
+        self.lateness.record(lateness);
+        self.duration.record(duration);
     }
 }
 
@@ -257,18 +300,41 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_newest_begins_anew_and_sums_and_worsts_do_not() {
-        let statistics = Statistics::default();
+    fn newest_values_start_again_and_sums_and_worst_values_do_not() {
+        let (statistics, mut last) = (Statistics::default(), Taken::default());
         for (lateness, duration) in [(10, 300), (40, 100)] {
             statistics.count(lateness, duration);
         }
-        let first = statistics.take();
+        let first = statistics.take(&mut last);
         statistics.count(20, 50);
-        let second = statistics.take();
+        let second = statistics.take(&mut last);
         assert_eq!((first.cycles, first.lateness_ns, first.duration_ns), (2, 50, 400));
         assert_eq!((first.newest_lateness_ns, first.newest_duration_ns), (40, 300));
         assert_eq!((second.cycles, second.lateness_ns, second.duration_ns), (3, 70, 450));
         assert_eq!((second.newest_lateness_ns, second.newest_duration_ns), (20, 50));
         assert_eq!((second.worst_lateness_ns, second.worst_duration_ns), (40, 300));
+        // 100 ns are in the bucket 100 to 101 ns.
+        assert_eq!(first.newest_lateness, Percentiles { p50: 10, p99: 40, p999: 40 });
+        assert_eq!(first.newest_duration, Percentiles { p50: 101, p99: 300, p999: 300 });
+        assert_eq!((first.lateness, first.duration), (first.newest_lateness, first.newest_duration));
+        assert_eq!(second.newest_lateness, Percentiles { p50: 20, p99: 20, p999: 20 });
+        assert_eq!(second.newest_duration, Percentiles { p50: 50, p99: 50, p999: 50 });
+        assert_eq!(second.lateness, Percentiles { p50: 20, p99: 40, p999: 40 });
+        assert_eq!(second.duration, Percentiles { p50: 101, p99: 300, p999: 300 });
+        let third = statistics.take(&mut last);
+        assert_eq!((third.newest_lateness, third.newest_duration), (Percentiles::default(), Percentiles::default()));
+        assert_eq!((third.lateness, third.duration), (second.lateness, second.duration));
+    }
+
+    #[test]
+    fn summary_gives_percentiles_and_maximum_in_us() {
+        let statistics = Statistics::default();
+        (1..=1000).for_each(|number| statistics.count(number * 1000, number * 2000));
+        statistics.missed.store(3, Ordering::Relaxed);
+        // 500 us are in the bucket that ends at 507.903 us, 990 and 999 us in the one that ends at 999.423 us.
+        let wanted = "1000 cycles, 3 missed; \
+            lateness p50 507 us, p99 999 us, p99.9 999 us, max 1000 us; \
+            duration p50 1015 us, p99 1998 us, p99.9 1998 us, max 2000 us";
+        assert_eq!(statistics.summary(), wanted);
     }
 }

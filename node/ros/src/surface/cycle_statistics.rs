@@ -62,11 +62,24 @@ fn message(last: &Statistics, newest: &Statistics, cycle: u64, stamp_ns: u64, cy
         duration_max: newest.newest_duration_ns,
         duration_worst: newest.worst_duration_ns,
         events_lost: newest.events_lost,
+        lateness_p50: newest.newest_lateness.p50,
+        lateness_p99: newest.newest_lateness.p99,
+        lateness_p999: newest.newest_lateness.p999,
+        duration_p50: newest.newest_duration.p50,
+        duration_p99: newest.newest_duration.p99,
+        duration_p999: newest.newest_duration.p999,
+        lateness_p50_since_start: newest.lateness.p50,
+        lateness_p99_since_start: newest.lateness.p99,
+        lateness_p999_since_start: newest.lateness.p999,
+        duration_p50_since_start: newest.duration.p50,
+        duration_p99_since_start: newest.duration.p99,
+        duration_p999_since_start: newest.duration.p999,
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::host::Percentiles;
     use super::*;
 
     #[test]
@@ -82,6 +95,10 @@ mod tests {
             newest_duration_ns: 300,
             worst_lateness_ns: 900,
             worst_duration_ns: 800,
+            newest_lateness: Percentiles { p50: 110, p99: 390, p999: 400 },
+            newest_duration: Percentiles { p50: 240, p99: 290, p999: 300 },
+            lateness: Percentiles { p50: 120, p99: 800, p999: 890 },
+            duration: Percentiles { p50: 250, p99: 700, p999: 790 },
             events_lost: 2,
         };
         let seen = message(&last, &newest, 13, 2_000_000_007, 1_000_000);
@@ -90,6 +107,12 @@ mod tests {
         assert_eq!((seen.lateness_mean, seen.lateness_max, seen.lateness_worst), (150.0, 400, 900));
         assert_eq!((seen.duration_mean, seen.duration_max, seen.duration_worst), (250.0, 300, 800));
         assert_eq!((seen.cycle_ns, seen.events_lost), (1_000_000, 2));
+        assert_eq!((seen.lateness_p50, seen.lateness_p99, seen.lateness_p999), (110, 390, 400));
+        assert_eq!((seen.duration_p50, seen.duration_p99, seen.duration_p999), (240, 290, 300));
+        let of = (seen.lateness_p50_since_start, seen.lateness_p99_since_start, seen.lateness_p999_since_start);
+        assert_eq!(of, (120, 800, 890));
+        let of = (seen.duration_p50_since_start, seen.duration_p99_since_start, seen.duration_p999_since_start);
+        assert_eq!(of, (250, 700, 790));
 
         let standing = message(&newest, &newest, 13, 2_000_000_007, 1_000_000);
         assert_eq!((standing.period_cycles, standing.lateness_mean, standing.duration_mean), (0, 0.0, 0.0));

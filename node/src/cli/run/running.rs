@@ -331,15 +331,7 @@ impl Running {
         // After the bridge: it has passed on what was saved last.
         self.handle.end_keeping();
         let keeper = self.keeper.map_or(Ok(()), JoinHandle::join);
-        let of = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
-        let statistics = &self.statistics;
-        tracing::info!(
-            "{} cycles, {} missed; latest start {} us after its time, longest cycle {} us",
-            of(&statistics.cycles),
-            of(&statistics.missed),
-            of(&statistics.worst_lateness_ns) / 1000,
-            of(&statistics.worst_duration_ns) / 1000,
-        );
+        tracing::info!("{}", self.statistics.summary());
         if cycle.is_err() || bridge.is_err() || recorder.is_err() || keeper.is_err() || services.is_err() {
             tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
             return Exit::Failed;
