@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p lineshaft-core --bench instructions` runs itself under `valgrind --tool=callgrind`, which counts inside
 //! `Machine::cycle` alone, and fails where a figure is more than 5 % above the stored one (`instructions.txt`).
-//! `LINESHAFT_RENEW=1` stores the figures of this run instead.
+//! It measures 1 and 64 axes or slots; the argument `--all-sizes` (`-- --all-sizes` after the command) adds 512 axes and 256
+//! slots. `LINESHAFT_RENEW=1` measures all sizes and stores the figures instead. Two processes run at a time.
 
 mod shop;
 
@@ -12,9 +13,13 @@ use lineshaft_core::drive::DriveState;
 use lineshaft_core::function::TYPES;
 use lineshaft_core::table::Interpolation;
 use shop::{Loops, Shop, couple, goal, on_cam};
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::process;
+use std::sync::Mutex;
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
 
 /// What the axes do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +63,11 @@ fn cases() -> impl Iterator<Item = (&'static str, Case)> {
 const AXES: [u16; 3] = [1, 64, 512];
 /// Slots that were never started.
 const AT_REST: &str = "at_rest";
-const SLOTS: [u16; 2] = [1, 256];
+const SLOTS: [u16; 3] = [1, 64, 256];
+/// Largest size that is measured without `--all-sizes`.
+const LARGEST: u16 = 64;
+/// Processes that run at a time.
+const PROCESSES: usize = 2;
 /// Cycles before those that are counted: what was begun has shown, and nothing settles any more.
 const SETTLING: usize = 10;
 /// Cycles that are counted.
@@ -122,45 +131,90 @@ fn check(shop: &Shop, case: Case) {
     assert!(machine.events().is_empty(), "{case:?}: {:?}", machine.events());
 }
 
-/// In the process that is counted: the set-up, then cycles that callgrind sees or not.
-fn run(case: Case, axes: u16, cycles: usize) {
+/// Runs the cycles that are counted. Callgrind sets its counters to 0 when this function is entered, so the set-up is not in
+/// the figure.
+#[inline(never)]
+fn counted_cycles(shop: &mut Shop) {
+    (0..CYCLES).for_each(|_| shop.cycle(Commands::default()));
+}
+
+/// Runs the set-up and the counted cycles of axes.
+fn run(case: Case, axes: u16) {
     let mut shop = shop(case, axes);
-    (0..cycles).for_each(|_| shop.cycle(Commands::default()));
+    counted_cycles(&mut shop);
     check(&shop, case);
 }
 
-/// The same of slots of a type, or of a type at rest.
-fn run_slots(name: &str, slots: u16, cycles: usize) {
+/// Runs the set-up and the counted cycles of slots of a type, or of a type at rest.
+fn run_slots(name: &str, slots: u16) {
     let named = shop::slots::named(name, slots, true);
     let runs = named.is_some();
     let mut shop = named.unwrap_or_else(|| shop::slots::slots(&TYPES[0], slots, false));
-    (0..SETTLING + cycles).for_each(|_| shop.cycle(Commands::default()));
+    (0..SETTLING).for_each(|_| shop.cycle(Commands::default()));
+    counted_cycles(&mut shop);
     assert!(shop.machine.slots().iter().all(|slot| slot.is_active() == runs), "{name}");
 }
 
-/// Instructions of the cycles of a process that runs so many behind its set-up.
-fn count(name: &str, axes: u16, cycles: usize) -> Result<u64, Box<dyn Error>> {
+/// Returns the instructions of the counted cycles of a process.
+fn count(name: &str, axes: u16) -> Result<u64, String> {
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let output = process::Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .arg("--toggle-collect=lineshaft_core::machine::Machine::cycle*")
-        .arg(std::env::current_exe()?)
-        .env(COUNTED, format!("{name} {axes} {cycles}"))
+        .arg("--zero-before=instructions::counted_cycles*")
+        .arg(program)
+        .env(COUNTED, format!("{name} {axes}"))
         .output()
         .map_err(|error| format!("valgrind, which counts, does not start ({error}): apt-get install valgrind"))?;
     let said = String::from_utf8_lossy(&output.stderr);
     let counted = said.lines().find_map(|line| line.split_once("Collected : ")?.1.trim().parse().ok());
     match counted {
         Some(counted) if output.status.success() && counted > 0 => Ok(counted),
-        _ => Err(format!("valgrind has counted nothing of {name}, {axes} axes:\n{said}").into()),
+        _ => Err(format!("valgrind has counted nothing of {name}, {axes} axes:\n{said}")),
     }
 }
 
-/// Instructions per axis and cycle: those of cycles behind the set-up, which runs twice and is taken off.
-fn measure(name: &str, axes: u16) -> Result<u64, Box<dyn Error>> {
-    let (with, without) = (count(name, axes, CYCLES)?, count(name, axes, 0)?);
+/// Returns the instructions per axis and cycle.
+fn measure(name: &str, axes: u16) -> Result<u64, String> {
+    let counted = count(name, axes)?;
     let leaders = cases().find(|(known, _)| *known == name).map_or(0, |(_, case)| case.leaders());
     let axes = axes.max(1 + leaders);
-    Ok(with.saturating_sub(without) / (CYCLES as u64 * u64::from(axes)))
+    Ok(counted / (CYCLES as u64 * u64::from(axes)))
+}
+
+/// Measures all rows, [`PROCESSES`] at a time. Calls `done` for each in their order.
+fn measure_all(
+    rows: &[(&'static str, u16)],
+    mut done: impl FnMut(&'static str, u16, u64) -> Result<(), Box<dyn Error>>,
+) -> Result<(), Box<dyn Error>> {
+    let waiting = Mutex::new(rows.iter().enumerate());
+    let (send, receive) = channel();
+    let work = |send: Sender<_>| {
+        let next = || waiting.lock().expect("no thread panics while it holds the lock").next();
+        while let Some((place, &(name, axes))) = next() {
+            if send.send((place, measure(name, axes))).is_err() {
+                return;
+            }
+        }
+    };
+    thread::scope(|scope| {
+        (0..PROCESSES).for_each(|_| {
+            let send = send.clone();
+            scope.spawn(move || work(send));
+        });
+        drop(send);
+        // Dropped at the first error, so that the threads end with it.
+        let receive = receive;
+        let mut figures = BTreeMap::new();
+        for (place, &(name, axes)) in rows.iter().enumerate() {
+            while !figures.contains_key(&place) {
+                let (measured, figure) = receive.recv()?;
+                figures.insert(measured, figure?);
+            }
+            done(name, axes, figures[&place])?;
+        }
+        Ok(())
+    })
 }
 
 /// The stored figure of a line.
@@ -176,11 +230,11 @@ fn stored(text: &str, name: &str, axes: u16) -> Option<u64> {
 fn main() -> Result<(), Box<dyn Error>> {
     if let Ok(task) = std::env::var(COUNTED) {
         let words: Vec<_> = task.split_whitespace().collect();
-        let [name, axes, cycles] = words[..] else { return Err("name, axes, cycles".into()) };
-        let (count, cycles) = (axes.parse()?, cycles.parse()?);
+        let [name, axes] = words[..] else { return Err("name, axes".into()) };
+        let count = axes.parse()?;
         match cases().find(|(known, _)| *known == name) {
-            Some((_, case)) => run(case, count, cycles),
-            None => run_slots(name, count, cycles),
+            Some((_, case)) => run(case, count),
+            None => run_slots(name, count),
         }
         return Ok(());
     }
@@ -188,6 +242,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("state of an axis: {hot} bytes that every cycle touches, {} more", all - hot);
     let before = std::fs::read_to_string(STORED).unwrap_or_default();
     let renews = std::env::var_os("LINESHAFT_RENEW").is_some();
+    let has_all_sizes = renews || std::env::args().any(|argument| argument == "--all-sizes");
     let mut text = String::from(
         "# Instructions per axis or slot and cycle: what the axes do or the type of the slots, how many there are, callgrind's figure.\n",
     );
@@ -196,8 +251,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let of_slots = std::iter::once(AT_REST).chain(TYPES.iter().map(|row| row.name));
     let of_slots = of_slots.chain(shop::slots::PROGRAMS.iter().skip(1).map(|(name, _)| *name));
     let of_slots = of_slots.flat_map(|name| SLOTS.map(|slots| (name, slots)));
-    for (name, axes) in of_axes.chain(of_slots) {
-        let figure = measure(name, axes)?;
+    let rows: Vec<_> = of_axes.chain(of_slots).filter(|&(_, size)| has_all_sizes || size <= LARGEST).collect();
+    measure_all(&rows, |name, axes, figure| {
         writeln!(text, "{name:10} {axes:3} {figure:5}")?;
         let limit = stored(&before, name, axes);
         let is_too_much = limit.is_none_or(|limit| figure * 100 > limit * 105) && !renews;
@@ -209,7 +264,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let what = if cases().any(|(known, _)| known == name) { "axis" } else { "slot" };
         println!("{name:8} {axes:3}: {figure:5} instructions per {what} and cycle ({note})");
-    }
+        Ok(())
+    })?;
     if renews {
         std::fs::write(STORED, text)?;
     }
