@@ -1,16 +1,14 @@
 //! What a node is given at its start, as `ros2 run` and launch files give it: `--ros-args`. And what every node of ROS 2 has with it:
 //! its own parameters, the time of a simulation, levels of loggers, `/rosout`.
 
-mod support;
-
 use std::{
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 /// Far more than the program needs to end.
 const EXIT: Duration = Duration::from_secs(20);

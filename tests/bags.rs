@@ -1,5 +1,6 @@
 //! The commands that read recordings, as a user meets them at the prompt.
 
+use crate::support::machine::share;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::foreign::std_msgs::msg::Header;
@@ -35,6 +36,7 @@ fn write(path: &Path, start_s: i32, late: f64) -> mcap::McapResult<()> {
 
 #[track_caller]
 fn lineshaft(folder: &Path, arguments: &[&str], code: i32) -> (String, String) {
+    let _machine = share();
     let program = Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(arguments).current_dir(folder).output();
     let Output { status, stdout, stderr } = program.expect("the program starts");
     let text = |bytes| String::from_utf8(bytes).expect("text");

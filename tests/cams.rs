@@ -1,21 +1,21 @@
 //! Laws of motion, plans and splines against scipy: `peers/cams.py` has them by other means.
 
-mod support;
-
+use crate::support::machine::share;
 use std::{
     io::Write,
     process::{Command, Stdio},
 };
 
+use crate::support::setup;
 use lineshaft_core::law::{Derivatives, Ends, Law, Peaks, Plan, Segment, Spline};
 use serde_json::{Value, json};
-use support::setup;
 
 /// Of the stroke.
 const WITHIN: f64 = 1e-12;
 
 /// What scipy says of questions of one kind.
 fn asked(kind: &str, questions: &[Value]) -> Vec<Value> {
+    let _machine = share();
     let mut command = Command::new(setup::python());
     command.arg("-B").arg(setup::sources().join("cams.py")).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut script = command.spawn().expect("the interpreter was just found");

@@ -1,10 +1,8 @@
 //! Objects of CANopen drives that somebody else has written: read and written over slcan, as a user's adapter does it.
 
-mod support;
-
+use crate::support::can::{Bus, CanDrives};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::{NmtCommand, NmtState, NodeId};
-use support::can::{Bus, CanDrives};
 
 const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };

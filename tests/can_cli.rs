@@ -1,13 +1,11 @@
 //! `lineshaft can` as a user meets it at the prompt, with CANopen drives that somebody else has written.
 
-mod support;
-
+use crate::support::can::CanDrives;
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::{BufRead, BufReader, Lines, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use support::can::CanDrives;
 
 /// Far more than any command takes.
 const LONG: Duration = Duration::from_secs(60);

@@ -1,17 +1,15 @@
 //! CANopen drives that somebody else has written, in a cell of the program: taken over, moved, homed, geared.
 
-mod support;
-
+use crate::support::can::{Bus, CanDrives, Way};
+use crate::support::can_cell::{CanCell, CanRun, axis};
+use crate::support::domain::Domain;
+use crate::support::program::Program;
+use crate::support::{namespace, setup};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::{NmtCommand, NodeId};
 use std::fmt::Write;
 use std::thread;
 use std::time::Duration;
-use support::can::{Bus, CanDrives, Way};
-use support::can_cell::{CanCell, CanRun, axis};
-use support::domain::Domain;
-use support::program::Program;
-use support::{namespace, setup};
 
 const OPERATIONAL: u64 = 5;
 const PRE_OPERATIONAL: u64 = 127;
@@ -456,7 +454,7 @@ fn a_drive_moves_behind_an_adapter_on_a_terminal() {
 
 #[test]
 fn a_drive_moves_by_datagrams() {
-    if namespace::is_inside("a_drive_moves_by_datagrams", &[setup::can_python]) {
+    if namespace::is_inside("can_drives::a_drive_moves_by_datagrams", &[setup::can_python]) {
         a_move_over(Way::Udp);
     }
 }

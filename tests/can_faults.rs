@@ -1,12 +1,10 @@
 //! CANopen drives of a cell of the program that go, come back, complain, refuse, or are not there.
 
-mod support;
-
+use crate::support::can::CanDrives;
+use crate::support::can_cell::{CanCell, Shown, axis, recovery};
+use crate::support::proxy::Proxy;
 use std::thread;
 use std::time::{Duration, Instant};
-use support::can::CanDrives;
-use support::can_cell::{CanCell, Shown, axis, recovery};
-use support::proxy::Proxy;
 
 const PRE_OPERATIONAL: u64 = 127;
 /// What the shared machine may add to a time: nothing is asserted to be quicker.

@@ -1,17 +1,15 @@
 //! What goes over a bus: in /diagnostics, in the bags of the flight recorder, in recordings, and printed again.
 
-mod support;
-
+use crate::support::bag_check::bag_check;
+use crate::support::can::CanDrives;
+use crate::support::can_cell::{CanCell, axis};
+use crate::support::domain::Domain;
+use crate::support::peer::Peer;
+use crate::support::program::Program;
 use std::fs;
 use std::process::Command;
 use std::thread;
 use std::time::Duration;
-use support::bag_check::bag_check;
-use support::can::CanDrives;
-use support::can_cell::{CanCell, axis};
-use support::domain::Domain;
-use support::peer::Peer;
-use support::program::Program;
 
 /// What `lineshaft` prints, and what it complains of, with its exit code.
 fn lineshaft(args: &[&str]) -> (Option<i32>, String, String) {

@@ -1,10 +1,8 @@
 //! CANopen drives that somebody else has written, commanded in modes that are not cyclic, and as the numbers of MACS say.
 
-mod support;
-
+use crate::support::can::{Bus, CanDrives};
+use crate::support::can_cell::{CanCell, Shown, axis};
 use lineshaft_can::sdo::Object;
-use support::can::{Bus, CanDrives};
-use support::can_cell::{CanCell, Shown, axis};
 
 /// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those that the drive positions end to the increment, those of the core within its
 /// window. No setpoint goes before the axis is enabled, and each drive is in its own mode.

@@ -1,14 +1,10 @@
 //! `~/sdo_read` and `~/sdo_write`, as a client on Cyclone DDS sees them, with drives of another make.
 
-mod support;
-
+use crate::support::can::CanDrives;
+use crate::support::can_cell::{CanCell, CanRun, axis};
+use crate::support::domain::Domain;
+use crate::support::peer::Peer;
 use serde_json::Value;
-use std::thread;
-use std::time::Duration;
-use support::can::CanDrives;
-use support::can_cell::{CanCell, CanRun, axis};
-use support::domain::Domain;
-use support::peer::Peer;
 
 const SCENARIO: &str = "scenario: s\nfor: 600 s\nsteps: []\n";
 /// The line of the log once a drive takes part.
@@ -130,7 +126,6 @@ fn what_must_not_be_is_refused_in_a_sentence_and_changes_nothing() {
     node.run.until_told(1, "the way to the bus is lost");
     let lost = node.cyclone.fails("sdo-read /lineshaft --axis x --object 6064");
     assert!(lost.starts_with("bus0: node 1 (x): the way to the bus is lost: "), "{lost}");
-    thread::sleep(Duration::from_millis(100));
     node.run.program.interrupt();
 }
 

@@ -1,13 +1,11 @@
 //! CANopen drives of a cell of the program whose SDO server misbehaves, that others reset, that are left alone, or boot for ever.
 
-mod support;
-
+use crate::support::can::{Bus, CanDrives};
+use crate::support::can_cell::{CanCell, axis, recovery};
 use lineshaft_can::sdo::Object;
 use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
-use support::can::{Bus, CanDrives};
-use support::can_cell::{CanCell, axis, recovery};
 
 /// An object that is written in segments: longer than a frame, shorter than what goes in blocks.
 const ECHO: Object = Object { index: 0x2001, sub: 0 };

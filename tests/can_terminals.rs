@@ -1,11 +1,9 @@
 //! Inputs, outputs and encoders at CANopen modules that somebody else has written, in a cell of the program.
 
-mod support;
-
+use crate::support::can::{CanDrives, Way};
+use crate::support::can_cell::{CanCell, CanRun, PATIENCE, axis};
 use std::thread;
 use std::time::{Duration, Instant};
-use support::can::{CanDrives, Way};
-use support::can_cell::{CanCell, CanRun, PATIENCE, axis};
 
 /// The word of an object, as the device has it.
 fn object(devices: &mut CanDrives, node: u8, index: u16, sub: u8) -> i64 {

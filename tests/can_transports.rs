@@ -1,15 +1,13 @@
 //! Each way to a bus of CANopen drives that somebody else has written: reached, pulled, not there.
 
-mod support;
-
+use crate::support::can::{Bus, CanDrives, Way};
+use crate::support::{namespace, setup};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Options, Transport, TransportError, open};
 use lineshaft_can::{NmtCommand, NmtState, NodeId};
 use lineshaft_core::drive::BusState;
 use std::thread;
 use std::time::{Duration, Instant};
-use support::can::{Bus, CanDrives, Way};
-use support::{namespace, setup};
 
 const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
@@ -71,14 +69,14 @@ fn drives_are_reached_over_slcan_on_a_terminal() {
 
 #[test]
 fn drives_are_reached_by_datagrams() {
-    if namespace::is_inside("drives_are_reached_by_datagrams", &[setup::can_python]) {
+    if namespace::is_inside("can_transports::drives_are_reached_by_datagrams", &[setup::can_python]) {
         drives_are_reached(Way::Udp);
     }
 }
 
 #[test]
 #[ignore = "needs a CAN interface vcan0: tests/socketcan.sh"]
-fn drives_are_reached_on_an_interface() {
+fn drives_are_reached_on_vcan() {
     drives_are_reached(Way::SocketCan("vcan0"));
 }
 

@@ -1,5 +1,6 @@
 //! The program as a user meets it at the prompt: what it prints, and with which code it ends.
 
+use crate::support::{domain::Domain, machine::share};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -9,6 +10,7 @@ fn root(path: &str) -> PathBuf {
 
 /// Runs the program in `folder`.
 fn lineshaft(folder: &Path, arguments: &[&str]) -> Output {
+    let _machine = share();
     Command::new(env!("CARGO_BIN_EXE_lineshaft"))
         .args(arguments)
         .current_dir(folder)
@@ -345,10 +347,13 @@ fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
     use rustix::process::{Pid, Signal, kill_process};
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;
-    let home = tempfile::tempdir().unwrap();
+    let (home, domain) = (tempfile::tempdir().unwrap(), Domain::take());
     let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
     command.env("ROS_HOME", home.path());
-    command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST").env("ROS_DOMAIN_ID", "98").stderr(Stdio::piped());
+    command
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_DOMAIN_ID", domain.to_string())
+        .stderr(Stdio::piped());
     let mut program = command.spawn().unwrap();
     let mut log = BufReader::new(program.stderr.take().unwrap());
     let mut line = String::new();

@@ -1,11 +1,9 @@
 //! Couplings that begin at their moment, and what they are refused for, as a client on Cyclone DDS asks for them, with launch-configs/shear.yaml.
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 struct Web {
     cyclone: Peer,

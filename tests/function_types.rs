@@ -1,9 +1,7 @@
 //! Every type of function slot, commanded by a client on Cyclone DDS and by one on Fast DDS; tables and parameters from Fast DDS.
 
-mod support;
-
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 use tempfile::TempDir;
 
 const OUT_OF_RANGE: u32 = 3004;

@@ -1,17 +1,13 @@
 //! Function slots and tables as a client on Cyclone DDS sees them, with launch-configs/functions.yaml.
 
-mod support;
-
 use std::path::Path;
-use std::thread;
-use std::time::Duration;
 
-use serde_json::{Value, json};
-use support::{
+use crate::support::{
     domain::Domain,
     peer::{Observations, Peer},
     program::Program,
 };
+use serde_json::{Value, json};
 
 const OUT_OF_RANGE: u32 = 3004;
 
@@ -102,8 +98,7 @@ fn a_function_is_started_renewed_read_and_ended() {
     assert_eq!((&active["m1"], &active["m2"], &active["mode"]), (&json!(5_000), &json!(5_000), &json!(0)));
     assert_eq!(bench.axis("reference"), 8);
     bench.cyclone.run("move /lineshaft --axis line --position 1 --velocity 1 --wait");
-    thread::sleep(Duration::from_millis(50));
-    assert_eq!(bench.axis("command_increments"), 18_000);
+    bench.cyclone.until_axis("table", "at its place", |table| table["command_increments"] == 18_000);
     let state = bench.state("ratio");
     assert_eq!((&state["active"], &state["sink"], &state["error_code"]), (&json!(true), &json!(18_000), &json!(0)));
 

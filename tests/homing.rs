@@ -1,11 +1,9 @@
 //! `~/home`, `~/home_axis` and `~/set_position` as a client on Cyclone DDS sees them, and what a recording of them is worth.
 
-mod support;
-
 use std::{fs, process::Command};
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 const HOMING_NO_METHOD: u32 = 10302;
 const HOMING_UNKNOWN_METHOD: u32 = 10303;
@@ -356,6 +354,6 @@ fn a_run_with_homing_and_new_positions_replays() {
     let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(&bag).output().expect("it starts");
     let text = String::from_utf8_lossy(&replay.stdout).into_owned() + &String::from_utf8_lossy(&replay.stderr);
     assert_eq!(replay.status.code(), Some(0), "{text}");
-    let seen = support::bag_check::bag_check(["mcap", bag.to_str().expect("a path of text")]);
+    let seen = crate::support::bag_check::bag_check(["mcap", bag.to_str().expect("a path of text")]);
     assert!(seen["counts"]["/lineshaft/commands"].as_u64().is_some_and(|count| count >= 9), "{seen}");
 }

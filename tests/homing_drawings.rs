@@ -1,8 +1,6 @@
 //! The drawings of docs/homing.md: every method of homing, as the simulation of launch-configs/homing.yaml goes it.
 
-mod drawing;
-
-use drawing::{Figure, Fixtures, Panel, Scheme};
+use crate::drawing::{Figure, Fixtures, Panel, Scheme};
 
 /// Limit switches at the ends; the index of the axis `ends`.
 const ENDS: Fixtures = Fixtures { axis: "ends", home: None, limits: true, index: (300, 800) };

@@ -1,7 +1,5 @@
 //! The life cycle on ROS 2, /diagnostics and ~/cycle_statistics, seen by a peer on Eclipse Cyclone DDS.
 
-mod support;
-
 use std::{
     fs,
     path::Path,
@@ -9,8 +7,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 use tempfile::TempDir;
 
 /// A node and who talks to it.
@@ -360,7 +358,7 @@ fn a_run_that_was_configured_activated_and_cleaned_up_replays() {
     let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(&bag).output().unwrap();
     let text = String::from_utf8_lossy(&replay.stdout).into_owned() + &String::from_utf8_lossy(&replay.stderr);
     assert_eq!(replay.status.code(), Some(0), "{text}");
-    let seen = support::bag_check::bag_check(["mcap", bag.to_str().unwrap()]);
+    let seen = crate::support::bag_check::bag_check(["mcap", bag.to_str().unwrap()]);
     assert!(seen["counts"]["/lineshaft/commands"].as_u64().unwrap() >= 8, "{seen}");
 }
 

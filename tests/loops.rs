@@ -1,13 +1,12 @@
 //! Loops that are closed in the core against the same loops computed beside it: `peers/loops.py` has the plant by scipy, and the laws as
 //! the documents have them. It is told the command of each cycle and nothing of what the program has measured.
 
-mod support;
-
+use crate::support::machine::share;
+use crate::support::setup;
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use support::setup;
 
 /// Commands that a test gives: a step within two cycles, one that saturates, a velocity, a sinusoid.
 fn scenario([step, large, run, back]: [&str; 4], amplitude: f64) -> String {
@@ -41,6 +40,7 @@ fn column(text: &str, name: &str) -> Vec<f64> {
 /// Runs a cell, and computes the same beside it. `output` is what the drive is asked for; the axis may be so many counts away from what
 /// is computed, and the output so much, in parts of the largest.
 fn agrees(cell: &str, scenario: &str, output: &str, within: (f64, f64), mut question: Value) {
+    let _machine = share();
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("it is written");
     write("cell.yaml", cell);

@@ -1,11 +1,9 @@
 //! Goals in motion on ROS 2: goals that wait and blend, goals on top of others, touch probes, and the verbs of old controllers.
 
-mod support;
-
 use std::fs;
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 /// A running program and who talks to it.
 struct Bench {

@@ -1,11 +1,9 @@
 //! An axis on a cam as a client on Cyclone DDS asks for it, with launch-configs/cams/02_carton.yaml.
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::Value;
-use support::{domain::Domain, peer::Peer, program::Program};
 
 struct Erector {
     cyclone: Peer,

@@ -1,11 +1,9 @@
 //! `~/set_output` and `~/abort` as a client on Cyclone DDS sees them, and what a recording of them is worth.
 
-mod support;
-
 use std::{fs, path::Path, process::Command};
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 const ABORTED: u32 = 10228;
 

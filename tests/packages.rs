@@ -99,6 +99,7 @@ fn colcon_finds_two_packages() {
 
 /// Runs the launch file as if it were installed.
 fn launch(share: &Path, arguments: &[&str]) -> Output {
+    let _machine = crate::support::machine::share();
     Command::new("python3")
         .arg(root().join("tests/launch/stand_in.py"))
         .arg(root().join("launch-configs/demo.launch.py"))

@@ -1,12 +1,10 @@
 //! Parameters on ROS 2: the six parameter services, /parameter_events, layers, export and import, with the built-in demo.
 
-mod support;
-
 use std::thread;
 use std::time::Duration;
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 /// A running demo and who talks to it.
 struct Bench {

@@ -1,10 +1,8 @@
 //! The harness of the end-to-end tests itself: the peers can be set up, and they find each other on loopback.
 
-mod support;
-
 use std::process::Command;
 
-use support::{
+use crate::support::{
     domain::Domain,
     peer::Peer,
     setup::{fastdds_peer, python},

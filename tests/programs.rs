@@ -1,12 +1,11 @@
 //! Programs of users as a user meets them: `lineshaft program` at the prompt, and exchanged by a client on Cyclone DDS.
 
-mod support;
-
+use crate::support::machine::share;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 const CELL: &str = "\
 lineshaft: 1
@@ -52,6 +51,7 @@ impl Bench {
     }
 
     fn run(&self, line: &str) -> Output {
+        let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         command.args(line.split_whitespace()).current_dir(self.0.path()).output().expect("it runs")
     }

@@ -3,19 +3,10 @@
 //!
 //! `LINESHAFT_LONG=1` makes the tests long that are better the longer they are.
 
-mod support;
-
-#[path = "recording/bench.rs"]
 mod bench;
-#[path = "recording/flight.rs"]
 mod flight;
-#[path = "recording/killed.rs"]
 mod killed;
-#[path = "recording/layouts.rs"]
 mod layouts;
-#[path = "recording/node.rs"]
 mod node;
-#[path = "recording/replayed.rs"]
 mod replayed;
-#[path = "recording/simulated.rs"]
 mod simulated;

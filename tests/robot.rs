@@ -1,12 +1,10 @@
 //! `robot_description`: RViz and robot_state_publisher find the URDF of the cell, whenever they come.
 
-mod support;
-
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::Value;
 use std::path::Path;
 use std::thread;
 use std::time::Duration;
-use support::{domain::Domain, peer::Peer, program::Program};
 
 fn launch_configs(file: &str) -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs");

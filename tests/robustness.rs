@@ -3,39 +3,29 @@
 //! `LINESHAFT_LONG=1` hammers for a minute, freezes a subscriber for 30 s and lets 200 clients come and go. The figures that
 //! the tests print (`--nocapture`) stand in docs/interfaces.md.
 
-mod support;
-
 use std::{
     env, fs,
     path::Path,
     process::Command,
-    sync::{
-        Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
+    sync::atomic::{AtomicBool, Ordering},
     thread,
     time::{Duration, Instant},
 };
 
+use crate::support::{
+    domain::Domain,
+    machine::alone,
+    peer::{Observations, Peer},
+    program::Program,
+};
 use rustix::{
     fs::{CWD, Mode, mkfifoat},
     io::ioctl_fionread,
 };
 use serde_json::Value;
-use support::{
-    domain::Domain,
-    peer::{Observations, Peer},
-    program::Program,
-};
 
 const EXIT: Duration = Duration::from_secs(20);
 const NODE: &str = "/lineshaft";
-
-/// One of these tests at a time: two of them would take each other's share of the machine for lost answers.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 fn is_long() -> bool {
     env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")

@@ -2,12 +2,10 @@
 //!
 //! The demo is the node /lineshaft with x and y (linear), turret (rotary) and the virtual axis line.
 
-mod support;
-
 use std::{thread, time::Duration};
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
-use support::{domain::Domain, peer::Peer, program::Program};
 
 /// Far more than the program needs to end.
 const EXIT: Duration = Duration::from_secs(20);

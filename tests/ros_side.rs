@@ -1,7 +1,5 @@
 //! What becomes of the machine, its clients and its goals when the ROS side is frozen, killed or attacked.
 
-mod support;
-
 use std::{
     path::PathBuf,
     process::Command,
@@ -9,9 +7,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+use crate::support::{domain::Domain, namespace, peer::Peer, program::Program, setup};
 use rustix::process::{Signal, kill_process};
 use serde_json::Value;
-use support::{domain::Domain, namespace, peer::Peer, program::Program, setup};
 
 /// Within this time a client has its answer again.
 const AGAIN: &str = "answered /lineshaft --seconds 5";
@@ -53,7 +51,7 @@ fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     let mut peer = Peer::cyclone(&domain);
     peer.run("axes /lineshaft enable turret");
     peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
-    thread::sleep(seconds(1.0));
+    peer.until_axis("turret", "at its velocity", |turret| turret["command_velocity"] == 0.5);
     let side = program.ros_side();
     kill_process(side, Signal::STOP).expect("a child of the program");
     let told = wait_for(&program, "all axes halt", seconds(5.0));
@@ -72,11 +70,12 @@ fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
 fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
     let program = Program::start(&["run", &cell(&folder, "on_loss: none")], &domain);
-    let mut peer = Peer::cyclone(&domain);
+    let (mut peer, mut watcher) = (Peer::cyclone(&domain), Peer::cyclone(&domain));
     peer.run("axes /lineshaft enable turret");
+    watcher.run("axis-states /lineshaft");
     let target = 9_000;
     peer.tell(&format!("move /lineshaft --axis turret --units increments --position {target} --velocity 3000 --wait"));
-    thread::sleep(seconds(1.5));
+    watcher.until_axis("turret", "on its way", |turret| turret["command_increments"].as_i64() > Some(target / 3));
     kill_process(program.ros_side(), Signal::KILL).expect("a child of the program");
     let (seen, error) = peer.answer();
     assert_eq!(error, None, "{seen:?}; {}", program.log());
@@ -229,7 +228,7 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
 #[test]
 fn other_dds_implementations_bear_what_the_node_sends() {
     if !namespace::is_inside(
-        "other_dds_implementations_bear_what_the_node_sends",
+        "ros_side::other_dds_implementations_bear_what_the_node_sends",
         &[setup::python, setup::fastdds_peer],
     ) {
         return;

@@ -1,9 +1,7 @@
 //! A client in Rust, as its users write it: docs/rust_client.md.
 
-mod support;
-
+use crate::support::{domain::Domain, program::Program};
 use rust_client::Lineshaft;
-use support::{domain::Domain, program::Program};
 
 /// Over both mappings of services the node answers; `ros2-client` speaks one of them.
 #[test]

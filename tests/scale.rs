@@ -1,12 +1,10 @@
 //! A cell of 64 axes: what it costs, and that it works. The figures stand in docs/interfaces.md.
 //!
-//! `cargo test --release -p lineshaft --test scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
-
-mod support;
+//! `cargo test --release -p lineshaft --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
 
 use std::{env, fmt::Write, fs, path::Path, thread, time::Duration};
 
-use support::{domain::Domain, peer::Peer, program::Program};
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 
 const AXES: usize = 64;
 

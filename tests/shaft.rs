@@ -1,15 +1,13 @@
 //! What leads as a client on Cyclone DDS sees it on `~/shaft`.
 
-mod support;
-
 use std::fs;
 
-use serde_json::{Value, json};
-use support::{
+use crate::support::{
     domain::Domain,
     peer::{Observations, Peer},
     program::Program,
 };
+use serde_json::{Value, json};
 
 /// 1000 inc in a mm of both.
 const CELL: &str = "

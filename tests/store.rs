@@ -2,15 +2,11 @@
 //!
 //! `LINESHAFT_LONG=1` kills a thousand times.
 
-mod support;
-
-#[path = "store/killed.rs"]
 mod killed;
-#[path = "store/node.rs"]
 mod node;
-#[path = "store/restarted.rs"]
 mod restarted;
 
+use crate::support::machine::share;
 use std::{
     env, fs,
     path::{Path, PathBuf},
@@ -45,6 +41,7 @@ impl Bench {
 
     /// `lineshaft sim` with these steps and the store; what it said, and its code.
     fn sim(&self, store: &str, steps: &str) -> (Option<i32>, String) {
+        let _machine = share();
         let scenario = self.write("scenario.yaml", &format!("scenario: test\nfor: 300 ms\nsteps:\n{steps}"));
         let mut command = lineshaft();
         command.arg("sim").arg(cell()).arg("--scenario").arg(scenario).arg("--store").arg(self.path(store));

@@ -1,16 +1,14 @@
 //! `~/jog` and `~/setpoints` as publishers on Cyclone DDS give them: what moves, what ends it, what is refused, and what a
 //! recording of it is worth.
 
-mod support;
-
 use std::{
     process::Command,
     thread,
     time::{Duration, Instant},
 };
 
+use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::Value;
-use support::{domain::Domain, peer::Peer, program::Program};
 
 /// The built-in demo with x and y switched on, recorded, and who listens to it. Its axes have setpoint_timeout 100 ms.
 struct Demo {

@@ -1,5 +1,6 @@
 //! `lineshaft table` as a user meets it at the prompt: what it writes and says, and with which code it ends.
 
+use crate::support::machine::share;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -48,6 +49,7 @@ impl Bench {
     }
 
     fn run(&self, line: &str) -> Output {
+        let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         command.arg("table").args(line.split(' ')).current_dir(&self.0);
         command.output().expect("the program starts")

@@ -2,18 +2,16 @@
 //!
 //! The demo is the node /lineshaft with x (1048576 inc = 10 mm), y (131072 inc = 20 mm) and turret (36000 inc = 1 rev).
 
-mod support;
-
 use std::path::Path;
 use std::time::{Duration, Instant};
 use std::{fs, thread};
 
-use serde_json::{Value, json};
-use support::{
+use crate::support::{
     domain::Domain,
     peer::{Observations, Peer},
     program::Program,
 };
+use serde_json::{Value, json};
 
 /// Longer than any motion here takes, on a machine that is busy with other things.
 const PATIENCE: Duration = Duration::from_secs(20);

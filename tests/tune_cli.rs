@@ -1,5 +1,6 @@
 //! `lineshaft tune` as a user meets it at the prompt: what it says, draws and writes, and with which code it ends.
 
+use crate::support::machine::share;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -16,6 +17,7 @@ impl Bench {
     }
 
     fn run(&self, line: &[&str]) -> Output {
+        let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         command.args(line).current_dir(&self.0);
         command.output().expect("the program starts")

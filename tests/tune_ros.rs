@@ -1,15 +1,13 @@
 //! `~/tune` as a client on Cyclone DDS sees it, and `lineshaft tune` of a drive that hangs on a bus.
 
-mod support;
-
+use crate::support::can::CanDrives;
+use crate::support::can_cell::{CanCell, axis};
+use crate::support::domain::Domain;
+use crate::support::peer::Peer;
+use crate::support::program::Program;
 use serde_json::{Value, json};
 use std::thread;
 use std::time::{Duration, Instant};
-use support::can::CanDrives;
-use support::can_cell::{CanCell, axis};
-use support::domain::Domain;
-use support::peer::Peer;
-use support::program::Program;
 
 const CELL: &str = include_str!("../launch-configs/torque.yaml");
 
@@ -129,8 +127,7 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     log(&node, "x is being tuned; one axis at a time");
     node.cyclone.run("move /lineshaft --axis x --mode relative --position 1 --wait --expect ABORTED");
     node.cyclone.run("axes /lineshaft halt x");
-    thread::sleep(Duration::from_secs(2));
-    assert_eq!(node.state(), "DISABLED", "a halt ends it, and its end switches the axis off");
+    node.cyclone.until_axis("x", "a halt ends it, and its end switches the axis off", |x| x["state"] == "DISABLED");
 
     let ended =
         node.cyclone.run("tune /lineshaft --axis x --until exciting --progress 0.05 --cancel --expect CANCELED");
@@ -178,11 +175,11 @@ fn a_real_drive_is_tuned_with_leave_alone() {
 
     let mut stopped = tune(&["--real", "--duration", "30 s"]);
     let begin = Instant::now();
-    let moves = |drives: &mut CanDrives| drives.shown(1).is_enabled();
-    while !moves(&mut drives) && begin.elapsed() < Duration::from_secs(60) {
+    let moves = |drives: &mut CanDrives| drives.shown(1).is_enabled() && drives.shown(1).velocity != 0;
+    while !moves(&mut drives) {
+        assert!(begin.elapsed() < Duration::from_secs(60), "{:?}; {}", drives.shown(1), stopped.log());
         thread::sleep(Duration::from_millis(20));
     }
-    thread::sleep(Duration::from_secs(3));
     stopped.interrupt();
     assert_eq!(stopped.wait_exit(Duration::from_secs(30)).code(), Some(1), "{}", stopped.log());
     assert!(stopped.log().contains("v: it was stopped before its end"), "{}", stopped.log());

@@ -1,5 +1,6 @@
 //! The scenarios of the sources: a folder of them for each, played by the program.
 
+use crate::support::{domain::Domain, machine::share};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -39,6 +40,7 @@ fn plays_in(folder: &str, ending: &str, usual: &str) -> usize {
 /// # Errors
 /// What the program said, where it did not end with 0.
 fn play(cell: &Path, scenario: &Path) -> Result<(), String> {
+    let _machine = share();
     let folder = tempfile::tempdir().expect("a folder");
     let output = Command::new(env!("CARGO_BIN_EXE_lineshaft"))
         .arg("sim")
@@ -123,7 +125,7 @@ fn function_slots_and_cams_play_their_examples() {
 /// switches, its brake and its load, up to the end of a scenario.
 #[test]
 fn run_with_sim_rehearses_a_real_cell() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, domain) = (tempfile::tempdir().expect("a folder"), Domain::take());
     // Never the interface of whoever runs the tests: something may hang on it.
     let text = std::fs::read_to_string(root().join("launch-configs/io.yaml")).expect("it is there");
     let (cell, scenario) = (folder.path().join("io.yaml"), root().join("launch-configs/scenarios/io/switches.yaml"));
@@ -138,7 +140,7 @@ fn run_with_sim_rehearses_a_real_cell() {
             .current_dir(folder.path())
             .env("ROS_HOME", folder.path())
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .env("ROS_DOMAIN_ID", "87")
+            .env("ROS_DOMAIN_ID", domain.to_string())
             .output()
             .expect("the program starts");
         (

@@ -3,6 +3,7 @@
 mod run;
 mod svg;
 
+use crate::support::machine::share;
 use run::Path;
 use svg::Svg;
 
@@ -78,9 +79,10 @@ const PHASES: [(&str, &str); 4] = [
 
 impl Figure {
     /// The committed drawing is what the simulation does now. `LINESHAFT_RENEW=1 cargo test -p lineshaft --test
-    /// homing_drawings` draws it anew.
+    /// end_to_end homing_drawings` regenerates it.
     #[track_caller]
     pub(crate) fn is_in_docs(&self) {
+        let _machine = share();
         let file = run::root().join(format!("docs/images/{}.svg", self.name));
         let made = self.draw();
         if std::env::var_os("LINESHAFT_RENEW").is_some() {
@@ -89,7 +91,7 @@ impl Figure {
         }
         let there = std::fs::read_to_string(&file).unwrap_or_default();
         let different = there.lines().zip(made.lines()).find(|(there, made)| there != made);
-        let hint = "draw it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft --test homing_drawings";
+        let hint = "regenerate it: LINESHAFT_RENEW=1 cargo test -p lineshaft --test end_to_end homing_drawings";
         assert_eq!(different, None, "{}: {hint}", self.name);
         assert!(there == made, "{}: {hint}", self.name);
     }

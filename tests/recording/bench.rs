@@ -1,5 +1,6 @@
 //! What the tests of recordings share: a folder, the program at its prompt, and runs to record.
 
+use crate::support::machine::share;
 use std::{
     env,
     ffi::OsStr,
@@ -11,7 +12,7 @@ use std::{
 use serde_json::Value;
 use tempfile::TempDir;
 
-use super::support::bag_check::bag_check;
+use crate::support::bag_check::bag_check;
 
 /// A file of the workspace.
 pub(crate) fn root(path: &str) -> String {
@@ -89,6 +90,7 @@ impl Bench {
 
     /// Runs the program in the folder.
     pub(crate) fn lineshaft(&self, args: &[&str]) -> Ended {
+        let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         let output = command.args(args).current_dir(self.0.path()).output();
         let Output { status, stdout, stderr } = output.expect("the program starts");

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::bench::{Bench, count, demo, reads_in_time_order};
-use super::support::{bag_check::bag_check, domain::Domain, program::Program};
+use crate::support::{bag_check::bag_check, domain::Domain, program::Program};
 
 /// A fault every two seconds, from the third second on.
 fn faults(number: u32) -> String {

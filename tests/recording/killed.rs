@@ -1,5 +1,6 @@
 //! What is left when the program is killed while it records, or the disk is full.
 
+use crate::support::machine::share;
 use std::{
     fs,
     path::Path,
@@ -9,7 +10,7 @@ use std::{
 };
 
 use super::bench::{Bench, count, demo, is_long};
-use super::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
+use crate::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
 
 /// A scenario that is not at its end before the program is killed, and moves all the time.
 const LONG: &str = "scenario: back and forth
@@ -66,6 +67,7 @@ fn kills(few: u64) -> u64 {
 
 #[test]
 fn a_simulation_that_was_killed_is_read_up_to_its_last_whole_chunk() {
+    let _machine = share();
     let bench = Bench::new();
     let scenario = bench.write("long.yaml", LONG);
     let mut cycles = 0;

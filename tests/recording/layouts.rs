@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::bench::{Bench, count, demo, root};
-use super::support::bag_check::{bag_check, bag_check_fails};
+use crate::support::bag_check::{bag_check, bag_check_fails};
 
 const FOXGLOVE: &str = "launch-configs/demo.foxglove.json";
 const PLOTJUGGLER: &str = "launch-configs/demo.plotjuggler.xml";

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::bench::{Bench, count, is_long, reads_in_time_order};
-use super::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
+use crate::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
 
 const EXIT: Duration = Duration::from_secs(30);
 

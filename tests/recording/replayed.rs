@@ -1,7 +1,7 @@
 //! `lineshaft replay` and `lineshaft validate`: what must be equal is, and what was changed is found.
 
 use super::bench::{Bench, demo, root};
-use super::support::bag_check::bag_check;
+use crate::support::bag_check::bag_check;
 
 #[test]
 fn what_was_recorded_replays() {

@@ -9,7 +9,7 @@ use std::{
 use serde_json::{Value, json};
 
 use super::bench::{Bench, CYCLES, count, demo, reads_in_time_order, root};
-use super::support::{
+use crate::support::{
     bag_check::{bag_check, bag_check_fails},
     setup::python,
 };

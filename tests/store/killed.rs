@@ -1,5 +1,6 @@
 //! The program is killed while it saves.
 
+use crate::support::machine::share;
 use std::{
     env,
     fmt::Write,
@@ -104,6 +105,7 @@ fn number(store: &Path) -> u64 {
 /// Proves: MACS-STO-04, MACS-STO-06
 #[test]
 fn a_program_that_is_killed_while_it_saves_leaves_the_old_set_or_the_new_one() {
+    let _machine = share();
     let kills = if env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1") { 1000 } else { 50 };
     let bench = Bench::new();
     let store = bench.path("p.yaml");

@@ -8,8 +8,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::support::domain::Domain;
 use super::{Bench, cell, lineshaft, read, said};
+use crate::support::domain::Domain;
 
 const SAVES: &str = "scenario: saves\nfor: 400 ms\nsteps:\n  - {at: 10, do: {set_parameters: {line.max_velocity: 400 mm/s}}}\n  \
                      - {at: 20, do: {save_parameters: {axes: [line]}}}\n";

@@ -7,7 +7,7 @@ use std::{
 
 use serde_json::Value;
 
-use super::setup;
+use super::{machine::share, setup};
 
 /// Runs a command of `bag_check.py` and returns its observation; panics with its sentence when it fails.
 #[track_caller]
@@ -30,6 +30,7 @@ pub(crate) fn bag_check_fails<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>
 /// The first observation, and the sentence of a failure.
 #[track_caller]
 fn run<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> (Option<Value>, Option<String>) {
+    let _machine = share();
     let mut command = Command::new(setup::python());
     command.arg("-B").arg(setup::sources().join("bag_check.py")).args(args);
     let Output { status, stdout, stderr } = command.output().expect("the interpreter was just found");

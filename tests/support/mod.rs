@@ -1,14 +1,14 @@
 //! What the end-to-end tests share: the program under test, the peers that talk to it, and their set-up.
 //!
-//! A test target says `mod support;`. Nothing here skips: what a test needs and cannot be had is a failure that says
+//! Nothing here skips: what a test needs and cannot be had is a failure that says
 //! in one sentence what to install.
-#![allow(dead_code, reason = "every test target compiles this module and uses a part of it")]
 
 pub(crate) mod bag_check;
 pub(crate) mod can;
 pub(crate) mod can_cell;
 mod child;
 pub(crate) mod domain;
+pub(crate) mod machine;
 pub(crate) mod namespace;
 pub(crate) mod peer;
 pub(crate) mod program;

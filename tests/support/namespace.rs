@@ -11,7 +11,7 @@ const INSIDE: &str = "LINESHAFT_TEST_NAMESPACE";
 const INTO: &str =
     "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$0\" \"$@\"";
 
-/// True inside the namespace. Outside, sets up the peers, for which there is no network inside, runs the test of this name inside and is
+/// True inside the namespace. Outside, sets up the peers, for which there is no network inside, runs the test of this full name inside and is
 /// false then: the test has run.
 ///
 /// Panics where the test fails, with all that it has written, and where there are no namespaces, with what to do.

@@ -4,7 +4,7 @@ use std::{
     io::Write,
     ops::Index,
     process::{ChildStdin, Command, Stdio},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use rustix::process::Signal;
@@ -93,6 +93,20 @@ impl Peer {
         let (seen, error) = self.talk(command);
         let Some(error) = error else { panic!("`{command}` should have failed; observed: {seen:?}") };
         error
+    }
+
+    /// Waits until a sample of `/lineshaft/axis_states` has an axis as `holds` says, and returns its state.
+    #[track_caller]
+    pub(crate) fn until_axis(&mut self, axis: &str, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let seen = self.run("axis-states /lineshaft");
+            let state = &seen.all().last().expect("a sample")["axes"][axis];
+            if holds(state) {
+                return state.clone();
+            }
+            assert!(Instant::now() < end, "{axis}: {what}? {state}");
+        }
     }
 
     #[track_caller]

@@ -94,7 +94,7 @@ fn datagrams_take_no_memory() {
 
 #[test]
 #[ignore = "needs a kernel with vcan and sch_netem: tests/socketcan.sh"]
-fn an_interface_takes_no_memory() {
+fn vcan_interface_takes_no_memory() {
     let run = |program: &str, arguments: &str| {
         let status = Command::new(program).args(arguments.split(' ')).status();
         assert!(status.is_ok_and(|status| status.success()), "{program} {arguments}");

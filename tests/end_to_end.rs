@@ -1,0 +1,52 @@
+//! The end-to-end tests: the program as its users start it, peers on other implementations of DDS, and simulated CANopen drives.
+//!
+//! They are one target, so that what they share is compiled and linked once, and because they mostly wait: libtest runs them side by side
+//! (`RUST_TEST_THREADS` in .cargo/config.toml), each in a ROS domain of its own. `cargo test --test end_to_end motion` runs those of
+//! tests/motion.rs. A test whose result depends on the time that others leave it begins with `alone()` (tests/support/machine.rs).
+
+mod drawing;
+mod support;
+
+mod arguments;
+mod bags;
+mod cams;
+mod can;
+mod can_cli;
+mod can_drives;
+mod can_faults;
+mod can_frames;
+mod can_modes;
+mod can_objects;
+mod can_recovery;
+mod can_terminals;
+mod can_transports;
+mod cli;
+mod couplings;
+mod function_types;
+mod functions;
+mod homing;
+mod homing_drawings;
+mod lifecycle;
+mod loops;
+mod motion;
+mod on_cam;
+mod outputs;
+mod packages;
+mod parameters;
+mod peers_setup;
+mod programs;
+mod recording;
+mod robot;
+mod robustness;
+mod ros_axis;
+mod ros_side;
+mod rust_client;
+mod scale;
+mod shaft;
+mod store;
+mod streams;
+mod table_cli;
+mod trajectory;
+mod tune_cli;
+mod tune_ros;
+mod vocabularies;
