@@ -245,9 +245,9 @@ fn drives_that_are_away_and_that_boot_for_ever_do_not_fill_the_log() {
     the_log_stays_short(20);
 }
 
-/// By hand: `cargo test -p lineshaft --test can_recovery -- --ignored`.
+/// Finds what is logged once a minute.
 #[test]
-#[ignore = "takes a minute and tells nothing more than the shorter one, unless something is told once a minute"]
+#[ignore = "long: .ci/nightly runs it"]
 fn a_minute_of_boots_does_not_fill_the_log() {
     the_log_stays_short(60);
 }

@@ -265,7 +265,6 @@ fn nobody_loses_a_sample_because_of_another() {
 /// Two clients are stopped until their leases are over, one of them twice: then what they made before works again.
 #[test]
 fn clients_that_were_frozen_beyond_their_lease_work_again() {
-    let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut clients = [Peer::cyclone as fn(&_) -> _, Peer::fastdds].map(|begin| {
         let mut client = begin(&domain);
