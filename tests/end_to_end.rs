@@ -1,7 +1,7 @@
 //! The end-to-end tests: the program as its users start it, peers on other implementations of DDS, and simulated CANopen drives.
 //!
 //! They are one target, so that what they share is compiled and linked once, and because they mostly wait: libtest runs them side by side
-//! (`RUST_TEST_THREADS` in .cargo/config.toml), each in a ROS domain of its own. `cargo test --test end_to_end motion` runs those of
+//! (tests/runner.sh), each in a ROS domain of its own. `cargo test --workspace --test end_to_end motion` runs those of
 //! tests/motion.rs. A test whose result depends on the time that others leave it begins with `alone()` (tests/support/machine.rs).
 
 mod drawing;

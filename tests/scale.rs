@@ -1,6 +1,6 @@
 //! A cell of 64 axes: what it costs, and that it works. The figures stand in docs/interfaces.md.
 //!
-//! `cargo test --release -p lineshaft --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
+//! `cargo test --release --workspace --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
 
 use std::{env, fmt::Write, fs, path::Path, thread, time::Duration};
 

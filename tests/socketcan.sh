@@ -26,13 +26,14 @@ if ! [ -e "$uml/image/complete" ]; then
 fi
 
 # Built here, and the Python environment made, by a test that needs no CAN: the kernel in there has no network.
-binary() { # binary PACKAGE TARGET...
-    cargo test -p "$1" "${@:2}" --locked --no-run --message-format=json |
-        python3 -c 'import json, sys; print(*[m["executable"] for m in map(json.loads, sys.stdin) if m.get("executable") and m["profile"]["test"]])'
+# The whole workspace, as `cargo test --workspace` has built it: for a single package cargo chooses other features and builds again.
+built=$(cargo test --workspace --locked --no-run --message-format=json)
+binary() { # binary FILE
+    printf '%s\n' "$built" | python3 -c 'import json, sys; print(*[m["executable"] for m in map(json.loads, sys.stdin) if m.get("executable") and m["profile"]["test"] and m["target"]["src_path"].endswith("/" + sys.argv[1])])' "$1"
 }
-drives=$(binary lineshaft --test end_to_end)
-sockets=$(binary lineshaft-can --lib)
-memory=$(binary lineshaft-can --test no_alloc)
+drives=$(binary tests/end_to_end.rs)
+sockets=$(binary can/src/lib.rs)
+memory=$(binary can/tests/no_alloc.rs)
 "$drives" --quiet --exact can_transports::drives_are_reached_over_slcan_behind_tcp >"$uml/log" 2>&1 || { cat "$uml/log" >&2; fail "the drives do not run outside, either"; }
 
 modules=$(echo "$uml"/image/usr/lib/uml/modules/*/kernel)

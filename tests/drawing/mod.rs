@@ -78,7 +78,7 @@ const PHASES: [(&str, &str); 4] = [
 ];
 
 impl Figure {
-    /// The committed drawing is what the simulation does now. `LINESHAFT_RENEW=1 cargo test -p lineshaft --test
+    /// The committed drawing is what the simulation does now. `LINESHAFT_RENEW=1 cargo test --workspace --test
     /// end_to_end homing_drawings` regenerates it.
     #[track_caller]
     pub(crate) fn is_in_docs(&self) {
@@ -91,7 +91,7 @@ impl Figure {
         }
         let there = std::fs::read_to_string(&file).unwrap_or_default();
         let different = there.lines().zip(made.lines()).find(|(there, made)| there != made);
-        let hint = "regenerate it: LINESHAFT_RENEW=1 cargo test -p lineshaft --test end_to_end homing_drawings";
+        let hint = "regenerate it: LINESHAFT_RENEW=1 cargo test --workspace --test end_to_end homing_drawings";
         assert_eq!(different, None, "{}: {hint}", self.name);
         assert!(there == made, "{}: {hint}", self.name);
     }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Simulated CANopen drives of another make at real cycles: what is lost, how fast they answer, how long they take to start.
 
-    cargo build --release && cargo test --test end_to_end can_transports    # the second makes the environment of the drives
+    cargo build --release && cargo test --workspace --test end_to_end can_transports    # the second makes the environment of the drives
     tests/soak/can_peers.py [--seconds 12] [--drives 2,8] [--hz 250,1000]
 
 For each number of drives, behind an adapter that speaks slcan over TCP: the program starts them cold, gears them to the first one

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Mutated datagrams to the ROS side of a node, as many as are asked for, while its axes turn and its clients work.
 
-    cargo build --release && cargo test --test end_to_end peers_setup
+    cargo build --release && cargo test --workspace --test end_to_end peers_setup
     tests/soak/mutate.py --count 200000 --out target/mutate
 
 Two clients work at a node in a network namespace that this script makes (root is needed). What they send is caught, changed and

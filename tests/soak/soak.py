@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A production day in short: clients, newcomers, dead clients, frozen and killed nodes, for as long as is asked for.
 
-    cargo build --release && cargo test --test end_to_end peers_setup
+    cargo build --release && cargo test --workspace --test end_to_end peers_setup
     tests/soak/soak.py --seconds 7200 --out target/soak
 
 A node that lasts, on the discovery range SUBNET with its clients on another host: two network namespaces that this script makes
@@ -436,7 +436,7 @@ def needs(a):
     """Says what is missing."""
     if os.geteuid() != 0 or not shutil.which("ip"):
         sys.exit("It makes network namespaces: it needs root and `ip` (Debian: apt-get install iproute2)")
-    for needed, how in ((a.program, "cargo build --release"), (a.peers / "venv", "cargo test --test end_to_end peers_setup")):
+    for needed, how in ((a.program, "cargo build --release"), (a.peers / "venv", "cargo test --workspace --test end_to_end peers_setup")):
         if not needed.exists():
             sys.exit(f"{needed} is missing: {how}")
 
