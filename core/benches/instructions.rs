@@ -60,7 +60,6 @@ const CASES: [(&str, Case); 7] = [
 fn cases() -> impl Iterator<Item = (&'static str, Case)> {
     CASES.into_iter().chain(Loops::ALL.map(|(name, loops)| (name, Case::Loops(loops))))
 }
-/// How many axes. The last one takes the most time: it is counted with LINESHAFT_LONG, or where figures are stored.
 const AXES: [u16; 3] = [1, 64, 512];
 /// Slots that were never started.
 const AT_REST: &str = "at_rest";
@@ -248,9 +247,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "# Instructions per axis or slot and cycle: what the axes do or the type of the slots, how many there are, callgrind's figure.\n",
     );
     let mut exceeded = 0;
-    let is_long = renews || std::env::var_os("LINESHAFT_LONG").is_some();
-    let sizes = if is_long { &AXES[..] } else { &AXES[..2] };
-    let of_axes = cases().flat_map(|(name, _)| sizes.iter().map(move |axes| (name, *axes)));
+    let of_axes = cases().flat_map(|(name, _)| AXES.map(|axes| (name, axes)));
     let of_slots = std::iter::once(AT_REST).chain(TYPES.iter().map(|row| row.name));
     let of_slots = of_slots.chain(shop::slots::PROGRAMS.iter().skip(1).map(|(name, _)| *name));
     let of_slots = of_slots.flat_map(|name| SLOTS.map(|slots| (name, slots)));
