@@ -324,6 +324,11 @@ mod tests {
         let third = statistics.take(&mut last);
         assert_eq!((third.newest_lateness, third.newest_duration), (Percentiles::default(), Percentiles::default()));
         assert_eq!((third.lateness, third.duration), (second.lateness, second.duration));
+        // Larger than all before, so that the maximum of the period does not hide an older sample.
+        statistics.count(60, 400);
+        let fourth = statistics.take(&mut last);
+        assert_eq!(fourth.newest_lateness, Percentiles { p50: 60, p99: 60, p999: 60 });
+        assert_eq!(fourth.newest_duration, Percentiles { p50: 400, p99: 400, p999: 400 });
     }
 
     #[test]
