@@ -32,7 +32,8 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(800);
 /// Memory limit of a side in bytes, and the period of its check. The DDS library never releases some of the memory of each client.
 const MEMORY: u64 = 256 << 20;
 const CHECK: Duration = Duration::from_secs(10);
-/// Minimum and maximum time for which two sides run, until the next one has matched all readers.
+/// Time for which two sides still run after the next one has matched all readers, because a reader may match it later, and the maximum time
+/// for which they run.
 const MIN_OVERLAP: Duration = Duration::from_secs(1);
 const MAX_OVERLAP: Duration = Duration::from_secs(10);
 /// Maximum time that the previous side has for its open replies.
@@ -103,6 +104,7 @@ impl Link {
             dead: Vec::new(),
             lines: Arc::default(),
             leaving: None,
+            matched: None,
         };
         let thread = std::thread::Builder::new().name("ros link".to_owned());
         let thread = thread.spawn(move || supervisor.run()).map_err(|error| LinkError(error.to_string()))?;
@@ -157,6 +159,8 @@ struct Supervisor {
     lines: Arc<SideLines>,
     /// Thread that waits for the end of the previous side.
     leaving: Option<JoinHandle<()>>,
+    /// Time since which the next side has matched all readers.
+    matched: Option<Instant>,
 }
 
 /// How a side ended.
@@ -291,10 +295,13 @@ impl Supervisor {
                 return None;
             }
         }
-        let is_matched = next.age() >= MIN_OVERLAP && self.registry.is_next_matched() || next.age() >= MAX_OVERLAP;
-        if !(next.has_answered && is_matched) {
+        let is_matched = next.has_answered && self.registry.is_next_matched();
+        self.matched = is_matched.then(|| self.matched.unwrap_or_else(Instant::now));
+        let is_ready = self.matched.is_some_and(|since| since.elapsed() >= MIN_OVERLAP) || next.age() >= MAX_OVERLAP;
+        if !(next.has_answered && is_ready) {
             return Some(next);
         }
+        self.matched = None;
         self.registry.hand_over();
         tracing::info!("the new ROS side is in charge, {} ms after its start", next.age().as_millis());
         let previous = std::mem::replace(side, next);
