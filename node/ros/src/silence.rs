@@ -37,7 +37,7 @@ pub struct Silence {
 struct Overdue {
     /// How long each thread had waited for a processor before (ns), by its ID.
     before: HashMap<u32, u64>,
-    was_told: bool,
+    was_reported: bool,
 }
 
 /// Result of a check.
@@ -45,7 +45,7 @@ struct Overdue {
 pub enum Check {
     /// Nothing to do.
     Good,
-    /// Half of the timeout has passed, which is told once: for how long, and what each thread does.
+    /// Half of the timeout has passed, reported once: for how long, and the state of each thread.
     Overdue(String),
     /// Silent for longer than the timeout.
     Silent,
@@ -85,7 +85,7 @@ impl Silence {
         let threads = self.threads.read();
         let overdue = self.overdue.get_or_insert_with(|| {
             let before = threads.iter().map(|thread| (thread.id, thread.waited_ns)).collect();
-            Overdue { before, was_told: false }
+            Overdue { before, was_reported: false }
         });
         let waited =
             |thread: &Thread| thread.waited_ns.saturating_sub(overdue.before.get(&thread.id).copied().unwrap_or(0));
@@ -96,8 +96,8 @@ impl Silence {
             return Check::Silent;
         }
         let is_overdue = silence >= self.timeout / 2;
-        if is_overdue && let Some(overdue) = self.overdue.as_mut().filter(|overdue| !overdue.was_told) {
-            overdue.was_told = true;
+        if is_overdue && let Some(overdue) = self.overdue.as_mut().filter(|overdue| !overdue.was_reported) {
+            overdue.was_reported = true;
             let doing: Vec<String> = threads.iter().map(Thread::doing).collect();
             return Check::Overdue(format!("{} ms; its threads: {}", silence.as_millis(), doing.join(", ")));
         }
@@ -112,7 +112,7 @@ struct Thread {
     name: String,
     /// Letter of its state: R runs or waits for a processor, S and D wait, T is stopped.
     state: char,
-    /// Where it waits in the kernel; empty if it does not wait or the system does not tell.
+    /// Kernel function in which it waits; empty if it does not wait or the system does not show it.
     place: String,
     /// How long it has waited for a processor since it began (ns).
     waited_ns: u64,
@@ -140,7 +140,7 @@ impl Thread {
     fn read(task: &std::path::Path) -> Option<Self> {
         let text = |file: &str| fs::read_to_string(task.join(file)).map(|text| text.trim().to_owned());
         let (stat, schedstat) = (text("stat").ok()?, text("schedstat").unwrap_or_default());
-        // The name stands in brackets, and may have some itself.
+        // The name is in brackets, and may contain brackets.
         let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.chars().next())?;
         Some(Self {
             id: task.file_name()?.to_str()?.parse().ok()?,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thread_that_waits_for_a_lock_is_silent_and_its_wait_is_told_once() {
+    fn a_thread_that_waits_for_a_lock_is_silent_and_its_wait_is_reported_once() {
         let (held, released) = channel::<()>();
         let thread = std::thread::Builder::new().name("answers nothing".to_owned());
         let thread = thread.spawn(move || released.recv().is_err()).unwrap();
@@ -187,8 +187,8 @@ mod tests {
         let begun = Instant::now();
         let checks = checks_until_silent(&mut silence);
         assert!(begun.elapsed() >= timeout);
-        let [Check::Overdue(told), Check::Silent] = checks.as_slice() else { panic!("{checks:?}") };
-        assert!(told.contains("ms; its threads: `answers nothing` waits"), "{told}");
+        let [Check::Overdue(text), Check::Silent] = checks.as_slice() else { panic!("{checks:?}") };
+        assert!(text.contains("ms; its threads: `answers nothing` waits"), "{text}");
         silence.answered();
         assert_eq!(silence.check(), Check::Good);
         drop(held);

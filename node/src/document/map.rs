@@ -6,7 +6,7 @@ use super::{Node, Place, Problems, Value};
 use lineshaft_core::unit::excerpt;
 
 /// Known keys that a sentence lists when nothing is alike.
-const MAX_LISTED: usize = 12;
+const MAX_LISTED: usize = 10;
 
 /// A mapping that is being read. [`Map::finish`] reports the keys that nobody asked for.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
-//! Inputs and signals of a cycle in few bytes: what has changed since the cycle before.
+//! Packs inputs and signals of a cycle into few bytes: only the changes since the previous cycle.
 //!
-//! Law      unpacking what was packed, from a key cycle on and without a gap, gives the same words, bit by bit
+//! Law      unpacking gives the packed words bit by bit, from a key cycle on and without a gap
 //! Reads    [`Inputs`] without their latches, and a [`Board`]; both keep their shape
-//! Writes   for each word that has changed: how many words that have not come before it (LEB128), a byte with the number of zero
-//!          bytes at both ends of the exclusive or of old and new (3 bits each, the upper end first), and the bytes between. A
-//!          key cycle counts from zeros
+//! Writes   for each changed word: the number of unchanged words before it (LEB128); one byte with the numbers of zero bytes at
+//!          the upper and at the lower end of (old XOR new), 3 bits each; the bytes in between. A key cycle is packed
+//!          relative to zeros
 //!
 //! Packing takes no memory.
 
@@ -14,9 +14,9 @@ use lineshaft_core::signal::Board;
 /// Words of a drive and of an encoder.
 const DRIVE: usize = 7;
 const ENCODER: usize = 3;
-/// Most bytes of a changed word: 3 for the way to it, which is below 2^21 words, 1 and 8.
+/// Maximum number of bytes of a changed word: 3 for the number before it, which is below 2^21, 1 and 8.
 const MOST: usize = 12;
-/// Words that are compared at once.
+/// Number of words that are compared together.
 const TOGETHER: usize = 8;
 
 /// Packs one cycle after the other.
@@ -36,12 +36,12 @@ impl Packer {
         Self { before: vec![0; words], inputs: vec![0; of_inputs], bytes: Vec::with_capacity(MOST * words) }
     }
 
-    /// Most bytes of a cycle.
+    /// Maximum number of bytes of a cycle.
     pub fn most(&self) -> usize {
         MOST * self.before.len()
     }
 
-    /// Packs a cycle. The next one counts from it.
+    /// Packs a cycle. The next one is packed relative to it.
     pub fn pack(&mut self, inputs: &Inputs, board: &Board, is_key: bool) -> &[u8] {
         if is_key {
             self.before.fill(0);
@@ -55,7 +55,7 @@ impl Packer {
     }
 }
 
-/// Packs words behind `same` words that have not changed. Returns how many of the last ones have not.
+/// Packs words that follow `same` unchanged words. Returns the number of unchanged words at the end.
 fn pack_words(before: &mut [u64], words: &[u64], mut same: usize, bytes: &mut Vec<u8>) -> usize {
     for (before, words) in before.chunks_mut(TOGETHER).zip(words.chunks(TOGETHER)) {
         if before == words {
@@ -154,7 +154,7 @@ fn take_change(bytes: &mut &[u8]) -> Option<u64> {
     Some(u64::from_le_bytes(change) << (8 * lower))
 }
 
-/// How many words inputs take.
+/// Number of words of inputs.
 fn input_words(inputs: &Inputs) -> usize {
     1 + inputs.digital.len() + inputs.analog.len() + ENCODER * inputs.encoder.len() + DRIVE * inputs.drive.len()
 }

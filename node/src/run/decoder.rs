@@ -1,4 +1,4 @@
-//! From cycles as they leave the cycle thread to the messages that stand in a bag.
+//! Makes the messages of a bag from the cycles that the cycle thread sends.
 
 use super::frames::{Head, Taken, stream};
 use crate::recording::encoder::Encoder;
@@ -20,21 +20,21 @@ impl Decoder {
         Self { unpacker, encoder, config: config.clone() }
     }
 
-    /// The messages of a cycle. It follows the one before, or is a key cycle.
+    /// Returns the messages of a cycle, which must follow the previous one or be a key cycle.
     pub fn decode(&mut self, head: &Head, taken: &Taken) -> Encoded {
         self.unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
-        let beside = &taken.beside;
-        self.unpacker.inputs.latch.extend_from_slice(&beside.latches);
-        let stream = stream(&beside.setpoints, self.config.axes.len());
+        let extras = &taken.extras;
+        self.unpacker.inputs.latch.extend_from_slice(&extras.latches);
+        let stream = stream(&extras.setpoints, self.config.axes.len());
         let mut encoded = self.encoder.encode(&Cycle {
             stamp_ns: head.stamp_ns,
             inputs: &self.unpacker.inputs,
-            commands: &beside.commands,
+            commands: &extras.commands,
             stream: stream.as_ref(),
-            events: &beside.events,
+            events: &extras.events,
             board: &self.unpacker.board,
         });
-        for frame in &beside.frames {
+        for frame in &extras.frames {
             encoded.add_frame(frame.bus, frame.way, frame.offset_ns, &frame.frame);
         }
         match &head.state {

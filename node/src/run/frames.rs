@@ -1,8 +1,8 @@
-//! The way of whole cycles out of the cycle thread, for the recorder.
+//! Sends whole cycles from the cycle thread to the recorder.
 //!
-//! Each cycle is packed: only what has changed is sent. Events, latches, setpoints and applied commands travel beside it in rings of
-//! their own, because their number differs; commands are freed where they arrive. When the recorder does not keep up, the cycle is
-//! left out and counted.
+//! Each cycle is packed: only what has changed is sent. Events, latches, setpoints and applied commands ("extras") have
+//! separate rings, because their number varies; commands are freed by the recorder. When the recorder does not keep up, the cycle is
+//! skipped and counted as lost.
 
 use crate::recording::packed::{Packer, Unpacker};
 use crate::recording::{Way, key_cycles};
@@ -14,54 +14,54 @@ use rtrb::{Consumer, Producer, PushError, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Cycles that may wait for the recorder are those of this time (ns)..
+/// Maximum number of cycles that wait for the recorder: those of this time (ns),
 const TIME_NS: u64 = 2_000_000_000;
-/// ..of which one word in so many has changed, as when all axes move..
+/// with one changed word in this number of words (about as many change when all axes move),
 const CHANGED: usize = 16;
-/// ..within this memory (bytes)..
+/// and this memory in bytes;
 const MEMORY: usize = 32 << 20;
-/// ..and these in any case.
+/// but at least this number.
 const LEAST: usize = 16;
-/// States that may be on their way.
+/// Maximum number of states in transit.
 const STATES: usize = 4;
-/// Commands that may be on their way.
+/// Maximum number of commands in transit.
 const COMMANDS: usize = 2048;
-/// Events, latches and setpoints that may be on their way, of each kind.
-const BESIDE: usize = 1 << 14;
+/// Maximum number of events, of latches and of setpoints in transit.
+const EXTRAS: usize = 1 << 14;
 
-/// A cycle on its way; its packed bytes stand in a ring of their own.
+/// A cycle in transit. Its packed bytes are in a separate ring.
 #[derive(Debug)]
 pub struct Head {
     /// k
     pub cycle: u64,
     /// t_k: nanoseconds since the Unix epoch.
     pub stamp_ns: u64,
-    /// Packed bytes.
+    /// Number of packed bytes.
     pub length: usize,
-    /// Packed without the cycles before it.
+    /// Whether it can be unpacked without the cycles before it.
     pub is_key: bool,
-    /// Before the cycle; key cycles have it, if one was free.
+    /// State before the cycle; key cycles have it, if a free one was available.
     pub state: Option<Box<State>>,
 }
 
 impl Head {
-    /// May a bag begin with it? Then a replay can.
+    /// Whether a bag can begin with it: then a replay can start there.
     pub fn can_begin(&self) -> bool {
         self.is_key && (self.cycle == 0 || self.state.is_some())
     }
 }
 
-/// The end in the cycle thread.
+/// Sender in the cycle thread.
 #[derive(Debug)]
 pub struct FrameSender {
     packer: Packer,
     heads: Producer<Head>,
     bytes: Producer<u8>,
     states: Consumer<Box<State>>,
-    /// The state before the cycle that runs.
+    /// State before the running cycle.
     state: Option<Box<State>>,
     commands: Producer<(u64, Command)>,
-    /// Commands for which the recorder leaves no room, on their way to be freed elsewhere.
+    /// Commands for which the recorder has no space. Another thread frees them.
     spent: Producer<Command>,
     events: Producer<Event>,
     latches: Producer<(u64, Latch)>,
@@ -70,21 +70,21 @@ pub struct FrameSender {
     lost: Arc<AtomicU64>,
 }
 
-/// A setpoint of a cycle: who gave the newest of them, of which axis, and what.
+/// A setpoint of a cycle: source of the newest setpoint of the cycle, axis, and setpoint.
 pub type StreamedSetpoint = (Source, u16, Setpoint);
 
-/// Frees the commands for which the recorder has left no room.
+/// Frees the commands for which the recorder had no space.
 #[derive(Debug)]
 pub struct Spent(Consumer<Command>);
 
 impl Spent {
-    /// Frees what has come.
+    /// Frees all received commands.
     pub fn free(&mut self) {
         while self.0.pop().is_ok() {}
     }
 }
 
-/// The end in the recorder.
+/// Receiver in the recorder.
 #[derive(Debug)]
 pub struct FrameReceiver {
     heads: Consumer<Head>,
@@ -98,20 +98,20 @@ pub struct FrameReceiver {
     lost: Arc<AtomicU64>,
 }
 
-/// What belongs to a cycle, in memory that is used again.
+/// Contents of a received cycle. Its memory is reused.
 #[derive(Debug, Default)]
 pub struct Taken {
     /// Packed inputs and signals.
     pub bytes: Vec<u8>,
-    /// What travelled beside them.
-    pub beside: Beside,
-    /// Events of cycles before it that were left out.
+    /// Extras of the cycle.
+    pub extras: Extras,
+    /// Events of earlier cycles that were lost.
     pub left_out: Vec<Event>,
 }
 
-/// What few cycles have.
+/// Parts that few cycles have.
 #[derive(Clone, Debug, Default)]
-pub struct Beside {
+pub struct Extras {
     /// In the order in which they applied.
     pub commands: Vec<Command>,
     /// In their order.
@@ -124,14 +124,14 @@ pub struct Beside {
     pub frames: Vec<BusFrame>,
 }
 
-impl Beside {
-    /// Has the cycle none of it?
+impl Extras {
+    /// Whether the cycle has no extras.
     pub fn is_empty(&self) -> bool {
         let Self { commands, events, latches, setpoints, frames } = self;
         commands.is_empty() && events.is_empty() && latches.is_empty() && setpoints.is_empty() && frames.is_empty()
     }
 
-    /// Memory that it takes (bytes), without what the commands point to.
+    /// Its memory in bytes, without the heap memory of the commands.
     pub fn memory(&self) -> usize {
         let Self { commands, events, latches, setpoints, frames } = self;
         size_of::<Self>()
@@ -148,15 +148,15 @@ impl Beside {
 pub struct BusFrame {
     /// Place of the bus.
     pub bus: usize,
-    /// Which way it went.
+    /// Direction.
     pub way: Way,
-    /// How long behind the beginning of the cycle (ns).
+    /// Time after the beginning of the cycle (ns).
     pub offset_ns: i64,
     /// The frame.
     pub frame: lineshaft_can::Frame,
 }
 
-/// Makes the way for one machine.
+/// Makes sender and receiver for one machine.
 pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let cycle_ns = machine.config().cycle_ns;
     let inputs = machine.inputs();
@@ -168,9 +168,9 @@ pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let (mut states_in, states) = RingBuffer::new(STATES);
     (0..STATES).for_each(|_| drop(states_in.push(Box::new(machine.state().clone()))));
     let (commands, commands_out) = RingBuffer::new(COMMANDS);
-    let (events, events_out) = RingBuffer::new(BESIDE);
-    let (latches, latches_out) = RingBuffer::new(BESIDE);
-    let (setpoints, setpoints_out) = RingBuffer::new(BESIDE);
+    let (events, events_out) = RingBuffer::new(EXTRAS);
+    let (latches, latches_out) = RingBuffer::new(EXTRAS);
+    let (setpoints, setpoints_out) = RingBuffer::new(EXTRAS);
     let (spent, spent_out) = RingBuffer::new(COMMANDS);
     let lost = Arc::<AtomicU64>::default();
     let sender = FrameSender {
@@ -224,7 +224,7 @@ impl FrameSender {
         stream: Option<&Setpoints>,
         commands: impl Iterator<Item = Command>,
     ) {
-        if !self.send_beside(inputs, machine, stream, commands) || self.is_full() {
+        if !self.send_extras(inputs, machine, stream, commands) || self.is_full() {
             self.lost.fetch_add(1, Ordering::Relaxed);
             return;
         }
@@ -241,8 +241,8 @@ impl FrameSender {
         self.heads.is_full() || self.bytes.slots() < self.packer.most()
     }
 
-    /// Sends what travels beside the packed cycle. False if not all of it has room.
-    fn send_beside(
+    /// Sends the extras. Returns false if some of them have no space.
+    fn send_extras(
         &mut self,
         inputs: &Inputs,
         machine: &Machine,
@@ -274,44 +274,44 @@ impl FrameSender {
 }
 
 impl FrameReceiver {
-    /// The next cycle, and in `taken` what belongs to it.
+    /// Returns the next cycle, with its contents in `taken`.
     pub fn take(&mut self, taken: &mut Taken) -> Option<Head> {
         let head = self.heads.pop().ok()?;
         taken.bytes.resize(head.length, 0);
         // They were sent before the head.
         let _ = self.bytes.pop_entire_slice(&mut taken.bytes);
-        let beside = &mut taken.beside;
-        beside.frames.clear();
-        beside.events.clear();
+        let extras = &mut taken.extras;
+        extras.frames.clear();
+        extras.events.clear();
         taken.left_out.clear();
         while self.events.peek().is_ok_and(|event| event.cycle <= head.cycle) {
             let Ok(event) = self.events.pop() else { break };
-            let of = if event.cycle == head.cycle { &mut beside.events } else { &mut taken.left_out };
+            let of = if event.cycle == head.cycle { &mut extras.events } else { &mut taken.left_out };
             of.push(event);
         }
-        take_those_of(head.cycle, &mut self.commands, &mut beside.commands);
-        take_those_of(head.cycle, &mut self.latches, &mut beside.latches);
-        take_those_of(head.cycle, &mut self.setpoints, &mut beside.setpoints);
+        take_those_of(head.cycle, &mut self.commands, &mut extras.commands);
+        take_those_of(head.cycle, &mut self.latches, &mut extras.latches);
+        take_those_of(head.cycle, &mut self.setpoints, &mut extras.setpoints);
         Some(head)
     }
 
-    /// An unpacker of what is sent here, before its first cycle.
+    /// Returns an unpacker of these cycles, before its first one.
     pub fn unpacker(&self) -> Unpacker {
         self.unpacker.clone()
     }
 
-    /// Gives the state of a cycle back, to be filled again.
+    /// Returns the state of a cycle to the sender for reuse.
     pub fn give_back(&mut self, state: Box<State>) {
         drop(self.states.push(state));
     }
 
-    /// Cycles that were left out so far.
+    /// Number of cycles that were lost so far.
     pub fn lost(&self) -> u64 {
         self.lost.load(Ordering::Relaxed)
     }
 }
 
-/// Takes what belongs to a cycle. What stands before it belongs to cycles that were left out.
+/// Takes the entries of a cycle, and drops those of lost cycles before it.
 fn take_those_of<T>(cycle: u64, from: &mut Consumer<(u64, T)>, to: &mut Vec<T>) {
     to.clear();
     while from.peek().is_ok_and(|(of, _)| *of <= cycle) {
@@ -322,7 +322,7 @@ fn take_those_of<T>(cycle: u64, from: &mut Consumer<(u64, T)>, to: &mut Vec<T>) 
     }
 }
 
-/// The setpoints of a cycle as the machine took them; none where nothing was new.
+/// Returns the setpoints of a cycle as the machine received them; `None` if it received none.
 pub fn stream(setpoints: &[StreamedSetpoint], axes: usize) -> Option<Setpoints> {
     let (source, ..) = setpoints.first()?;
     let mut stream = Setpoints { source: *source, ..Setpoints::none(axes) };
@@ -381,15 +381,15 @@ mod tests {
             let head = receiver.take(&mut taken).unwrap();
             assert_eq!((head.cycle, head.stamp_ns, head.is_key), (cycle, 7 * cycle, cycle.is_multiple_of(1000)));
             unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
-            assert_eq!(taken.beside.latches, inputs.latch);
+            assert_eq!(taken.extras.latches, inputs.latch);
             inputs.latch.clear();
             assert_eq!((&unpacker.inputs, &unpacker.board), (&inputs, machine.board()));
             let setpoint = Setpoint { velocity: cycle as f64, duration: Some(cycle) };
             let streamed = Setpoints { source: Source::Ros, axes: vec![None, Some(setpoint), None, None] };
             let streamed = Some(streamed).filter(|_| cycle.is_multiple_of(2));
-            assert_eq!(stream(&taken.beside.setpoints, 4), streamed, "cycle {cycle}");
-            assert_eq!(taken.beside.events, machine.events());
-            assert_eq!(taken.beside.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [cycle + 1]);
+            assert_eq!(stream(&taken.extras.setpoints, 4), streamed, "cycle {cycle}");
+            assert_eq!(taken.extras.events, machine.events());
+            assert_eq!(taken.extras.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [cycle + 1]);
             let state = head.state.as_ref().map(|state| postcard::to_allocvec(state).unwrap());
             assert_eq!(state, cycle.is_multiple_of(1000).then_some(before));
             head.state.into_iter().for_each(|state| receiver.give_back(state));
@@ -410,13 +410,13 @@ mod tests {
             expected += 1;
         }
         assert_eq!((expected, receiver.lost()), (2000, 100), "2 s fit");
-        // What belongs to the cycles that were left out is gone; the next cycle has its own, and counts from the last one that was sent.
+        // The extras of the lost cycles are dropped. The next cycle has only its own, and is packed relative to the last one that was sent.
         run(&mut machine, &mut sender);
         let head = receiver.take(&mut taken).unwrap();
         assert_eq!(head.cycle, 2100);
-        assert_eq!(taken.beside.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [2101]);
-        assert!(taken.beside.events.iter().all(|event| event.cycle == 2100));
-        assert_eq!(taken.beside.latches, [latch(2100)]);
+        assert_eq!(taken.extras.commands.iter().map(|command| command.sequence).collect::<Vec<_>>(), [2101]);
+        assert!(taken.extras.events.iter().all(|event| event.cycle == 2100));
+        assert_eq!(taken.extras.latches, [latch(2100)]);
         unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
         assert_eq!(&unpacker.board, machine.board());
     }

@@ -52,7 +52,7 @@ pub type BusFrames = (String, Frames);
 pub struct Recorder {
     handle: Arc<Handle>,
     frames: FrameReceiver,
-    /// What belongs to the cycle that is taken.
+    /// Contents of the received cycle.
     taken: Taken,
     decoder: Decoder,
     subject: Arc<Subject>,
@@ -160,7 +160,7 @@ impl Recorder {
         for (bus, (_, frames)) in self.buses.iter_mut().enumerate() {
             frames.take(head.cycle, |offset_ns, frame, is_sent| {
                 let way = if is_sent { Way::Sent } else { Way::Received };
-                self.taken.beside.frames.push(BusFrame { bus, way, offset_ns, frame: *frame });
+                self.taken.extras.frames.push(BusFrame { bus, way, offset_ns, frame: *frame });
             });
         }
         let is_wanted = self.writer.is_some() || (self.waiting.is_some() && head.can_begin());
@@ -174,7 +174,7 @@ impl Recorder {
             }
         }
         // A fault in a cycle that was left out is one all the same.
-        let is_fault = self.taken.left_out.iter().chain(&self.taken.beside.events).any(is_fault);
+        let is_fault = self.taken.left_out.iter().chain(&self.taken.extras.events).any(is_fault);
         if let Some((flight, _)) = &mut self.flight
             && flight.push(&head, &mut self.taken, is_fault)
             // While a bag is being saved the next one waits: what it is about stays in memory.

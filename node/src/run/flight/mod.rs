@@ -7,7 +7,7 @@
 pub mod folder;
 
 use super::decoder::Decoder;
-use super::frames::{Beside, Head, Taken};
+use super::frames::{Extras, Head, Taken};
 use crate::recording::Encoded;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ struct Segment {
     cycles: Vec<Packed>,
     bytes: Vec<u8>,
     /// Of the cycles that have any.
-    beside: Vec<(u64, Beside)>,
+    extras: Vec<(u64, Extras)>,
     /// The state of the machine before the first cycle, serialized; none before cycle 0.
     state: Option<Vec<u8>>,
     /// Memory that all but `cycles` and `bytes` takes (bytes).
@@ -51,16 +51,18 @@ struct Packed {
     cycle: u64,
     stamp_ns: u64,
     length: usize,
+    is_key: bool,
 }
 
 impl Segment {
     fn push(&mut self, head: &Head, taken: &mut Taken) {
-        self.cycles.push(Packed { cycle: head.cycle, stamp_ns: head.stamp_ns, length: head.length });
+        let Head { cycle, stamp_ns, length, is_key, .. } = *head;
+        self.cycles.push(Packed { cycle, stamp_ns, length, is_key });
         self.bytes.extend_from_slice(&taken.bytes);
-        if !taken.beside.is_empty() {
-            let beside = std::mem::take(&mut taken.beside);
-            self.memory += beside.memory();
-            self.beside.push((head.cycle, beside));
+        if !taken.extras.is_empty() {
+            let extras = std::mem::take(&mut taken.extras);
+            self.memory += extras.memory();
+            self.extras.push((head.cycle, extras));
         }
         if let Some(state) = &head.state {
             // Nothing in a state has no serialized form; without one no bag would begin here.
@@ -75,16 +77,15 @@ impl Segment {
 
     /// Decodes its cycles, until `each` fails.
     fn decode<E>(&self, decoder: &mut Decoder, each: &mut impl FnMut(&Encoded) -> Result<(), E>) -> Result<(), E> {
-        let (mut taken, mut bytes, mut beside) =
-            (Taken::default(), self.bytes.as_slice(), self.beside.iter().peekable());
+        let (mut taken, mut bytes, mut extras) =
+            (Taken::default(), self.bytes.as_slice(), self.extras.iter().peekable());
         let mut state = self.state.as_ref().and_then(|state| postcard::from_bytes(state).ok());
-        for &Packed { cycle, stamp_ns, length } in &self.cycles {
+        for &Packed { cycle, stamp_ns, length, is_key } in &self.cycles {
             let (of_cycle, rest) = bytes.split_at_checked(length).unwrap_or_default();
             bytes = rest;
             taken.bytes.clear();
             taken.bytes.extend_from_slice(of_cycle);
-            taken.beside = beside.next_if(|(of, _)| *of == cycle).map(|(_, beside)| beside.clone()).unwrap_or_default();
-            let is_key = self.cycles.first().is_some_and(|first| first.cycle == cycle);
+            taken.extras = extras.next_if(|(of, _)| *of == cycle).map(|(_, extras)| extras.clone()).unwrap_or_default();
             let head = Head { cycle, stamp_ns, length, is_key, state: state.take() };
             each(&decoder.decode(&head, &taken))?;
         }
@@ -126,7 +127,7 @@ impl Flight {
         }
     }
 
-    /// Takes a cycle, and what travelled beside it out of `taken`; `is_fault`: something failed in it. True when it is time to save.
+    /// Takes a cycle, and its extras out of `taken`; `is_fault`: it has an error. Returns true when it is time to save.
     pub fn push(&mut self, head: &Head, taken: &mut Taken, is_fault: bool) -> bool {
         self.newest_ns = head.stamp_ns;
         if head.can_begin() {
