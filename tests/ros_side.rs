@@ -202,11 +202,13 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     }
     let mut visitors = Peer::fastdds(&domain);
     visitors.tell("visits /lineshaft --count 100");
-    for _ in 0..240 {
+    // Each adds 1 MB. The limit is 256 MiB, checked every 10 s.
+    for _ in 0..1000 {
         peer.fails("import /lineshaft nothing --pad 1000000");
+        if program.log().contains("MiB, and hands over to a new one") {
+            break;
+        }
     }
-    let grown = program.figures().memory;
-    assert!(grown > fresh + 230.0, "{grown} MiB");
     wait_for(&program, "the new ROS side is in charge", seconds(30.0));
     for (client, axis) in &mut clients {
         let (seen, error) = client.answer();
@@ -216,8 +218,8 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     assert_ne!(program.ros_side(), side, "the grown one has left");
     assert_eq!(axis(&mut peer, "turret")["state"], "CONTINUOUS_MOTION", "{}", program.log());
     let small = program.figures().memory;
-    println!("{fresh:.0} MiB, {grown:.0} MiB, {small:.0} MiB");
-    assert!(small < grown - 150.0, "{grown} MiB, then {small} MiB");
+    println!("{fresh:.0} MiB before, {small:.0} MiB after");
+    assert!(small < fresh + 150.0, "{fresh} MiB before, {small} MiB after");
     for line in ["axes halt", "has a node /lineshaft", "the new ROS side has", "does not keep up"] {
         assert!(!program.log().contains(line), "{line}: {}", program.log());
     }
