@@ -34,7 +34,7 @@ const MEMORY: u64 = 256 << 20;
 const CHECK: Duration = Duration::from_secs(10);
 /// Time for which two sides still run after the next one has matched all readers, because a reader may match it later, and the maximum time
 /// for which they run.
-const MIN_OVERLAP: Duration = Duration::from_secs(1);
+const MIN_OVERLAP: Duration = Duration::from_secs(3);
 const MAX_OVERLAP: Duration = Duration::from_secs(10);
 /// Maximum time that the previous side has for its open replies.
 const MAX_REPLYING: Duration = Duration::from_secs(1);
