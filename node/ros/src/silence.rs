@@ -1,13 +1,16 @@
 //! How long something that answers regularly has been silent, and whether it is broken or only gets no processor.
 //!
-//! Law      silence is the time since the last answer, less the time for which the watching thread itself came late or the
-//!          threads that have to answer waited for a processor, whichever is more. Threads that are stopped, that wait for a
-//!          lock or that compute without end do not wait for a processor
+//! Law      silence is the time since the last answer, less the time by which the watching thread itself was late or for which the
+//!          threads that have to answer waited for a processor, whichever is longer. Threads that are stopped or wait for a lock do
+//!          not wait for a processor. Without an answer for [`MOST`] times the timeout, waits for a processor do not count
 //! Reads    `/proc/<process>/task/*/schedstat` of Linux, only while an answer is overdue. Without it nothing is deducted
 
 use std::collections::HashMap;
 use std::fs;
 use std::time::{Duration, Instant};
+
+/// Number of timeouts after which waits for a processor are not deducted any more.
+const MOST: u32 = 5;
 
 /// The threads that have to answer.
 #[derive(Clone, Debug)]
@@ -65,14 +68,14 @@ impl Silence {
         self.overdue = None;
     }
 
-    /// Time since the last answer, with nothing deducted.
+    /// Time since the last answer, less the time by which the checks were late: this process may have been stopped.
     pub fn since(&self) -> Duration {
-        self.answered.elapsed()
+        self.less(Duration::ZERO)
     }
 
-    /// The silence, where threads have waited for a processor for so long.
+    /// The silence, if threads have waited for a processor for this time.
     fn less(&self, starved: Duration) -> Duration {
-        self.since().saturating_sub(self.late.max(starved))
+        self.answered.elapsed().saturating_sub(self.late.max(starved))
     }
 
     /// Checks how long the silence lasts.
@@ -92,7 +95,7 @@ impl Silence {
         // A thread that waited less before has the ID of one that has ended.
         let starved = Duration::from_nanos(threads.iter().map(waited).max().unwrap_or(0));
         let silence = self.less(starved);
-        if silence >= self.timeout {
+        if silence >= self.timeout || self.since() >= MOST * self.timeout {
             return Check::Silent;
         }
         let is_overdue = silence >= self.timeout / 2;
@@ -201,7 +204,8 @@ mod tests {
         std::thread::sleep(Duration::from_millis(300));
         assert_eq!(silence.check(), Check::Good);
         assert_eq!(checks_until_silent(&mut silence).last(), Some(&Check::Silent));
-        assert!(silence.since() >= Duration::from_millis(390));
+        let since = silence.since().as_millis();
+        assert!((100..250).contains(&since), "{since} ms");
     }
 
     #[test]
@@ -213,6 +217,10 @@ mod tests {
         let near = |silence: Duration, expected| (expected..expected + ms(100)).contains(&silence);
         assert!(near(silence.less(ms(200)), ms(700)) && near(silence.less(ms(400)), ms(600)));
         assert_eq!(silence.less(ms(2000)), Duration::ZERO);
+        assert!(near(silence.since(), ms(700)));
+        // However long threads wait for a processor.
+        silence.overdue = Some(Overdue { before: HashMap::new(), was_reported: true });
+        assert_eq!(silence.check(), Check::Silent, "700 ms are more than 5 times 100 ms");
     }
 
     #[test]

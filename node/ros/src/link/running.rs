@@ -21,8 +21,6 @@ use crate::silence::{Check, Silence};
 pub(super) const PROBES: Duration = Duration::from_millis(100);
 /// Period of the calls of [`Running::watch`].
 pub(super) const WATCH: Duration = Duration::from_millis(50);
-/// A side that has not answered for so many times `loss_timeout` is lost, whatever the reason.
-const MOST: u32 = 5;
 /// Maximum time from the start of a side to its first answer. This includes the disposal of earlier participants.
 const START: Duration = Duration::from_secs(5);
 /// Maximum time that a side takes to leave, and maximum wait for the exit status of a side that has failed.
@@ -55,7 +53,6 @@ struct Probe {
     next: Instant,
     /// Time since the last good answer.
     silence: Silence,
-    timeout: Duration,
     /// Part of the side that does not work.
     stuck: Option<String>,
 }
@@ -96,7 +93,7 @@ impl Running {
         let threads = [thread("ros orders").spawn(write)?, thread("ros reports").spawn(read)?];
         let now = Instant::now();
         let silence = Silence::new(started.threads(), timeout, WATCH);
-        let probe = Probe { number: 0, is_answered: true, next: now, silence, timeout, stuck: None };
+        let probe = Probe { number: 0, is_answered: true, next: now, silence, stuck: None };
         let (joined, entry, has_answered) = (None, None, false);
         Ok(Self { number, stream, started, threads, heard, since: now, joined, entry, has_answered, probe })
     }
@@ -126,12 +123,11 @@ impl Running {
         }
         let probe = &mut self.probe;
         let silence = probe.silence.check();
-        let most = MOST * probe.timeout;
         if self.joined.is_none() || !self.has_answered {
             if self.since.elapsed() > START {
                 return SideEvent::Failed(format!("did not begin to work within {} s", START.as_secs()));
             }
-        } else if silence == Check::Silent || probe.silence.since() > most {
+        } else if silence == Check::Silent {
             let what = probe.stuck.as_ref().map(|what| format!(" ({what})")).unwrap_or_default();
             return SideEvent::Failed(format!("has not answered for {} ms{what}", probe.silence.since().as_millis()));
         } else if let Check::Overdue(doing) = silence {
