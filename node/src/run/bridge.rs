@@ -39,7 +39,7 @@ use std::time::Duration;
 use tokio::sync::mpsc::UnboundedSender;
 use tokio::sync::oneshot;
 
-/// How often the bridge looks without being woken: after what nobody waits for.
+/// Longest time between two checks: for work that does not wake the bridge.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// The running machine for everybody outside the cycle thread.

@@ -1,7 +1,7 @@
 //! Does the surface still work?
 //!
 //! Law      some 20 times a second a task goes through the runtime of the surface and takes what every request takes. Where none has
-//!          come through for `loss_timeout` the surface is silent, after 10 s for good; the time for which its threads or this one had
+//!          come through for `loss_timeout` the surface is silent, after 10 s it is lost; the time for which its threads or this one had
 //!          no processor is no silence
 
 use lineshaft_ros::silence::{Check, Silence, Threads};
