@@ -132,6 +132,7 @@ fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     Peer::cyclone(&domain).run(&format!("twins {NODE} --axis x"));
+    Peer::cyclone(&domain).run(&format!("twins {NODE} --axis x --apart"));
     drop(program);
 }
 

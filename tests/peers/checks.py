@@ -177,10 +177,11 @@ def first_replies(peer, a):
 
 
 def twins(peer, a):
-    """Two clients of one service on one participant: no answer comes twice. (Cyclone DDS shows each of them what is for the
-    other, too.)"""
-    both = [rw.ServiceClient(peer.dp, f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest, Answer,
-                             own=rw.qos(depth=100)).wait() for _ in range(2)]
+    """Two clients of one service in one process, on one participant or `--apart`: every answer comes, and none twice. (Cyclone DDS shows
+    each client what is for another one of its participant, too.)"""
+    participants = [peer.dp, rw.participant() if a.apart else peer.dp]
+    both = [rw.ServiceClient(dp, f"{a.node}/reset_errors", "lineshaft_msgs/AxesCommand", AxesRequest, Answer,
+                             own=rw.qos(depth=100)).wait() for dp in participants]
     asked = {(c.client, c.send(AxesRequest([a.axis]))) for _ in range(10) for c in both}
     seen = [[], []]
     its = [{one for one in asked if one[0] == c.client} for c in both]

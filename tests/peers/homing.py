@@ -65,8 +65,7 @@ def home_axis(peer, a):
         show(cancel=client.cancel(gid).return_code)
     if a.leave:
         return
-    r = client.get_result(gid)
-    time.sleep(0.05)  # feedback is another topic: let what was sent before the result arrive
+    r = client.finish(gid)
     feedback = client.feedback(gid)
     # Each phase once, in the order of their coming.
     phases = [f.phase for place, f in enumerate(feedback) if place == 0 or feedback[place - 1].phase != f.phase]

@@ -190,8 +190,7 @@ def send(client, goal):
 
 
 def finish(client, gid, expected):
-    r = client.get_result(gid)
-    time.sleep(0.05)  # feedback and status are other topics: let what was sent before the result arrive
+    r = client.finish(gid)
     feedback = client.feedback(gid)
     show(status=rw.STATUS[r.status], result=r.result, statuses=[s.get(gid.hex()) for s in client.statuses()],
          feedback={"count": len(feedback), "last": feedback[-1] if feedback else None})
@@ -409,7 +408,8 @@ def parser():
     p.add_argument("--master", help="couple an axis to this one now and then")
     command("first-replies", checks.first_replies, clients=20, axis="x")
     command("newcomer", checks.newcomer, axis="x", seconds=10.0)
-    command("twins", checks.twins, axis="x")
+    p = command("twins", checks.twins, axis="x")
+    p.add_argument("--apart", action="store_true", help="each on a participant of its own")
     command("graph", checks.graph)
     command("talk", talk, node=False, seconds=3.0)
     return top

@@ -468,6 +468,8 @@ class ActionClient:
         self.s_feedback = Subscription(dp, f"{base}/feedback", FeedbackMessage, qos(depth=10_000))
         self.s_status = Subscription(dp, f"{base}/status", GoalStatusArray, STATUS_QOS)
         self.seen = {}  # goal id in hex: its feedback messages, oldest first
+        self.arrays = []  # what statuses() gives next
+        self.told = {}  # goal id in hex: the last status that the topic told
 
     def wait(self):
         for part in (self.c_goal, self.c_result, self.c_cancel, self.s_feedback, self.s_status):
@@ -490,9 +492,28 @@ class ActionClient:
             self.seen.setdefault(m.goal_id.hex(), []).append(m.feedback)
         return self.seen.get(gid.hex(), [])
 
+    def take_statuses(self):
+        for array in self.s_status.take():
+            self.arrays.append({s.goal_info.goal_id.hex(): STATUS[s.status] for s in array.status_list})
+            self.told.update(self.arrays[-1])
+
     def statuses(self):
         """The status arrays that arrived since the last call, each as {goal id: status}."""
-        return [{s.goal_info.goal_id.hex(): STATUS[s.status] for s in a.status_list} for a in self.s_status.take()]
+        self.take_statuses()
+        arrays, self.arrays = self.arrays, []
+        return arrays
+
+    def finish(self, gid, timeout=60.0):
+        """The result, once the other topics have told the end too: feedback and status may arrive after the result."""
+        r = self.get_result(gid, timeout)
+
+        def told():
+            self.take_statuses()
+            return self.told.get(gid.hex()) == STATUS[r.status]
+        if r.status:
+            wait_until(told, REPLY_S, f"the status of goal {gid.hex()} does not become {STATUS[r.status]}")
+        time.sleep(0.05)  # feedback has no end that can be waited for
+        return r
 
 
 def participant():

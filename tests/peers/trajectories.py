@@ -180,8 +180,7 @@ def send(peer, a):
 
 def finish(peer, a, gid, expected):
     client = client_of(peer, a)
-    r = client.get_result(gid)
-    time.sleep(0.05)  # feedback is another topic: let what was sent before the result arrive
+    r = client.finish(gid)
     feedback = client.feedback(gid)
     show(status=rw.STATUS[r.status], error=ERRORS.get(r.result.error_code, r.result.error_code),
          text=r.result.error_string, feedback=feedback)

@@ -1,5 +1,4 @@
 """~/tune, from docs/contract.md, section 7."""
-import time
 from dataclasses import dataclass, field
 
 from cyclonedds.idl import IdlStruct, types as t
@@ -62,8 +61,7 @@ def tune(peer, a):
         return
     if a.cancel:
         show(cancel=client.cancel(gid).return_code)
-    r = client.get_result(gid, a.timeout)
-    time.sleep(0.05)  # feedback is another topic: let what was sent before the result arrive
+    r = client.finish(gid, a.timeout)
     seen = client.feedback(gid)
     # Each phase once, in the order of their coming.
     phases = [PHASES[f.phase] for place, f in enumerate(seen) if place == 0 or seen[place - 1].phase != f.phase]

@@ -4,11 +4,12 @@
 //!          latched values, the newest last, unless it is volatile. Then it gets each value that is set.
 //!          No GAP covers a sample that was sent to its reader. Otherwise Fast DDS (2.6 to 2.14) hangs: a reader that has some
 //!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock.
-//!          The readers of a Cyclone DDS participant share the GAPs of a writer: a GAP to one of them must not overtake a sample to
-//!          another. So a reader whose participant has another one first gets a GAP over the samples that are surely sent, and with
-//!          the first repeat a GAP over all of them.
+//!          The readers of a process with Cyclone DDS have the same address, and share the GAPs of a writer: a GAP to one of them
+//!          must not overtake a sample to another. So a reader at the address of another one first gets a GAP over the samples that
+//!          are surely sent, and with the first repeat a GAP over all of them.
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
+use std::net::SocketAddrV4;
 use std::time::Duration;
 
 use bytes::Bytes;
@@ -39,6 +40,8 @@ pub(super) trait Target: Send + Sync + 'static {
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
     /// Whether the reader wants the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
+    /// Returns the addresses on which a reader reads.
+    fn addresses(&self, reader: Guid) -> Vec<SocketAddrV4>;
     /// Sends a GAP to a reader: the samples before this number are not for it.
     fn skip(&self, reader: Guid, before: i64);
     /// Returns the GUID of the writer.
@@ -61,6 +64,7 @@ pub(super) struct Keeper<T> {
 
 /// A matched reader.
 struct Reader {
+    addresses: Vec<SocketAddrV4>,
     /// Values that it still has to get, the oldest first.
     pending: VecDeque<Bytes>,
     since: Instant,
@@ -114,8 +118,10 @@ impl<T: Target> Keeper<T> {
                 true => self.kept.iter().map(|(_, value)| value.clone()).collect(),
                 false => VecDeque::new(),
             };
-            let reader = Reader { pending, since: now, first: self.last + 1, repeats: 0 };
-            let has_sibling = self.readers.keys().any(|other| other.prefix() == guid.prefix());
+            let addresses = self.target.addresses(*guid);
+            let reader = Reader { addresses, pending, since: now, first: self.last + 1, repeats: 0 };
+            let is_at = |address| reader.addresses.contains(address);
+            let has_sibling = self.readers.values().any(|other| other.addresses.iter().any(is_at));
             let before = if has_sibling { self.first_unsent(now) } else { reader.first };
             if before > 1 {
                 self.target.skip(*guid, before);

@@ -4,6 +4,7 @@
 //! to each reader that joins later. So samples are written to single readers (`keeper`). When a reader joins, an ACKNACK to the library
 //! acknowledges the earlier samples in the name of that reader.
 
+use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -40,6 +41,10 @@ impl Target for DirectedWriter {
         self.shared.participant.keeps_for(reader)
     }
 
+    fn addresses(&self, reader: Guid) -> Vec<SocketAddrV4> {
+        self.shared.participant.addresses_of_reader(reader)
+    }
+
     fn skip(&self, reader: Guid, before: i64) {
         let writer = self.writer.guid();
         // First, so that the library does not send the samples of other readers to this one.
@@ -47,7 +52,7 @@ impl Target for DirectedWriter {
         let mut message = Message::from(writer.prefix());
         message.to(reader.prefix()).gap(entity(reader), entity(writer), 1, before);
         let datagram = message.bytes();
-        for address in self.shared.participant.addresses_of_reader(reader) {
+        for address in self.addresses(reader) {
             self.shared.socket.send(&datagram, address);
         }
     }

@@ -1,6 +1,8 @@
 //! Sends each reply to the one reader that waits for it.
 
 use std::collections::HashMap;
+use std::net::SocketAddrV4;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -23,8 +25,10 @@ const KNOWN: usize = 256;
 /// Number of datagrams of a long reply that are sent together, and the pause after them. A socket's buffer can hold this number.
 const TOGETHER: usize = 32;
 const PAUSE: Duration = Duration::from_millis(1);
-/// Maximum length in bytes of a first reply that this module sends itself, so that it fits into a UDP datagram.
-const LONGEST_FIRST: usize = 60_000;
+/// Time after the first reply to an address for which this module sends replies itself, too. Then the reader has had a HEARTBEAT.
+const EARLY: Duration = Duration::from_secs(2);
+/// Maximum length in bytes of a reply that this module sends itself early, so that it fits into a UDP datagram.
+const LONGEST_EARLY: usize = 60_000;
 /// A long reply of fewer datagrams is sent twice.
 const FEW: usize = 8;
 
@@ -42,15 +46,48 @@ pub(super) struct Replies {
 #[derive(Default)]
 struct Numbers {
     last: i64,
-    /// Number of the last sample to each reader.
-    to: HashMap<Guid, i64>,
+    to: HashMap<Guid, Reached>,
+}
+
+/// A reader that has got a sample.
+struct Reached {
+    /// Number of its last sample.
+    last: i64,
+    /// Time of the first sample to a reader at its addresses.
+    since: Instant,
+    addresses: Vec<SocketAddrV4>,
 }
 
 impl Numbers {
-    /// Whether no reader of this reader's participant has got a sample. The readers of a Cyclone DDS participant share what they know of
-    /// a writer: a GAP to one of them would cover samples that are still under way to another.
-    fn is_first_to(&self, reader: Guid) -> bool {
-        self.to.keys().all(|other| other.prefix() != reader.prefix())
+    /// Notes that a reply is sent to a reader. If one of the first to its addresses, returns these, and the first number of the GAP before
+    /// it.
+    ///
+    /// The readers of a process with Cyclone DDS have the same address, and share what they know of a writer: the GAP covers no sample to
+    /// any of them, because that may still be under way.
+    fn early(
+        &mut self,
+        reader: Guid,
+        addresses: impl FnOnce() -> Vec<SocketAddrV4>,
+        is_matched: impl Fn(Guid) -> bool,
+    ) -> Option<(Vec<SocketAddrV4>, i64)> {
+        let now = Instant::now();
+        let is_early = |since: Instant| now < since + EARLY;
+        let addresses = match self.to.get(&reader) {
+            Some(reached) if !is_early(reached.since) => return None,
+            Some(reached) => reached.addresses.clone(),
+            None => addresses(),
+        };
+        if self.to.len() >= KNOWN {
+            self.to.retain(|reader, _| is_matched(*reader));
+        }
+        // A reader that is gone may have had the port of this one.
+        let there = self.to.iter().filter(|(other, reached)| {
+            reached.addresses.iter().any(|address| addresses.contains(address)) && is_matched(**other)
+        });
+        let (last, since) =
+            there.fold((0, now), |(last, since), (_, other)| (last.max(other.last), since.min(other.since)));
+        self.to.entry(reader).or_insert_with(|| Reached { last: 0, since, addresses: addresses.clone() });
+        is_early(since).then_some((addresses, last + 1))
     }
 }
 
@@ -95,17 +132,18 @@ impl Replies {
         let mut numbers = self.numbers.lock().await;
         if let Some(answers) = long {
             let bytes = padded(bytes.clone());
-            let from = numbers.to.get(&reader).copied().unwrap_or_default() + 1;
+            let from = numbers.to.get(&reader).map_or(0, |reached| reached.last) + 1;
             let number = numbers.last + 1;
             let (time, writer) = (now_ticks(), self.writer.guid());
             let reply = LongReply { writer, reader, number, from, time, answers, bytes: &bytes };
             say(shared, reader, &reply.datagrams()).await;
         }
-        if answers.is_none() && bytes.len() <= LONGEST_FIRST && numbers.is_first_to(reader) {
+        let addresses = || shared.participant.addresses_of_reader(reader);
+        let early = numbers.early(reader, addresses, |reader| self.is_matched(shared, reader));
+        if let Some((addresses, from)) = early.filter(|_| answers.is_none() && bytes.len() <= LONGEST_EARLY) {
             // Sent before the library has the sample, because the library might announce the sample in a HEARTBEAT before it sends it. A
             // Cyclone DDS reader that has just matched accepts only samples after its first HEARTBEAT.
-            let datagram = first_reply(self.writer.guid(), reader, numbers.last + 1, bytes);
-            let addresses = shared.participant.addresses_of_reader(reader);
+            let datagram = early_reply(self.writer.guid(), reader, from..numbers.last + 1, bytes);
             addresses.iter().for_each(|address| shared.socket.send(&datagram, *address));
         }
         let address = Address { reader, answers: answers.filter(|_| long.is_none()) };
@@ -113,10 +151,7 @@ impl Replies {
             match self.writer.write_to(bytes.clone(), address) {
                 Ok(number) => {
                     numbers.last = number;
-                    if numbers.to.len() >= KNOWN {
-                        numbers.to.retain(|reader, _| shared.matches.contains(self.writer.guid(), *reader));
-                    }
-                    numbers.to.insert(reader, number);
+                    numbers.to.entry(reader).and_modify(|reached| reached.last = number);
                     return Ok(());
                 }
                 // The fragments of a long reply were sent with this number already. No other sample may use the number while the reader is
@@ -163,15 +198,15 @@ impl Replies {
     }
 }
 
-/// Returns the datagram of the first reply to a reader, as the sample with this number.
-fn first_reply(writer: Guid, reader: Guid, number: i64, bytes: &Bytes) -> Vec<u8> {
+/// Returns the datagram of an early reply to a reader: a GAP, and the sample with the number after it.
+fn early_reply(writer: Guid, reader: Guid, gap: Range<i64>, bytes: &Bytes) -> Vec<u8> {
     let mut message = Message::from(writer.prefix());
     message.time(now_ticks()).to(reader.prefix());
     let (to, from) = (entity(reader), entity(writer));
-    if number > 1 {
-        message.gap(to, from, 1, number);
+    if !gap.is_empty() {
+        message.gap(to, from, gap.start, gap.end);
     }
-    message.data(to, from, number, &[&[0, 1, 0, 0], &padded(bytes.clone())[..]].concat());
+    message.data(to, from, gap.end, &[&[0, 1, 0, 0], &padded(bytes.clone())[..]].concat());
     message.bytes()
 }
 
@@ -207,21 +242,34 @@ impl Found {
 mod tests {
     use super::*;
 
-    #[test]
-    fn second_reader_of_a_participant_gets_no_first_reply() {
-        let reader =
-            |participant, entity| [vec![participant; 12], vec![entity; 4]].concat().try_into().map(Guid).unwrap();
-        let numbers = Numbers { last: 1, to: HashMap::from([(reader(1, 1), 1)]) };
-        assert!(!numbers.is_first_to(reader(1, 1)));
-        assert!(!numbers.is_first_to(reader(1, 2)));
-        assert!(numbers.is_first_to(reader(2, 1)));
+    #[tokio::test(start_paused = true)]
+    async fn first_replies_to_an_address_have_a_gap_that_covers_no_sample_to_it() {
+        let at = |port| vec![SocketAddrV4::new([127, 0, 0, 1].into(), port)];
+        let mut numbers = Numbers::default();
+        let mut send = |reader: u8, port, are_matched| {
+            let early = numbers.early(Guid([reader; 16]), || at(port), |_| are_matched);
+            numbers.last += 1;
+            let last = numbers.last;
+            numbers.to.entry(Guid([reader; 16])).and_modify(|reached| reached.last = last);
+            early.map(|(addresses, from)| (addresses, from..last))
+        };
+        assert_eq!(send(1, 7411, true), Some((at(7411), 1..1)));
+        assert_eq!(send(2, 7413, true), Some((at(7413), 1..2)));
+        // Another reader at the address of reader 1, and then reader 1 again.
+        assert_eq!(send(3, 7411, true), Some((at(7411), 2..3)));
+        assert_eq!(send(2, 7413, true), Some((at(7413), 3..4)));
+        assert_eq!(send(1, 7411, true), Some((at(7411), 4..5)));
+        tokio::time::sleep(EARLY).await;
+        assert_eq!(send(1, 7411, true), None);
+        assert_eq!(send(4, 7411, true), None, "its process has been reached for long");
+        assert_eq!(send(5, 7411, false), Some((at(7411), 1..8)), "that process is gone, and a new one has its port");
     }
 
     #[test]
-    fn first_reply_is_data_after_a_gap_over_earlier_samples() {
+    fn early_reply_is_data_after_a_gap() {
         let (writer, reader) = (Guid([1; 16]), Guid([2; 16]));
         // Header, INFO_TS, INFO_DST; GAP; DATA: its header, flags and octets to inline QoS, reader, writer, number, payload.
-        let reply = |number| first_reply(writer, reader, number, &Bytes::from_static(&[7, 8, 9]))[48..].to_vec();
+        let reply = |gap| early_reply(writer, reader, gap, &Bytes::from_static(&[7, 8, 9]))[48..].to_vec();
         let data = |number: u8| {
             [
                 &[0x15, 5, 28, 0, 0, 0, 16, 0],
@@ -233,9 +281,9 @@ mod tests {
             ]
             .concat()
         };
-        assert_eq!(reply(1), data(1));
+        assert_eq!(reply(1..1), data(1));
         let gap =
             [&[0x08, 1, 28, 0], &[2; 4][..], &[1; 4], &[0; 4], &[1, 0, 0, 0], &[0; 4], &[3, 0, 0, 0], &[0; 4]].concat();
-        assert_eq!(reply(3), [gap, data(3)].concat());
+        assert_eq!(reply(1..3), [gap, data(3)].concat());
     }
 }

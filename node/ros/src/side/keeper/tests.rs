@@ -75,6 +75,10 @@ impl Target for (Record, Mutex<i64>) {
         reader.0[0] < VOLATILE
     }
 
+    fn addresses(&self, reader: Guid) -> Vec<SocketAddrV4> {
+        vec![SocketAddrV4::new([127, 0, 0, 1].into(), reader.0[15].into())]
+    }
+
     fn skip(&self, reader: Guid, before: i64) {
         self.0.0.lock().unwrap().sent.push((reader.0[0], Sent::Gap(before)));
     }
@@ -173,20 +177,21 @@ async fn a_full_writer_is_tried_again_and_expired_values_are_left_out() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_gap_to_a_second_reader_of_a_participant_does_not_overtake_samples_to_the_first() {
+async fn a_gap_to_a_second_reader_at_an_address_does_not_overtake_samples_to_the_first() {
     let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
-    let reader = |entity| [vec![7; 12], vec![entity; 4]].concat().try_into().map(Guid).unwrap();
-    matches.note(Discovery::Matched { writer: WRITER, reader: reader(1) });
+    // Of two participants of one process.
+    let reader = |participant| [vec![participant; 12], vec![9; 4]].concat().try_into().map(Guid).unwrap();
+    matches.note(Discovery::Matched { writer: WRITER, reader: reader(7) });
     latched.set(vec![1]);
     tokio::time::sleep(SENDING).await;
     latched.set(vec![2]);
     a_moment().await;
-    matches.note(Discovery::Matched { writer: WRITER, reader: reader(2) });
+    matches.note(Discovery::Matched { writer: WRITER, reader: reader(8) });
     a_moment().await;
     let samples = [(7, Sent::Sample(1, 1)), (7, Sent::Sample(2, 2))];
-    assert_eq!(record.take(), [&samples[..], &[(7, Sent::Gap(2)), (7, Sent::Sample(2, 3))]].concat());
+    assert_eq!(record.take(), [&samples[..], &[(8, Sent::Gap(2)), (8, Sent::Sample(2, 3))]].concat());
     tokio::time::sleep(GAP_REPEATS[0]).await;
-    assert_eq!(record.take(), [(7, Sent::Gap(3))]);
+    assert_eq!(record.take(), [(8, Sent::Gap(3))]);
 }
 
 /// Events of the sender of a latched topic.
