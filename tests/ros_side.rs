@@ -116,6 +116,24 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
     assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
 }
 
+/// A node that stands still for longer than any limit of its ROS side, 5 times `loss_timeout`, has not lost that side when it goes on.
+#[test]
+#[ignore = "long: .ci/nightly runs it"]
+fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
+    let domain = Domain::take();
+    let program = Program::start(&["run"], &domain);
+    let mut peer = Peer::cyclone(&domain);
+    peer.run("axes /lineshaft enable turret");
+    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    program.freeze();
+    thread::sleep(seconds(13.0));
+    program.thaw();
+    Peer::cyclone(&domain).run("axes /lineshaft reset_errors x");
+    let turret = axis(&mut Peer::cyclone(&domain), "turret");
+    assert_eq!(turret["state"], "CONTINUOUS_MOTION", "{}", program.log());
+    assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
+}
+
 /// Both processes are killed, and with them nobody is left to say good-bye: the next one says it.
 #[test]
 fn what_a_dead_node_was_asked_is_not_done_by_the_next_one() {

@@ -273,12 +273,6 @@ impl Scale {
         self.unit.with_order(order).text(&number_to_text(number))
     }
 
-    /// The scale, prepared for many conversions to SI units.
-    pub(super) fn prepared(self) -> SiScale {
-        let unit = self.si_unit().into();
-        SiScale::new(self, self.exact_per(unit), self.per(unit))
-    }
-
     fn si_unit(&self) -> Unit {
         self.kind.dimension(0).si_unit()
     }
@@ -315,6 +309,13 @@ impl Scale {
     fn rough(&self, quantity: &Quantity) -> f64 {
         let plain = quantity.unit().with_order(0);
         fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain.into()) }
+    }
+}
+
+impl From<Scale> for SiScale {
+    fn from(scale: Scale) -> Self {
+        let unit = scale.si_unit().into();
+        Self::new(scale, scale.exact_per(unit), scale.per(unit))
     }
 }
 

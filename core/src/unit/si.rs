@@ -58,12 +58,6 @@ impl SiScale {
     }
 }
 
-impl From<Scale> for SiScale {
-    fn from(scale: Scale) -> Self {
-        scale.prepared()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{Quantity, Unit};

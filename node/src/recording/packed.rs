@@ -1,12 +1,12 @@
-//! Packs inputs and signals of a cycle into few bytes: only the changes since the previous cycle.
+//! Packs inputs and signals of a cycle into few bytes: only the words that are not as predicted.
 //!
 //! Law      unpacking gives the packed words bit by bit, from a key cycle on and without a gap
 //! Reads    [`Inputs`] without their latches, and a [`Board`]; both keep their shape
-//! Writes   for each changed word: the number of unchanged words before it (LEB128); one byte with the numbers of zero bytes at
-//!          the upper and at the lower end of (old XOR new), 3 bits each; the bytes in between. A key cycle is packed
-//!          relative to zeros
+//! Writes   for each word that is not as predicted: the number of words before it that are (LEB128); one byte with the numbers of zero
+//!          bytes at the upper and at the lower end of the difference, 3 bits each; the bytes in between. A key cycle is packed relative
+//!          to zeros
 //!
-//! Packing takes no memory.
+//! A word is predicted from its last values ([`History`]). All arithmetic wraps. Packing takes no memory.
 
 use lineshaft_core::drive::{BusState, DriveInput, Emergency, EncoderInput, Inputs};
 use lineshaft_core::signal::Board;
@@ -14,15 +14,44 @@ use lineshaft_core::signal::Board;
 /// Words of a drive and of an encoder.
 const DRIVE: usize = 7;
 const ENCODER: usize = 3;
-/// Maximum number of bytes of a changed word: 3 for the number before it, which is below 2^21, 1 and 8.
+/// Maximum number of bytes of a word: 3 for the number before it, which is below 2^21, 1 and 8.
 const MOST: usize = 12;
 /// Number of words that are compared together.
 const TOGETHER: usize = 8;
 
+/// The last values of a word, and what they predict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct History {
+    value: u64,
+    /// Its last change, and the one before.
+    change: u64,
+    before: u64,
+}
+
+impl History {
+    /// A word that has changed twice in a row goes on as a parabola does, in the bits of a float too; any other one stays.
+    fn predicted(self) -> u64 {
+        let Self { value, change, before } = self;
+        if change == 0 || before == 0 {
+            return value;
+        }
+        value.wrapping_add(change.wrapping_mul(2)).wrapping_sub(before)
+    }
+
+    fn push(&mut self, value: u64) {
+        *self = Self { value, change: value.wrapping_sub(self.value), before: self.change };
+    }
+
+    /// Its next value and those before it are the same: it is predicted to stay, also after the next cycle.
+    fn rests(self, value: u64) -> bool {
+        self == Self { value, ..Self::default() }
+    }
+}
+
 /// Packs one cycle after the other.
 #[derive(Debug)]
 pub struct Packer {
-    before: Vec<u64>,
+    words: Vec<History>,
     /// Words of the inputs of this cycle.
     inputs: Vec<u64>,
     bytes: Vec<u8>,
@@ -33,42 +62,44 @@ impl Packer {
     pub fn new(inputs: &Inputs, board: &Board) -> Self {
         let of_inputs = input_words(inputs);
         let words = of_inputs + board.len();
-        Self { before: vec![0; words], inputs: vec![0; of_inputs], bytes: Vec::with_capacity(MOST * words) }
+        let words = vec![History::default(); words];
+        Self { inputs: vec![0; of_inputs], bytes: Vec::with_capacity(MOST * words.len()), words }
     }
 
     /// Maximum number of bytes of a cycle.
     pub fn most(&self) -> usize {
-        MOST * self.before.len()
+        MOST * self.words.len()
     }
 
     /// Packs a cycle. The next one is packed relative to it.
     pub fn pack(&mut self, inputs: &Inputs, board: &Board, is_key: bool) -> &[u8] {
         if is_key {
-            self.before.fill(0);
+            self.words.fill(History::default());
         }
         write_inputs(inputs, &mut self.inputs);
         self.bytes.clear();
-        let (of_inputs, of_board) = self.before.split_at_mut(self.inputs.len());
+        let (of_inputs, of_board) = self.words.split_at_mut(self.inputs.len());
         let same = pack_words(of_inputs, &self.inputs, 0, &mut self.bytes);
         pack_words(of_board, board.words(), same, &mut self.bytes);
         &self.bytes
     }
 }
 
-/// Packs words that follow `same` unchanged words. Returns the number of unchanged words at the end.
-fn pack_words(before: &mut [u64], words: &[u64], mut same: usize, bytes: &mut Vec<u8>) -> usize {
-    for (before, words) in before.chunks_mut(TOGETHER).zip(words.chunks(TOGETHER)) {
-        if before == words {
+/// Packs words that follow `same` words that are as predicted. Returns the number of such words at the end.
+fn pack_words(words: &mut [History], values: &[u64], mut same: usize, bytes: &mut Vec<u8>) -> usize {
+    for (words, values) in words.chunks_mut(TOGETHER).zip(values.chunks(TOGETHER)) {
+        if words.iter().zip(values).all(|(word, value)| word.rests(*value)) {
             same += words.len();
             continue;
         }
-        for (before, word) in before.iter_mut().zip(words) {
-            let change = std::mem::replace(before, *word) ^ word;
-            if change == 0 {
+        for (word, &value) in words.iter_mut().zip(values) {
+            let difference = value.wrapping_sub(word.predicted());
+            word.push(value);
+            if difference == 0 {
                 same += 1;
             } else {
                 push_number(std::mem::take(&mut same), bytes);
-                push_change(change, bytes);
+                push_difference(difference, bytes);
             }
         }
     }
@@ -83,17 +114,21 @@ fn push_number(mut number: usize, bytes: &mut Vec<u8>) {
     bytes.push(number as u8);
 }
 
-fn push_change(change: u64, bytes: &mut Vec<u8>) {
-    let (upper, lower) = (change.leading_zeros() / 8, change.trailing_zeros() / 8);
-    // Both are below 8, because the change is not 0.
+fn push_difference(difference: u64, bytes: &mut Vec<u8>) {
+    // The sign goes to the lowest bit, so that a small negative number has zero bytes at its upper end too.
+    let folded = difference << 1 ^ (difference.cast_signed() >> 63).cast_unsigned();
+    let (upper, lower) = (folded.leading_zeros() / 8, folded.trailing_zeros() / 8);
+    // Both are below 8, because the difference is not 0.
     bytes.push((upper << 3 | lower) as u8);
-    bytes.extend_from_slice(&(change >> (8 * lower)).to_le_bytes()[..(8 - upper - lower) as usize]);
+    bytes.extend_from_slice(&(folded >> (8 * lower)).to_le_bytes()[..(8 - upper - lower) as usize]);
 }
 
 /// Unpacks one cycle after the other.
 #[derive(Clone, Debug)]
 pub struct Unpacker {
-    words: Vec<u64>,
+    words: Vec<History>,
+    /// The values of the newest cycle.
+    values: Vec<u64>,
     of_inputs: usize,
     /// Of the newest cycle, without its latches.
     pub inputs: Inputs,
@@ -105,29 +140,44 @@ impl Unpacker {
     /// An unpacker for inputs and boards of this shape.
     pub fn new(inputs: &Inputs, board: &Board) -> Self {
         let of_inputs = input_words(inputs);
-        let words = vec![0; of_inputs + board.len()];
-        Self { words, of_inputs, inputs: inputs.clone(), board: board.clone() }
+        let words = of_inputs + board.len();
+        let (words, values) = (vec![History::default(); words], vec![0; words]);
+        Self { words, values, of_inputs, inputs: inputs.clone(), board: board.clone() }
     }
 
     /// Unpacks the cycle that follows the newest one, or a key cycle.
-    pub fn unpack(&mut self, cycle: u64, mut bytes: &[u8], is_key: bool) {
+    pub fn unpack(&mut self, cycle: u64, bytes: &[u8], is_key: bool) {
         if is_key {
-            self.words.fill(0);
+            self.words.fill(History::default());
         }
-        let mut place = 0;
-        while let Some((same, change)) = take_number(&mut bytes).zip(take_change(&mut bytes)) {
-            place += same;
-            if let Some(word) = self.words.get_mut(place) {
-                *word ^= change;
-            }
-            place += 1;
-        }
-        let (of_inputs, of_board) = self.words.split_at(self.of_inputs);
+        unpack_words(&mut self.words, &mut self.values, bytes);
+        let (of_inputs, of_board) = self.values.split_at(self.of_inputs);
         read_inputs(of_inputs, &mut self.inputs);
         self.inputs.cycle = cycle;
         self.inputs.latch.clear();
         self.board.copy_words(of_board);
     }
+}
+
+fn unpack_words(words: &mut [History], values: &mut [u64], mut bytes: &[u8]) {
+    let mut next = take_word(&mut bytes);
+    for (word, value) in words.iter_mut().zip(values) {
+        *value = word.predicted();
+        match &mut next {
+            Some((0, difference)) => {
+                *value = value.wrapping_add(*difference);
+                next = take_word(&mut bytes);
+            }
+            Some((same, _)) => *same -= 1,
+            None => {}
+        }
+        word.push(*value);
+    }
+}
+
+/// Takes the number of words that are as predicted, and the difference of the one after them.
+fn take_word(bytes: &mut &[u8]) -> Option<(usize, u64)> {
+    take_number(bytes).zip(take_difference(bytes))
 }
 
 fn take_number(bytes: &mut &[u8]) -> Option<usize> {
@@ -143,15 +193,16 @@ fn take_number(bytes: &mut &[u8]) -> Option<usize> {
     Some(number)
 }
 
-fn take_change(bytes: &mut &[u8]) -> Option<u64> {
+fn take_difference(bytes: &mut &[u8]) -> Option<u64> {
     let (&head, rest) = bytes.split_first()?;
     let (upper, lower) = (usize::from(head >> 3), usize::from(head & 7));
     let length = 8_usize.checked_sub(upper + lower)?;
     let (middle, rest) = rest.split_at_checked(length)?;
     *bytes = rest;
-    let mut change = [0; 8];
-    change.iter_mut().zip(middle).for_each(|(byte, from)| *byte = *from);
-    Some(u64::from_le_bytes(change) << (8 * lower))
+    let mut folded = [0; 8];
+    folded.iter_mut().zip(middle).for_each(|(byte, from)| *byte = *from);
+    let folded = u64::from_le_bytes(folded) << (8 * lower);
+    Some(folded >> 1 ^ (folded & 1).wrapping_neg())
 }
 
 /// Number of words of inputs.

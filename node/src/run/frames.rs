@@ -16,14 +16,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Maximum number of cycles that wait for the recorder: those of this time (ns),
 const TIME_NS: u64 = 2_000_000_000;
-/// with one changed word in this number of words (about as many change when all axes move),
-const CHANGED: usize = 16;
+/// with this share of the most bytes of a cycle (64 axes in a trajectory took a fortieth),
+const SHARE: usize = 32;
 /// and this memory in bytes;
 const MEMORY: usize = 32 << 20;
 /// but at least this number.
 const LEAST: usize = 16;
 /// Maximum number of states in transit.
-const STATES: usize = 4;
+const STATES: usize = 2;
 /// Maximum number of commands in transit.
 const COMMANDS: usize = 2048;
 /// Maximum number of events, of latches and of setpoints in transit.
@@ -162,7 +162,7 @@ pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let inputs = machine.inputs();
     let packer = Packer::new(&inputs, machine.board());
     let count = usize::try_from(TIME_NS / cycle_ns.max(1)).unwrap_or(usize::MAX).max(LEAST);
-    let memory = count.saturating_mul(packer.most() / CHANGED).min(MEMORY).max(LEAST * packer.most());
+    let memory = count.saturating_mul(packer.most() / SHARE).min(MEMORY).max(LEAST * packer.most());
     let (heads, heads_out) = RingBuffer::new(count);
     let (bytes, bytes_out) = RingBuffer::new(memory);
     let (mut states_in, states) = RingBuffer::new(STATES);

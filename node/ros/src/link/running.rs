@@ -18,7 +18,7 @@ use crate::line_limit::LineLimit;
 use crate::silence::{Check, Silence};
 
 /// Period of the probes.
-pub(super) const PROBES: Duration = Duration::from_millis(100);
+const PROBES: Duration = Duration::from_millis(100);
 /// Period of the calls of [`Running::watch`].
 pub(super) const WATCH: Duration = Duration::from_millis(50);
 /// Maximum time from the start of a side to its first answer. This includes the disposal of earlier participants.
