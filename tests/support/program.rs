@@ -2,7 +2,8 @@
 
 use std::{
     process::{Command, ExitStatus, Stdio},
-    time::Duration,
+    thread,
+    time::{Duration, Instant},
 };
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -73,6 +74,19 @@ impl Program {
             [side] => Pid::from_raw(*side).expect("the number of a process"),
             _ => panic!("one ROS side is expected, not {children:?}; {}", self.log()),
         }
+    }
+
+    /// Its ROS side once it is another one than `before`, and that one has ended; panics when that takes half a minute.
+    #[track_caller]
+    pub(crate) fn ros_side_after(&self, before: Pid) -> Pid {
+        let begun = Instant::now();
+        let is_another = |children: &[i32]| matches!(children, [side] if *side != before.as_raw_nonzero().get());
+        while !is_another(&self.0.children()) && begun.elapsed() < Duration::from_secs(30) {
+            thread::sleep(Duration::from_millis(5));
+        }
+        let side = self.ros_side();
+        assert_ne!(side, before, "{}", self.log());
+        side
     }
 
     /// Memory that its ROS side occupies (MiB).
