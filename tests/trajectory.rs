@@ -126,6 +126,36 @@ fn a_goal_is_reached_and_says_so_as_the_controller_does() {
     assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 60e-6, "{last}");
 }
 
+/// MoveIt sends one point at time 0 where start and goal are the same; others send the same point twice, or where they are and the way.
+#[test]
+fn a_goal_where_the_joints_are_is_reached() {
+    let mut bench = Bench::enabled();
+    let there = "--joint turret --joint x --joint y --point 1:0.3,0.05,0.04:0,0,0";
+    bench.cyclone.run(&format!("follow /lineshaft {there}"));
+    // 0.3 rad are 1718.87 increments, and it stands on 1719.
+    let joints = "follow /lineshaft --joint turret --joint x --joint y";
+    for points in [
+        "--point 0:0.3,0.05,0.04:0,0,0",
+        "--point 0:0.3,0.05,0.04",
+        "--point 0:0.3,0.05,0.04:0,0,0 --point 0.1:0.3,0.05,0.04:0,0,0",
+        "--point 0:0.3,0.05,0.04:0,0,0 --point 0.5:0.31,0.05,0.04:1e-12,0,-1e-12 --point 1:0.3,0.05,0.04:1e-12,0,0",
+    ] {
+        let seen = bench.cyclone.run(&format!("{joints} {points}"));
+        assert_eq!(
+            (&seen["status"], &seen["error"]),
+            (&"SUCCEEDED".into(), &"SUCCESSFUL".into()),
+            "{points}: {seen:?}"
+        );
+        assert_eq!(bench.command("turret"), 1719);
+    }
+    let seen = bench.cyclone.run(&format!("{joints} --point 0:0.4,0.05,0.04:0,0,0 --expect ABORTED"));
+    assert_eq!(seen["error"], "INVALID_GOAL");
+    let text = seen["text"].as_str().unwrap();
+    assert!(text.starts_with("turret: the last point of the trajectory is due at once, and 5.7"), "{text}");
+    // As far as the goal's own tolerance says (rad).
+    bench.cyclone.run(&format!("{joints} --point 0:0.3001,0.05,0.04:0,0,0 --goal turret:0.001"));
+}
+
 #[test]
 fn a_joint_beyond_its_path_tolerance_aborts() {
     let mut bench = Bench::enabled();

@@ -27,7 +27,7 @@ pub use phase::PhaseRequest;
 pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
-pub use trajectory::{PointRequest, ToleranceRequest, TrajectoryRequest};
+pub use trajectory::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};

@@ -1,7 +1,8 @@
 //! Trajectories: points of several axes over time, which the machine runs as one goal.
 //!
 //! Law      between two points each axis moves on a spline whose degree is decided by what both carry; up to the first point
-//!          that lies ahead it moves on one that begins with its present motion; behind the last one it stands there
+//!          that lies ahead it moves on one that begins where it is taken over; behind the last one it stands on the whole
+//!          increment that is nearest to it
 //! Refuses  times that do not ascend, knots that are not one for each time, an end with a velocity
 
 mod spline;
@@ -93,6 +94,7 @@ pub struct Demand {
 
 /// A trajectory. It begins where its axes are, and comes to its first point at the first of its times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Read")]
 pub struct Trajectory {
     start_ns: i64,
     times_ns: Box<[u64]>,
@@ -102,10 +104,28 @@ pub struct Trajectory {
     demands: Box<[Demand]>,
 }
 
+/// A trajectory that was read: what it asks for is found anew.
+#[derive(Deserialize)]
+struct Read {
+    start_ns: i64,
+    times_ns: Box<[u64]>,
+    tracks: Box<[Track]>,
+    goal_time_ns: Option<u64>,
+    #[allow(dead_code, reason = "stands in recordings")]
+    demands: Box<[Demand]>,
+}
+
+impl From<Read> for Trajectory {
+    fn from(read: Read) -> Self {
+        let Read { start_ns, times_ns, tracks, goal_time_ns, .. } = read;
+        Self { start_ns, times_ns, tracks, goal_time_ns, demands: Box::default() }.with_demands()
+    }
+}
+
 /// Where a trajectory begins on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Begin {
-    /// The motion there.
+    /// The motion there: that of the axis, or what the points ask for where the axis is near to that.
     pub motion: Motion,
     /// When, in the trajectory's time (ns).
     pub time_ns: u64,
@@ -116,11 +136,15 @@ impl Trajectory {
     /// command applies to time 0, negative where that has been before; `times_ns` are counted from time 0; `goal_time_ns` is
     /// how long after the last point the axes may take to come within their goal tolerances, none for ever.
     pub fn new(start_ns: i64, times_ns: Box<[u64]>, tracks: Box<[Track]>, goal_time_ns: Option<u64>) -> Option<Self> {
-        let trajectory = Self { start_ns, times_ns, tracks, goal_time_ns, demands: Box::default() };
-        trajectory.has_shape().then(|| {
-            let demands = trajectory.tracks.iter().map(|track| demand(&trajectory.times_ns, track)).collect();
-            Self { demands, ..trajectory }
-        })
+        let trajectory = Self { start_ns, times_ns, tracks, goal_time_ns, demands: Box::default() }.with_demands();
+        trajectory.is_sound().then_some(trajectory)
+    }
+
+    /// The same, with what it asks of its axes; without that where its law does not hold.
+    fn with_demands(self) -> Self {
+        let of = |track| demand(&self.times_ns, track);
+        let demands = if self.has_shape() { self.tracks.iter().map(of).collect() } else { Box::default() };
+        Self { demands, ..self }
     }
 
     fn has_shape(&self) -> bool {
@@ -143,10 +167,10 @@ impl Trajectory {
             && tracks.iter().enumerate().all(fits)
     }
 
-    /// Could it have been made? One that was read from outside may hold anything.
+    /// Does its law hold? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
-        self.has_shape()
-            && self.tracks.iter().map(|track| demand(&self.times_ns, track)).eq(self.demands.iter().copied())
+        // There is one track at least.
+        !self.demands.is_empty()
     }
 
     /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
@@ -185,9 +209,19 @@ impl Trajectory {
         self.demands.get(track)
     }
 
-    /// Where a track ends.
+    /// Where a track rests at last: the whole increment that is nearest to its last point, as the target of every goal is.
     pub fn end(&self, track: usize) -> Option<Position> {
-        Some(self.tracks.get(track)?.knots.last()?.position)
+        Some(Position::whole(self.tracks.get(track)?.knots.last()?.position.nearest()))
+    }
+
+    /// The motion that its points alone ask of a track at a time; none before the first of them and behind the last one.
+    pub fn given(&self, track: usize, time_ns: u64) -> Option<Motion> {
+        let next = self.passed(time_ns);
+        let before = next.checked_sub(1)?;
+        let knots = &self.tracks.get(track)?.knots;
+        let (since, until) = (*self.times_ns.get(before)?, *self.times_ns.get(next)?);
+        let spline = Spline::new(knots.get(before)?, knots.get(next)?, until.saturating_sub(since));
+        Some(spline.at(time_ns.saturating_sub(since)))
     }
 
     /// From where a track begins to the first point that lies ahead; none where none does.

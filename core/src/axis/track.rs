@@ -141,18 +141,58 @@ impl Axis {
     pub fn prepare_track(&self, cycle: u64, run: &Run, track: usize) -> Result<Motion, Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        let motion = self.motion_at(cycle, run.begins);
+        let motion = self.takes_over(cycle, run, track);
         let begin = Begin { motion, time_ns: run.begin_ns };
+        self.check_is_there(run, track)?;
         let refuse = || Refusal::new(Code::BAD_REQUEST, self.object());
         let demand = run.trajectory.demand(track).ok_or_else(refuse)?;
         for knot in [demand.lowest, demand.highest] {
             self.check_target(knot, &self.parameters)?;
         }
-        let first = run.trajectory.first_spline(track, &begin).ok_or_else(refuse)?.reach();
-        for reach in [&demand.way, &first] {
+        let first = run.trajectory.first_spline(track, &begin).map(|spline| spline.reach());
+        for reach in [Some(demand.way), first].iter().flatten() {
             self.check_reach(reach, motion.position)?;
         }
         Ok(motion)
+    }
+
+    /// Where that track takes it over: at what its points ask for, if the axis is near to that. What is between, such as the rounding of
+    /// a measured position, is worked off on the way; else the way from where the axis is to the first point that lies ahead might be one
+    /// that no plan has meant.
+    pub fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
+        let motion = self.motion_at(cycle, run.begins);
+        let is_near = |given: &Motion| {
+            let change = self.parameters.max_acceleration.min(self.parameters.deceleration_limit()) * self.cycle_s();
+            (given.position - motion.position).to_f64().abs() <= self.nearness()
+                && (given.velocity - motion.velocity).abs() <= change
+        };
+        run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or(motion)
+    }
+
+    /// How far off a point is that counts as the same place (inc).
+    fn nearness(&self) -> f64 {
+        self.parameters.in_position_window.max(1) as f64
+    }
+
+    /// A trajectory that has no time left may end only where the axis is.
+    fn check_is_there(&self, run: &Run, track: usize) -> Result<(), Refusal> {
+        let Some(end) = run.trajectory.end(track).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
+            return Ok(());
+        };
+        if !self.rests() {
+            return Err(self.not_at_standstill());
+        }
+        let goal = run.trajectory.tracks().get(track).and_then(|track| track.goal.position);
+        let most = goal.unwrap_or(self.nearness());
+        let off = |from: Position| (end - from).to_f64().abs();
+        // A client that asks for where the axis is may mean either.
+        let off = off(self.command.position).min(off(self.actual.position));
+        if off > most {
+            let number = |value: f64| Number::Position(value as i64);
+            let refusal = Refusal::new(Code::TRAJECTORY_WITHOUT_TIME, self.object());
+            return Err(refusal.with(number(off.ceil()), number(most.floor())));
+        }
+        Ok(())
     }
 
     fn check_reach(&self, reach: &Reach, from: Position) -> Result<(), Refusal> {
@@ -205,6 +245,7 @@ impl Axis {
         let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
         let way = run.trajectory.demand(track).map(|demand| demand.way);
         let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
+        let present = self.motion_at(cx.cycle, run.begins);
         let waits = run.begins > cx.cycle;
         if waits {
             self.brake_to_rest(cx, &self.parameters.usual_limits());
@@ -214,8 +255,8 @@ impl Axis {
             track: track as u16,
             begin,
             waits,
-            moved: begin.velocity,
-            exact: true,
+            moved: present.velocity,
+            exact: begin.position == present.position,
             low: reach.low,
             high: reach.high,
         };
@@ -223,11 +264,12 @@ impl Axis {
         self.goal = Some(Goal { sequence: run.sequence, ending: None, target, search: None, track: Some(tracker) });
         self.judge.rested_at = None;
         self.owner = Owner::Native;
-        let generator = if waits { self.generator } else { self.track_from(begin) };
+        let generator = if waits { self.generator } else { self.track_from(present, begin.position) };
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
-    fn track_from(&self, begin: Motion) -> Generator {
+    /// The follower of an axis that moves so, which a track takes over there.
+    fn track_from(&self, motion: Motion, from: Position) -> Generator {
         let p = &self.parameters;
         let down = p.deceleration_limit();
         let bounds = Bounds {
@@ -238,8 +280,8 @@ impl Axis {
             max_deceleration: down * (1.0 + STEP_SLACK),
         };
         let transmission = Transmission::Gear(Gear::new(Ratio::ONE));
-        let follower = Follower::new(0.0, transmission, SyncMode::Position, begin, Position::ZERO, bounds);
-        Generator::Track(follower.at_once())
+        let follower = Follower::new(0.0, transmission, SyncMode::Position, motion, from - motion.position, bounds);
+        Generator::Track(if from == motion.position { follower.at_once() } else { follower })
     }
 
     /// A track that waited begins, once the cycle has come in which it does.
@@ -255,8 +297,11 @@ impl Axis {
         if let Err(refusal) = self.check_zero() {
             return self.end_goal(cx, refusal.code);
         }
-        (tracker.begin, tracker.moved, tracker.waits) = (self.present(), self.command.velocity, false);
-        self.generator = self.track_from(tracker.begin);
+        let present = self.present();
+        tracker.begin = self.takes_over(cx.cycle, run, usize::from(tracker.track));
+        (tracker.moved, tracker.waits) = (self.command.velocity, false);
+        tracker.exact = tracker.begin.position == present.position;
+        self.generator = self.track_from(present, tracker.begin.position);
         self.keep(tracker);
     }
 

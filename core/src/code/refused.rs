@@ -606,6 +606,14 @@ codes! {
         remedy: "Check the clocks of both sides, and its start time.",
     }
 
+    /// A trajectory that has no time left ends where an axis is not.
+    TRAJECTORY_WITHOUT_TIME = 10251, NoError {
+        says: "the last point of the trajectory is due at once, and {asked} away; {limit} at most is allowed",
+        cause: "All points of the trajectory are due at its start, and the axis is further from the last one than its goal tolerance \
+            allows, or without one its in_position_window.",
+        remedy: "Give the last point a time_from_start.",
+    }
+
     /// A superimposed or waiting goal on an axis that runs a trajectory.
     TRAJECTORY_UNDER_WAY = 10064, NoError {
         says: "the axis runs a trajectory; only an aborting goal, absolute, relative, additive or velocity, replaces \

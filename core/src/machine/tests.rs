@@ -50,5 +50,6 @@ mod superimposed;
 mod synchronize;
 mod together;
 mod trajectory;
+mod trajectory_as_given;
 mod turned;
 mod virtual_master;

@@ -3,7 +3,8 @@
 //! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes stand, or stop and then stand; in the first cycle
 //!          with t >= 0 each of them begins with the motion that it has. An axis that leaves, for whatever reason, ends it for
 //!          all: the others stop as a halt does
-//! Refuses  a trajectory of which every point is past; whatever one of its axes refuses
+//! Refuses  a trajectory of which every point is past; one that has no time left, and ends where an axis is not; whatever
+//!          one of its axes refuses
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::{Machine, Told};
@@ -54,7 +55,7 @@ impl Machine {
         let cycle = self.state.cycle;
         for (track, of) in trajectory.tracks().iter().enumerate() {
             let index = usize::from(of.axis);
-            let begin = self.state.axes.get(index).map(|axis| axis.motion_at(cycle, run.begins));
+            let begin = self.state.axes.get(index).map(|axis| axis.takes_over(cycle, &run, track));
             if let Some(begin) = begin {
                 self.act_on(index, told, |axis, cx| axis.begin_track(cx, &run, (slot, track), begin));
             }
@@ -81,7 +82,8 @@ impl Machine {
 
     fn check_run(&self, run: &Run) -> Result<(), Refusal> {
         let last = run.trajectory.end_ns();
-        if last <= run.begin_ns {
+        // In the cycle in which it begins, its axes may be there.
+        if last <= run.begin_ns && run.trajectory.start_ns() < 0 {
             let time = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
             return Err(
                 Refusal::new(Code::TRAJECTORY_IN_THE_PAST, Object::Machine).with(time(last), time(run.begin_ns))

@@ -6,6 +6,9 @@ use crate::drive::Interface;
 use crate::position::Position;
 use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory};
 
+/// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
+pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
+
 /// A point of a trajectory. Its lists are as long as the list of axes, in its order; what it does not carry is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointRequest<N = f64> {
@@ -82,8 +85,7 @@ impl From<f64> for Amount {
 }
 
 impl MachineConfig {
-    /// The trajectory that a request asks for. The last point of each axis lies on a whole increment, the nearest one, as the
-    /// target of every goal does.
+    /// The trajectory that a request asks for, exactly as it is given: only where its axes rest at last is a whole increment.
     ///
     /// # Errors
     /// What is wrong with it in itself; what limits forbid, the machine refuses.
@@ -230,26 +232,33 @@ impl Field<'_> {
         let knot = |(number, point): (usize, &PointRequest<N>)| {
             let at = Some(number);
             let position = match point.positions.get(place) {
-                Some(&asked) => self.position(number, asked.into(), number == last)?,
+                Some(&asked) => self.position(number, asked.into())?,
                 None => Position::ZERO,
             };
             let velocity = point.velocities.get(place).map(|&asked| self.rate("velocity", at, asked, 1)).transpose()?;
-            if number == last && velocity.is_some_and(|velocity| velocity != 0.0) {
-                let value = format!("{} inc/s", velocity.unwrap_or_default());
-                return Err(bad(self.named("velocity", at), value, "0 is expected at the last point".to_owned()));
-            }
+            let velocity = if number == last { self.at_rest(number, velocity)? } else { velocity };
             let acceleration = point.accelerations.get(place).map(|&asked| self.rate("acceleration", at, asked, 2));
             Ok(Knot { position, velocity, acceleration: acceleration.transpose()? })
         };
         points.iter().enumerate().map(knot).collect()
     }
 
-    fn position(&self, point: usize, asked: Amount, whole: bool) -> Result<Position, RequestError> {
+    /// The velocity of the last point: a trajectory ends at rest, and what is left of a velocity by rounding becomes none.
+    fn at_rest(&self, point: usize, velocity: Option<f64>) -> Result<Option<f64>, RequestError> {
+        let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
+        if let Some(velocity) = velocity.filter(moves) {
+            let value = self.axis.scale.format_rate(velocity, 1);
+            return Err(bad(self.named("velocity", Some(point)), value, "0 is expected at the last point".to_owned()));
+        }
+        Ok(velocity.map(|_| 0.0))
+    }
+
+    fn position(&self, point: usize, asked: Amount) -> Result<Position, RequestError> {
         let length = asked.length(self.units, &self.axis.scale).map_err(|error| RequestError::BadValue {
             field: self.named("position", Some(point)),
             error: Box::new(error),
         })?;
-        let position = if whole { Position::whole(length.nearest) } else { length.exact() };
+        let position = length.exact();
         if !position.is_legal() {
             let value = format!("{} inc", length.nearest);
             return Err(bad(self.named("position", Some(point)), value, "within +-2^62 inc is expected".to_owned()));

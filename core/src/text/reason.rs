@@ -1,7 +1,7 @@
 //! Why something was refused, ended or failed: the sentence of each code, by its row or, where the event has to be looked at, here.
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
-use super::{function, number_text, plain, row};
+use super::{function, number_text, plain, row, scale_of};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
@@ -242,8 +242,8 @@ fn filled(says: &str, event: &Event, config: &MachineConfig) -> String {
         let (name, after) = place.split_once('}').unwrap_or((place, ""));
         text += before;
         match name {
-            "asked" => text += &number_text(event.asked, event.source, config),
-            "limit" => text += &number_text(event.limit, event.source, config),
+            "asked" => text += &told_apart(event, config).0,
+            "limit" => text += &told_apart(event, config).1,
             "plain" => text += &plain(event.asked),
             "bound" => text += &plain(event.limit),
             "what" => text += measured(event.asked),
@@ -254,6 +254,28 @@ fn filled(says: &str, event: &Event, config: &MachineConfig) -> String {
         rest = after;
     }
     text + rest
+}
+
+/// What was asked and what is allowed, with so many digits that they differ.
+fn told_apart(event: &Event, config: &MachineConfig) -> (String, String) {
+    let text = |number| number_text(number, event.source, config);
+    let usual = (text(event.asked), text(event.limit));
+    if usual.0 != usual.1 || event.asked == event.limit {
+        return usual;
+    }
+    let scale = scale_of(event.source, config);
+    match (event.asked, event.limit) {
+        (Number::Velocity(asked), Number::Velocity(limit)) => {
+            (scale.format_rate_precisely(asked, 1), scale.format_rate_precisely(limit, 1))
+        }
+        (Number::Acceleration(asked), Number::Acceleration(limit)) => {
+            (scale.format_rate_precisely(asked, 2), scale.format_rate_precisely(limit, 2))
+        }
+        (Number::Jerk(asked), Number::Jerk(limit)) => {
+            (scale.format_rate_precisely(asked, 3), scale.format_rate_precisely(limit, 3))
+        }
+        _ => usual,
+    }
 }
 
 /// What an axis does that has to stand first, by the number of its state.

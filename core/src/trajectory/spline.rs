@@ -17,6 +17,12 @@ const MOST: usize = 12;
 const TOO_MUCH: f64 = 1e200;
 /// What is shorter than this share of a segment is rounding.
 const SHORTEST: f64 = 1e-9;
+/// What rounding to the fraction of a position changes a way by at most (inc).
+const FRACTION: f64 = 1.0 / (1_u64 << 32) as f64;
+/// What velocity and acceleration change by with a way, times its duration or the square of that: 1.875 and 6 at most.
+const BY_WAY: (f64, f64) = (2.0, 6.0);
+/// The same for the terms of their sums, each of which is rounded.
+const BY_TERM: (f64, f64) = (60.0, 400.0);
 
 /// A segment of a trajectory.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +33,8 @@ pub struct Spline {
     c: [f64; 6],
     /// (ns), above 0
     duration_ns: u64,
+    /// What rounding of f64 may have put into its coefficients (inc), each term of them counted once.
+    rounding: f64,
 }
 
 /// How far, how fast and how hard a motion goes.
@@ -170,7 +178,9 @@ impl Spline {
                 6.0 * way - 3.0 * (v0 + v1) - (a0 - a1) / 2.0,
             ],
         };
-        Self { from: from.position, to: to.position, c, duration_ns }
+        let rates = [velocities, accelerations].into_iter().flatten().map(|(from, to)| from.abs() + to.abs());
+        let rounding = f64::EPSILON * (way.abs() + rates.sum::<f64>());
+        Self { from: from.position, to: to.position, c, duration_ns, rounding }
     }
 
     /// Its motion that long after its begin; from its end on it stands there.
@@ -190,13 +200,27 @@ impl Spline {
         }
     }
 
-    /// How far, how fast and how hard it goes.
+    /// How far, how fast and how hard it goes, without what rounding may have added: over a short segment that is much.
     pub fn reach(&self) -> Reach {
         // Comparisons would pass over what is no number: it is faster than everything.
         if !self.c.iter().all(|c| c.abs() < TOO_MUCH) {
             let fastest = f64::MAX;
             return Reach { slowest: -fastest, fastest, ..Reach::at(self.from).union(Reach::at(self.to)) };
         }
+        let s = self.duration_ns as f64 / 1e9;
+        let reach = self.rounded_reach();
+        let velocity = (BY_WAY.0 * FRACTION + BY_TERM.0 * self.rounding) / s;
+        let acceleration = (BY_WAY.1 * FRACTION + BY_TERM.1 * self.rounding) / (s * s);
+        Reach {
+            slowest: (reach.slowest + velocity).min(reach.slowest.max(0.0)),
+            fastest: (reach.fastest - velocity).max(reach.fastest.min(0.0)),
+            acceleration: (reach.acceleration - acceleration).max(0.0),
+            deceleration: (reach.deceleration - acceleration).max(0.0),
+            ..reach
+        }
+    }
+
+    fn rounded_reach(&self) -> Reach {
         let s = self.duration_ns as f64 / 1e9;
         let velocity = derivative(&self.c);
         let acceleration = derivative(&velocity);

@@ -125,7 +125,7 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
         (
             &[0],
             vec![rest(1_000)],
-            "machine: the last point of the trajectory is at 0 ms; it must lie after the present time, 0 ms",
+            "x: the last point of the trajectory is due at once, and 1 mm away; 0.001 mm at most is allowed",
         ),
     ];
     for (times, points, expected) in table {

@@ -50,9 +50,11 @@ fn names_and_units_become_axes_and_increments() {
     // 1 rad of 36000 inc per turn is 5729.578 inc.
     assert!((y.knots[0].position.to_f64() - 36_000.0 / std::f64::consts::TAU).abs() < 1e-9);
     assert_eq!(x.knots[0], Knot { position: Position::from_f64(0.25), velocity: None, acceleration: None });
-    // 10000.6 inc: the end is whole.
-    let end = Knot { position: Position::whole(10_001), velocity: Some(0.0), acceleration: Some(-500_000.0) };
-    assert_eq!(x.knots[1], end);
+    // 10000.6 inc as it is given, and the whole increment next to it where the axis rests at last.
+    let end = Position::whole(10_000) + Position::from_f64(0.6);
+    assert!((x.knots[1].position - end).to_f64().abs() < 1e-9, "{:?}", x.knots[1]);
+    assert_eq!((x.knots[1].velocity, x.knots[1].acceleration), (Some(0.0), Some(-500_000.0)));
+    assert_eq!(trajectory.end(1), Some(Position::whole(10_001)));
     assert_eq!(x.path, Tolerance { position: Some(1000.0), ..Tolerance::default() });
     assert_eq!((y.path, x.goal), (Tolerance::default(), Tolerance::default()));
 }
@@ -86,10 +88,7 @@ fn what_is_wrong_is_refused_with_name_value_and_range() {
         (|r| r.points[0].positions.push(1.0), "positions of point 0: a list of 3; 2 are expected"),
         (|r| r.points[1].velocities.truncate(1), "velocities of point 1: a list of 1; none or 2 are expected"),
         (|r| r.points[1].accelerations.truncate(1), "accelerations of point 1: a list of 1; none or 2 are expected"),
-        (
-            |r| r.points[1].velocities[1] = 0.5,
-            "velocity of x at point 1: 500000 inc/s; 0 is expected at the last point",
-        ),
+        (|r| r.points[1].velocities[1] = 0.5, "velocity of x at point 1: 0.5 m/s; 0 is expected at the last point"),
         (
             |r| {
                 r.points = vec![PointRequest::default(); 60_000]
@@ -133,4 +132,20 @@ fn a_position_of_two_to_the_62_is_refused() {
     for position in [(1_i64 << 62) as f64, -((1_i64 << 62) as f64)] {
         assert!(at(position).is_err(), "{position}");
     }
+}
+
+/// What a float rounds away is no velocity: 1.19e-7 rad/s, as in joint_trajectory_controller.
+#[test]
+fn a_trajectory_may_end_with_the_rounding_of_a_velocity() {
+    let ends = |velocity: f64| {
+        let mut request = request();
+        request.points[1].velocities = vec![velocity, -velocity];
+        config().resolve_trajectory(&request)
+    };
+    for velocity in [1e-12, 1.1e-7] {
+        let trajectory = ends(velocity).unwrap();
+        assert!(trajectory.tracks().iter().all(|track| track.knots[1].velocity == Some(0.0)), "{velocity}");
+    }
+    let error = ends(1.2e-7).unwrap_err().to_string();
+    assert!(error.starts_with("velocity of y at point 1: 0.00000012 rad/s; 0 is expected"), "{error}");
 }

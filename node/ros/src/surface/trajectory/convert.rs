@@ -8,15 +8,13 @@
 
 use super::joints::Joints;
 use super::settings::Settings;
-use lineshaft_core::request::{PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::request::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
 use lineshaft_msgs::foreign::control_msgs::msg::JointTolerance;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
 
-/// A velocity that counts as none at the end of a trajectory, as in the controller.
-const NO_VELOCITY: f64 = f32::EPSILON as f64;
 /// Erases a tolerance that the parameters give.
 const WITHOUT_LIMIT: f64 = -1.0;
 /// The same for the goal time (ns).
@@ -115,9 +113,9 @@ pub(super) fn request(
         return Err(Wrong::Count { given, known: known() });
     }
     let names = &trajectory.joint_names;
-    let mut points = points(names, &trajectory.points)?;
-    if let Some(last) = points.last_mut() {
-        ends(names, &mut last.velocities)?;
+    let points = points(names, &trajectory.points)?;
+    if let Some(last) = points.last() {
+        ends(names, &last.velocities)?;
     }
     let stamp = stamp_ns(&trajectory.header.stamp);
     if let Some(stamp_ns) = stamp.filter(|_| now_ns == 0) {
@@ -203,15 +201,12 @@ fn numbers(
     }
 }
 
-/// A trajectory ends at rest; what is left of a velocity by rounding becomes none.
-fn ends(names: &[String], velocities: &mut [f64]) -> Result<(), Wrong> {
-    for (name, velocity) in names.iter().zip(velocities) {
-        if velocity.abs() > NO_VELOCITY {
-            return Err(Wrong::EndsMoving { name: name.clone(), value: *velocity });
-        }
-        *velocity = 0.0;
+/// A trajectory ends at rest, but for what is left of a velocity by rounding.
+fn ends(names: &[String], velocities: &[f64]) -> Result<(), Wrong> {
+    match names.iter().zip(velocities).find(|(_, velocity)| velocity.abs() > NO_VELOCITY) {
+        Some((name, &value)) => Err(Wrong::EndsMoving { name: name.clone(), value }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// A tolerance of a parameter; 0 is none, and so is infinity.

@@ -1,0 +1,229 @@
+//! Trajectories are judged as they are given: what the core rounds is worked off on the way and refuses nothing.
+
+use super::rig::{Rig, X, Y, config};
+use crate::code::Code;
+use crate::command::Action;
+use crate::config::{AxisConfig, MachineConfig};
+use crate::drive::Capabilities;
+use crate::event::Kind;
+use crate::parameter::AxisParameters;
+use crate::position::Position;
+use crate::request::{PointRequest, TrajectoryRequest, Units};
+use crate::trajectory::{Knot, Tolerance, Track, Trajectory};
+use crate::unit::{Fraction, Quantity, Scale, Unit};
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const MS: u64 = 1_000_000;
+
+/// A position with a fraction, at rest.
+fn rest(position: f64) -> Knot {
+    Knot { position: Position::from_f64(position), velocity: Some(0.0), acceleration: None }
+}
+
+fn run(start_ns: i64, times_ms: &[u64], tracks: &[(u16, &[Knot])], goal: Option<f64>) -> Action {
+    let times = times_ms.iter().map(|ms| ms * MS).collect();
+    let goal = Tolerance { position: goal, ..Tolerance::default() };
+    let track = |&(axis, knots): &(u16, &[Knot])| Track { axis, knots: knots.into(), path: Tolerance::default(), goal };
+    let tracks = tracks.iter().map(track).collect();
+    Action::Trajectory(Arc::new(Trajectory::new(start_ns, times, tracks, None).expect("a sound one")))
+}
+
+/// Runs until the goal has ended, and returns how.
+fn end(rig: &mut Rig, goal: u64) -> Code {
+    for _ in 0..2_000 {
+        if let [done] = rig.done(goal)[..] {
+            return done.code;
+        }
+        rig.run(1);
+    }
+    panic!(
+        "goal {goal} does not end: {:?}",
+        rig.events.iter().filter(|event| event.command == goal).collect::<Vec<_>>()
+    );
+}
+
+fn at(rig: &Rig, axis: &str) -> (i64, f64) {
+    (rig.int(&format!("{axis}.command.position")), rig.real(&format!("{axis}.command.fraction")))
+}
+
+/// 0.6 inc rest at 1, 0.4 inc at 0: 300 inc in the last 10 ms would be far beyond all limits if they were judged with it.
+#[test]
+fn the_end_is_the_nearest_increment_and_its_rounding_refuses_nothing() {
+    for (end_at, rests) in [(1_000.6, 1_001), (1_000.4, 1_000), (-1_000.5, -1_001)] {
+        let mut rig = Rig::enabled();
+        // A cubic at the limits: 6 * 1000 / 0.1^2 = 600000 inc/s^2; then 1 ms for what is left, 0 or 0.1 inc.
+        let before = rest(end_at - 0.1 * f64::from(end_at > 0.0));
+        let goal = rig.give(run(0, &[100, 101], &[(X, &[before, rest(end_at)])], None));
+        assert!(rig.was_accepted(goal), "{end_at}: {}", rig.refusal(goal));
+        assert_eq!(end(&mut rig, goal), Code::NONE);
+        assert_eq!((at(&rig, "x"), rig.state("x")), ((rests, 0.0), "STANDSTILL"));
+    }
+}
+
+/// MoveIt sends one point at time 0 where start and goal are the same.
+#[test]
+fn where_it_is_it_may_be_told_to_go() {
+    let mut rig = Rig::enabled();
+    let there = rig.give(run(0, &[100], &[(X, &[rest(1_000.0)]), (Y, &[rest(500.0)])], None));
+    assert_eq!(end(&mut rig, there), Code::NONE);
+    for (x, y) in [(1_000.0, 500.0), (1_000.4, 499.7), (1_001.0, 500.0)] {
+        for times in [&[0][..], &[0, 10], &[0, 10, 20]] {
+            let (x, y) = (vec![rest(x); times.len()], vec![rest(y); times.len()]);
+            let goal = rig.give(run(0, times, &[(X, &x), (Y, &y)], None));
+            assert!(rig.was_accepted(goal), "{x:?} {times:?}: {}", rig.refusal(goal));
+            assert_eq!(end(&mut rig, goal), Code::NONE, "{x:?} {times:?}");
+            assert_eq!((rig.state("x"), rig.state("y")), ("STANDSTILL", "STANDSTILL"));
+        }
+    }
+    assert_eq!((at(&rig, "x"), at(&rig, "y")), ((1_001, 0.0), (500, 0.0)));
+    // A start ahead, between two cycles: at its time it is there.
+    let goal = rig.give(run(2_500_000, &[0], &[(X, &[rest(1_001.0)])], None));
+    assert_eq!(end(&mut rig, goal), Code::NONE);
+}
+
+#[test]
+fn where_it_is_not_it_cannot_go_at_once() {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], None));
+    let sentence = "x: the last point of the trajectory is due at once, and 1.002 mm away; 0.001 mm at most is allowed";
+    assert_eq!(rig.refusal(goal), sentence);
+    // As far as the goal tolerance, and there within the limits.
+    let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], Some(1_002.0)));
+    assert!(rig.was_accepted(goal));
+    assert_eq!((end(&mut rig, goal), at(&rig, "x")), (Code::NONE, (1_002, 0.0)));
+    assert!(rig.events.iter().all(|event| event.kind != Kind::Error));
+    // In motion it is nowhere.
+    rig.give(run(0, &[1_000], &[(X, &[rest(20_000.0)])], None));
+    rig.run(500);
+    let here = at(&rig, "x").0 as f64;
+    let goal = rig.give(run(0, &[0], &[(X, &[rest(here)])], None));
+    assert!(rig.refusal(goal).starts_with("x: the axis moves (DISCRETE_MOTION)"), "{}", rig.refusal(goal));
+}
+
+/// A first point that is where the axis was measured, an increment beside its command, and 10 ms to the next: a way from the command
+/// would take 6 * 1 / 0.01^2 = 60000 inc/s^2 more.
+#[test]
+fn a_start_beside_the_command_is_worked_off() {
+    let mut config = config(0);
+    config.axes[1].parameters.in_position_window = 3;
+    let plan = |first: f64| {
+        // 5000 inc/s^2 from rest: 0.25 inc in 10 ms, 25 inc in 100 ms; then back to rest.
+        let knot = |position: f64, velocity: f64| Knot { velocity: Some(velocity), ..rest(first + position) };
+        [knot(0.0, 0.0), knot(0.25, 50.0), knot(25.0, 500.0), knot(50.0, 0.0)]
+    };
+    for first in [0.0, 1.0, -1.0, 3.0, -2.6] {
+        config.axes[1].parameters.max_acceleration = 6_000.0;
+        let mut rig = Rig::of(config.clone());
+        rig.enable();
+        let goal = rig.give(run(0, &[0, 10, 100, 200], &[(X, &plan(first))], None));
+        assert!(rig.was_accepted(goal), "{first}: {}", rig.refusal(goal));
+        let mut fastest = 0.0_f64;
+        let mut before = 0.0;
+        for _ in 0..500 {
+            rig.run(1);
+            let velocity = rig.real("x.command.velocity");
+            fastest = fastest.max((velocity - before) / 0.001);
+            before = velocity;
+        }
+        assert_eq!(end(&mut rig, goal), Code::NONE);
+        assert_eq!(at(&rig, "x"), (Position::from_f64(first + 50.0).nearest(), 0.0), "{first}");
+        assert!(fastest <= 6_000.0 * (1.0 + 1e-5), "{first}: {fastest} inc/s^2");
+    }
+    // Further off it is another way.
+    let mut rig = Rig::of(config);
+    rig.enable();
+    let goal = rig.give(run(0, &[0, 10, 100, 200], &[(X, &plan(4.0))], None));
+    assert!(rig.refusal(goal).starts_with("x: acceleration"), "{}", rig.refusal(goal));
+}
+
+/// A spline of degree 3 or 5 by its ends, in u from 0 to 1: the largest speed and acceleration at a thousand places, from the textbook's
+/// base functions and not from the code.
+fn largest(from: [f64; 3], to: [f64; 3], seconds: f64, quintic: bool) -> (f64, f64) {
+    let (s, [x0, v0, a0], [x1, v1, a1]) = (seconds, from, to);
+    let (h, d0, d1, e0, e1) = (x1 - x0, v0 * s, v1 * s, a0 * s * s, a1 * s * s);
+    let mut most = (0.0_f64, 0.0_f64);
+    for place in 0..=1_000 {
+        let u = f64::from(place) / 1_000.0;
+        let (velocity, acceleration) = if quintic {
+            (
+                h * 30.0 * u * u * (1.0 - u) * (1.0 - u)
+                    + d0 * (1.0 - 18.0 * u * u + 32.0 * u.powi(3) - 15.0 * u.powi(4))
+                    + d1 * (-12.0 * u * u + 28.0 * u.powi(3) - 15.0 * u.powi(4))
+                    + e0 * (u - 4.5 * u * u + 6.0 * u.powi(3) - 2.5 * u.powi(4))
+                    + e1 * (1.5 * u * u - 4.0 * u.powi(3) + 2.5 * u.powi(4)),
+                h * (60.0 * u - 180.0 * u * u + 120.0 * u.powi(3))
+                    + d0 * (-36.0 * u + 96.0 * u * u - 60.0 * u.powi(3))
+                    + d1 * (-24.0 * u + 84.0 * u * u - 60.0 * u.powi(3))
+                    + e0 * (1.0 - 9.0 * u + 18.0 * u * u - 10.0 * u.powi(3))
+                    + e1 * (3.0 * u - 12.0 * u * u + 10.0 * u.powi(3)),
+            )
+        } else {
+            (
+                h * 6.0 * u * (1.0 - u) + d0 * (1.0 - 4.0 * u + 3.0 * u * u) + d1 * (3.0 * u * u - 2.0 * u),
+                h * (6.0 - 12.0 * u) + d0 * (6.0 * u - 4.0) + d1 * (6.0 * u - 2.0),
+            )
+        };
+        most = (most.0.max((velocity / s).abs()), most.1.max((acceleration / (s * s)).abs()));
+    }
+    most
+}
+
+fn machine_of(increments: u64, max_velocity: f64, max_acceleration: f64) -> MachineConfig {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::REVOLUTION);
+    let scale = Scale::new(Fraction::from_integer(i128::from(increments)), per).unwrap();
+    let rate = |rate: f64| rate * increments as f64 / TAU;
+    let parameters = AxisParameters::new(rate(max_velocity), rate(max_acceleration));
+    let axis = AxisConfig::new("a".into(), scale, Some(Capabilities::all(0)), parameters);
+    MachineConfig { cycle_ns: MS, axes: vec![axis], ..MachineConfig::default() }
+}
+
+proptest! {
+    /// Law: a trajectory whose spline, as it is given, is within the limits is accepted, at every resolution; its last interval may be
+    /// short.
+    #[test]
+    fn what_is_within_the_limits_is_accepted_at_every_resolution(
+        increments in prop_oneof![100..100_000_u64, 100..1_u64 << 26],
+        points in prop::collection::vec((0.02..0.5_f64, -3.0..3.0_f64, -2.0..2.0_f64, -5.0..5.0_f64), 2..6),
+        last_us in 20..200_000_u64,
+        end in (-1.0..1.0_f64, -2.0..2.0_f64),
+        quintic: bool,
+    ) {
+        let (mut time_ns, mut before) = (0_u64, [0.0; 3]);
+        let (mut largest_velocity, mut largest_acceleration) = (0.1_f64, 0.1_f64);
+        let mut requests = vec![PointRequest {
+            time_ns: 0, positions: vec![0.0], velocities: vec![0.0], accelerations: if quintic { vec![0.0] } else { vec![] },
+        }];
+        // The last one is a stop in a short time, from whatever velocity is left: as far as that velocity goes in a part of the time.
+        let last_s = last_us as f64 / 1e6;
+        let (share, last_velocity) = end;
+        for (number, (seconds, position, velocity, acceleration)) in points.iter().copied().enumerate() {
+            let velocity = if number + 1 == points.len() { last_velocity } else { velocity };
+            let to = [position, velocity, if quintic { acceleration } else { 0.0 }];
+            let step = (seconds * 1e9).round();
+            time_ns += step as u64;
+            let most = largest(before, to, step / 1e9, quintic);
+            (largest_velocity, largest_acceleration) = (largest_velocity.max(most.0), largest_acceleration.max(most.1));
+            requests.push(PointRequest {
+                time_ns, positions: vec![to[0]], velocities: vec![to[1]], accelerations: if quintic { vec![to[2]] } else { vec![] },
+            });
+            before = to;
+        }
+        let to = [before[0] + share * last_velocity * last_s, 0.0, 0.0];
+        let most = largest(before, to, last_s, quintic);
+        (largest_velocity, largest_acceleration) = (largest_velocity.max(most.0), largest_acceleration.max(most.1));
+        time_ns += last_us * 1_000;
+        requests.push(PointRequest {
+            time_ns, positions: vec![to[0]], velocities: vec![0.0], accelerations: if quintic { vec![0.0] } else { vec![] },
+        });
+        // Between a thousand places a polynomial of degree 4 rises by less than 1e-5 of its largest value there.
+        let config = machine_of(increments, largest_velocity * 1.000_02, largest_acceleration * 1.000_02);
+        let request = TrajectoryRequest { axes: vec!["a".into()], units: Units::Si, points: requests, ..TrajectoryRequest::default() };
+        let trajectory = config.resolve_trajectory(&request).unwrap();
+        let mut rig = Rig::of(config);
+        rig.enable();
+        let goal = rig.give(Action::Trajectory(Arc::new(trajectory)));
+        prop_assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    }
+}
