@@ -62,6 +62,36 @@ fn a_turn_between_two_knots_counts() {
     close(reach.acceleration, 800.0);
 }
 
+/// 2^-32 inc in 1 us: 6 L / T^2 = 1397 inc/s^2, and all of it may be the rounding of a position.
+#[test]
+fn what_rounding_to_a_fraction_may_add_is_no_acceleration() {
+    let from = knot(0, Some(0.0), Some(0.0));
+    for acceleration in [None, Some(0.0)] {
+        let to = Knot { position: Position::from_raw(1), velocity: Some(0.0), acceleration };
+        let reach = Spline::new(&from, &to, 1_000).reach();
+        assert_eq!((reach.fastest, reach.acceleration, reach.deceleration), (0.0, 0.0, 0.0), "{acceleration:?}");
+    }
+    // Ten times as far is a way.
+    let to = Knot { position: Position::from_raw(10), ..from };
+    close(
+        Spline::new(&knot(0, Some(0.0), None), &to, 1_000).reach().acceleration,
+        9.0 * 6.0 / (1_u64 << 32) as f64 * 1e12,
+    );
+}
+
+/// A constant velocity with which the coefficients of f64 do not add up to zero.
+#[test]
+fn what_f64_rounds_is_no_acceleration() {
+    for (velocity, ms) in [(1e9 / 3.0, 700), (-1e9 / 7.0, 1_100), (1e9 / 11.0, 130)] {
+        let end = Position::from_f64(velocity * ms as f64 / 1e3);
+        for acceleration in [None, Some(0.0)] {
+            let at = |position| Knot { position, velocity: Some(velocity), acceleration };
+            let reach = Spline::new(&at(Position::ZERO), &at(end), ms * 1_000_000).reach();
+            assert_eq!((reach.acceleration, reach.deceleration), (0.0, 0.0), "{velocity} {ms} {acceleration:?}");
+        }
+    }
+}
+
 fn track(knots: Vec<Knot>) -> Track {
     Track { axis: 0, knots: knots.into(), path: Tolerance::default(), goal: Tolerance::default() }
 }
