@@ -2,7 +2,7 @@
 //!
 //! Law      silence is the time since the last answer, less the time by which the watching thread itself was late or for which the
 //!          threads that have to answer waited for a processor, whichever is longer. Threads that are stopped or wait for a lock do
-//!          not wait for a processor. Without an answer for [`MOST`] times the timeout, waits for a processor do not count
+//!          not wait for a processor. Without an answer for `MOST` times the timeout, waits for a processor do not count
 //! Reads    `/proc/<process>/task/*/schedstat` of Linux, only while an answer is overdue. Without it nothing is deducted
 
 use std::collections::HashMap;

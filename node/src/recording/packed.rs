@@ -6,7 +6,7 @@
 //!          bytes at the upper and at the lower end of the difference, 3 bits each; the bytes in between. A key cycle is packed relative
 //!          to zeros
 //!
-//! A word is predicted from its last values ([`History`]). All arithmetic wraps. Packing takes no memory.
+//! A word is predicted from its last values (`History`). All arithmetic wraps. Packing takes no memory.
 
 use lineshaft_core::drive::{BusState, DriveInput, Emergency, EncoderInput, Inputs};
 use lineshaft_core::signal::Board;
