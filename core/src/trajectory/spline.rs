@@ -17,6 +17,8 @@ const MOST: usize = 12;
 const TOO_MUCH: f64 = 1e200;
 /// What is shorter than this share of a segment is rounding.
 const SHORTEST: f64 = 1e-9;
+/// Half of the share by which a rate may exceed a limit.
+const NEGLIGIBLE: f64 = 5e-10;
 /// What rounding to the fraction of a position changes a way by at most (inc).
 const FRACTION: f64 = 1.0 / (1_u64 << 32) as f64;
 /// What velocity and acceleration change by with a way, times its duration or the square of that: 1.875 and 6 at most.
@@ -144,6 +146,11 @@ impl Places {
     }
 }
 
+/// A rate without what rounding may have added to it, unless that is less than limits are judged to.
+fn without(rate: f64, rounding: f64) -> f64 {
+    if rounding <= NEGLIGIBLE * rate.abs() { rate } else { (rate.abs() - rounding).max(0.0).copysign(rate) }
+}
+
 fn value(polynomial: &[f64; 6], u: f64) -> f64 {
     polynomial.iter().rev().fold(0.0, |sum, c| sum * u + c)
 }
@@ -212,10 +219,10 @@ impl Spline {
         let velocity = (BY_WAY.0 * FRACTION + BY_TERM.0 * self.rounding) / s;
         let acceleration = (BY_WAY.1 * FRACTION + BY_TERM.1 * self.rounding) / (s * s);
         Reach {
-            slowest: (reach.slowest + velocity).min(reach.slowest.max(0.0)),
-            fastest: (reach.fastest - velocity).max(reach.fastest.min(0.0)),
-            acceleration: (reach.acceleration - acceleration).max(0.0),
-            deceleration: (reach.deceleration - acceleration).max(0.0),
+            slowest: without(reach.slowest, velocity),
+            fastest: without(reach.fastest, velocity),
+            acceleration: without(reach.acceleration, acceleration),
+            deceleration: without(reach.deceleration, acceleration),
             ..reach
         }
     }
