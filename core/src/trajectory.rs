@@ -1,7 +1,7 @@
 //! Trajectories: points of several axes over time, which the machine runs as one goal.
 //!
 //! Law      between two points each axis moves on a spline whose degree is decided by what both carry; up to the first point
-//!          that lies ahead it moves on one that begins where it is taken over; behind the last one it stands on the whole
+//!          that lies ahead it moves on one that begins where it is taken over; behind the last one it rests on the whole
 //!          increment that is nearest to it
 //! Refuses  times that do not ascend, knots that are not one for each time, an end with a velocity
 
@@ -104,14 +104,14 @@ pub struct Trajectory {
     demands: Box<[Demand]>,
 }
 
-/// A trajectory that was read: what it asks for is found anew.
+/// A trajectory that was read: what it asks for is computed again.
 #[derive(Deserialize)]
 struct Read {
     start_ns: i64,
     times_ns: Box<[u64]>,
     tracks: Box<[Track]>,
     goal_time_ns: Option<u64>,
-    #[allow(dead_code, reason = "stands in recordings")]
+    #[allow(dead_code, reason = "part of the recorded form")]
     demands: Box<[Demand]>,
 }
 

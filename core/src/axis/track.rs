@@ -156,9 +156,9 @@ impl Axis {
         Ok(motion)
     }
 
-    /// Where that track takes it over: at what its points ask for, if the axis is near to that. What is between, such as the rounding of
-    /// a measured position, is worked off on the way; else the way from where the axis is to the first point that lies ahead might be one
-    /// that no plan has meant.
+    /// Where that track takes it over: at what its points ask for, if the axis is near to that. The difference, such as the rounding of
+    /// a measured position, is worked off during the motion. Otherwise the spline from the axis to the first point that lies ahead would be
+    /// judged, which is not part of the plan.
     pub fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
         let motion = self.motion_at(cycle, run.begins);
         let is_near = |given: &Motion| {

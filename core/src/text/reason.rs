@@ -256,7 +256,7 @@ fn filled(says: &str, event: &Event, config: &MachineConfig) -> String {
     text + rest
 }
 
-/// What was asked and what is allowed, with so many digits that they differ.
+/// The requested and the permitted value, with as many digits as it takes to tell them apart.
 fn told_apart(event: &Event, config: &MachineConfig) -> (String, String) {
     let text = |number| number_text(number, event.source, config);
     let usual = (text(event.asked), text(event.limit));

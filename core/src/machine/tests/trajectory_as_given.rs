@@ -48,12 +48,12 @@ fn at(rig: &Rig, axis: &str) -> (i64, f64) {
     (rig.int(&format!("{axis}.command.position")), rig.real(&format!("{axis}.command.fraction")))
 }
 
-/// 0.6 inc rest at 1, 0.4 inc at 0: 300 inc in the last 10 ms would be far beyond all limits if they were judged with it.
+/// What is left to the nearest increment is worked off after the last point.
 #[test]
-fn the_end_is_the_nearest_increment_and_its_rounding_refuses_nothing() {
+fn the_axis_rests_on_the_increment_nearest_to_the_last_point() {
     for (end_at, rests) in [(1_000.6, 1_001), (1_000.4, 1_000), (-1_000.5, -1_001)] {
         let mut rig = Rig::enabled();
-        // A cubic at the limits: 6 * 1000 / 0.1^2 = 600000 inc/s^2; then 1 ms for what is left, 0 or 0.1 inc.
+        // 6 * 1000 / 0.1^2 = 600000 inc/s^2, and as much for 0.1 inc in 1 ms; 0.4 inc more would take 2400000 inc/s^2 more.
         let before = rest(end_at - 0.1 * f64::from(end_at > 0.0));
         let goal = rig.give(run(0, &[100, 101], &[(X, &[before, rest(end_at)])], None));
         assert!(rig.was_accepted(goal), "{end_at}: {}", rig.refusal(goal));
