@@ -144,6 +144,17 @@ mod tests {
     use crate::code::Code;
     use crate::event::{Event, Severity};
 
+    /// 100 mm/s and 1e-9 of it more: nine digits are the same.
+    #[test]
+    fn a_limit_and_what_exceeds_it_have_as_many_digits_as_tell_them_apart() {
+        let config = crate::machine::rig::config(0);
+        let event = Event::new(Severity::Warn, Kind::Refused, Object::Axis(1), Code::VELOCITY_TOO_HIGH);
+        let of = |asked| sentence(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
+        assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s lies above max_velocity 100 mm/s");
+        assert_eq!(of(120_000.0), "x: velocity 120 mm/s lies above max_velocity 100 mm/s");
+        assert_eq!(of(100_000.0), "x: velocity 100 mm/s lies above max_velocity 100 mm/s");
+    }
+
     #[test]
     fn every_code_has_a_sentence_of_its_own() {
         let config = MachineConfig::default();

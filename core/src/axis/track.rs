@@ -134,11 +134,11 @@ impl Axis {
         self.rests()
     }
 
-    /// May it take that track of a run? Its motion where the track begins, if it may.
+    /// May it take that track of a run?
     ///
     /// # Errors
     /// What its state or its limits forbid.
-    pub fn prepare_track(&self, cycle: u64, run: &Run, track: usize) -> Result<Motion, Refusal> {
+    pub fn prepare_track(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
         let motion = self.takes_over(cycle, run, track);
@@ -153,13 +153,13 @@ impl Axis {
         for reach in [Some(demand.way), first].iter().flatten() {
             self.check_reach(reach, motion.position)?;
         }
-        Ok(motion)
+        Ok(())
     }
 
     /// Where that track takes it over: at what its points ask for, if the axis is near to that. The difference, such as the rounding of
     /// a measured position, is worked off during the motion. Otherwise the spline from the axis to the first point that lies ahead would be
     /// judged, which is not part of the plan.
-    pub fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
+    fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
         let motion = self.motion_at(cycle, run.begins);
         let is_near = |given: &Motion| {
             let change = self.parameters.max_acceleration.min(self.parameters.deceleration_limit()) * self.cycle_s();
@@ -239,13 +239,14 @@ impl Axis {
     }
 
     /// Takes that track of a run: what moved it before is replaced.
-    pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize), begin: Motion) {
+    pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
+        let begin = self.takes_over(cx.cycle, run, track);
+        let present = self.motion_at(cx.cycle, run.begins);
         self.abandon(cx, Code::REPLACED);
         let at = Begin { motion: begin, time_ns: run.begin_ns };
         let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
         let way = run.trajectory.demand(track).map(|demand| demand.way);
         let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
-        let present = self.motion_at(cx.cycle, run.begins);
         let waits = run.begins > cx.cycle;
         if waits {
             self.brake_to_rest(cx, &self.parameters.usual_limits());

@@ -1,7 +1,7 @@
 //! The trajectories that run: begun on all of their axes or on none, judged together, ended once.
 //!
 //! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes stand, or stop and then stand; in the first cycle
-//!          with t >= 0 each of them begins with the motion that it has. An axis that leaves, for whatever reason, ends it for
+//!          with t >= 0 each of them begins with the motion that it has, or with what its points ask for where that is near. An axis that leaves, for whatever reason, ends it for
 //!          all: the others stop as a halt does
 //! Refuses  a trajectory of which every point is past; one that has no time left, and ends where an axis is not; whatever
 //!          one of its axes refuses
@@ -52,13 +52,8 @@ impl Machine {
         let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
             return Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine));
         };
-        let cycle = self.state.cycle;
         for (track, of) in trajectory.tracks().iter().enumerate() {
-            let index = usize::from(of.axis);
-            let begin = self.state.axes.get(index).map(|axis| axis.takes_over(cycle, &run, track));
-            if let Some(begin) = begin {
-                self.act_on(index, told, |axis, cx| axis.begin_track(cx, &run, (slot, track), begin));
-            }
+            self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run, (slot, track)));
         }
         self.accept(command, Object::Machine);
         if let Some(place) = self.state.runs.get_mut(slot) {

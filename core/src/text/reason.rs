@@ -238,12 +238,13 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
 fn filled(says: &str, event: &Event, config: &MachineConfig) -> String {
     let mut text = String::new();
     let mut rest = says;
+    let (asked, limit) = told_apart(event, config);
     while let Some((before, place)) = rest.split_once('{') {
         let (name, after) = place.split_once('}').unwrap_or((place, ""));
         text += before;
         match name {
-            "asked" => text += &told_apart(event, config).0,
-            "limit" => text += &told_apart(event, config).1,
+            "asked" => text += &asked,
+            "limit" => text += &limit,
             "plain" => text += &plain(event.asked),
             "bound" => text += &plain(event.limit),
             "what" => text += measured(event.asked),
@@ -264,18 +265,13 @@ fn told_apart(event: &Event, config: &MachineConfig) -> (String, String) {
         return usual;
     }
     let scale = scale_of(event.source, config);
-    match (event.asked, event.limit) {
-        (Number::Velocity(asked), Number::Velocity(limit)) => {
-            (scale.format_rate_precisely(asked, 1), scale.format_rate_precisely(limit, 1))
-        }
-        (Number::Acceleration(asked), Number::Acceleration(limit)) => {
-            (scale.format_rate_precisely(asked, 2), scale.format_rate_precisely(limit, 2))
-        }
-        (Number::Jerk(asked), Number::Jerk(limit)) => {
-            (scale.format_rate_precisely(asked, 3), scale.format_rate_precisely(limit, 3))
-        }
-        _ => usual,
-    }
+    let precise = |number| match number {
+        Number::Velocity(rate) => scale.format_rate_precisely(rate, 1),
+        Number::Acceleration(rate) => scale.format_rate_precisely(rate, 2),
+        Number::Jerk(rate) => scale.format_rate_precisely(rate, 3),
+        number => text(number),
+    };
+    (precise(event.asked), precise(event.limit))
 }
 
 /// What an axis does that has to stand first, by the number of its state.

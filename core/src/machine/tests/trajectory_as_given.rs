@@ -5,7 +5,6 @@ use crate::code::Code;
 use crate::command::Action;
 use crate::config::{AxisConfig, MachineConfig};
 use crate::drive::Capabilities;
-use crate::event::Kind;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::request::{PointRequest, TrajectoryRequest, Units};
@@ -92,8 +91,10 @@ fn where_it_is_not_it_cannot_go_at_once() {
     // As far as the goal tolerance, and there within the limits.
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], Some(1_002.0)));
     assert!(rig.was_accepted(goal));
+    let hardest = hardest(&mut rig, 500);
     assert_eq!((end(&mut rig, goal), at(&rig, "x")), (Code::NONE, (1_002, 0.0)));
-    assert!(rig.events.iter().all(|event| event.kind != Kind::Error));
+    // As at the end of straight lines, the last step may change 1.5 times what a cycle may (docs/known-limits.md).
+    assert!(hardest <= 1_500_000.0, "{hardest} inc/s^2");
     // In motion it is nowhere.
     rig.give(run(0, &[1_000], &[(X, &[rest(20_000.0)])], None));
     rig.run(500);
@@ -102,34 +103,37 @@ fn where_it_is_not_it_cannot_go_at_once() {
     assert!(rig.refusal(goal).starts_with("x: the axis moves (DISCRETE_MOTION)"), "{}", rig.refusal(goal));
 }
 
+/// Runs so many cycles, and returns the largest acceleration of x (inc/s^2).
+fn hardest(rig: &mut Rig, cycles: usize) -> f64 {
+    let mut velocities = vec![rig.real("x.command.velocity")];
+    for _ in 0..cycles {
+        rig.run(1);
+        velocities.push(rig.real("x.command.velocity"));
+    }
+    velocities.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.001).fold(0.0, f64::max)
+}
+
 /// A first point that is where the axis was measured, an increment beside its command, and 10 ms to the next: a way from the command
 /// would take 6 * 1 / 0.01^2 = 60000 inc/s^2 more.
 #[test]
 fn a_start_beside_the_command_is_worked_off() {
     let mut config = config(0);
     config.axes[1].parameters.in_position_window = 3;
+    config.axes[1].parameters.max_acceleration = 6_000.0;
     let plan = |first: f64| {
         // 5000 inc/s^2 from rest: 0.25 inc in 10 ms, 25 inc in 100 ms; then back to rest.
         let knot = |position: f64, velocity: f64| Knot { velocity: Some(velocity), ..rest(first + position) };
         [knot(0.0, 0.0), knot(0.25, 50.0), knot(25.0, 500.0), knot(50.0, 0.0)]
     };
     for first in [0.0, 1.0, -1.0, 3.0, -2.6] {
-        config.axes[1].parameters.max_acceleration = 6_000.0;
         let mut rig = Rig::of(config.clone());
         rig.enable();
         let goal = rig.give(run(0, &[0, 10, 100, 200], &[(X, &plan(first))], None));
         assert!(rig.was_accepted(goal), "{first}: {}", rig.refusal(goal));
-        let mut fastest = 0.0_f64;
-        let mut before = 0.0;
-        for _ in 0..500 {
-            rig.run(1);
-            let velocity = rig.real("x.command.velocity");
-            fastest = fastest.max((velocity - before) / 0.001);
-            before = velocity;
-        }
+        let hardest = hardest(&mut rig, 500);
         assert_eq!(end(&mut rig, goal), Code::NONE);
         assert_eq!(at(&rig, "x"), (Position::from_f64(first + 50.0).nearest(), 0.0), "{first}");
-        assert!(fastest <= 6_000.0 * (1.0 + 1e-5), "{first}: {fastest} inc/s^2");
+        assert!(hardest <= 6_000.0 * (1.0 + 1e-5), "{first}: {hardest} inc/s^2");
     }
     // Further off it is another way.
     let mut rig = Rig::of(config);
@@ -138,14 +142,14 @@ fn a_start_beside_the_command_is_worked_off() {
     assert!(rig.refusal(goal).starts_with("x: acceleration"), "{}", rig.refusal(goal));
 }
 
-/// A spline of degree 3 or 5 by its ends, in u from 0 to 1: the largest speed and acceleration at a thousand places, from the textbook's
+/// A spline of degree 3 or 5 by its ends, in u from 0 to 1: the largest speed and acceleration at ten thousand places, from the textbook's
 /// base functions and not from the code.
 fn largest(from: [f64; 3], to: [f64; 3], seconds: f64, quintic: bool) -> (f64, f64) {
     let (s, [x0, v0, a0], [x1, v1, a1]) = (seconds, from, to);
     let (h, d0, d1, e0, e1) = (x1 - x0, v0 * s, v1 * s, a0 * s * s, a1 * s * s);
     let mut most = (0.0_f64, 0.0_f64);
-    for place in 0..=1_000 {
-        let u = f64::from(place) / 1_000.0;
+    for place in 0..=10_000 {
+        let u = f64::from(place) / 10_000.0;
         let (u3, u4) = (u * u * u, u * u * u * u);
         let (velocity, acceleration) = if quintic {
             (
@@ -191,36 +195,30 @@ proptest! {
         end in (-1.0..1.0_f64, -2.0..2.0_f64),
         quintic: bool,
     ) {
-        let (mut time_ns, mut before) = (0_u64, [0.0; 3]);
-        let (mut largest_velocity, mut largest_acceleration) = (0.1_f64, 0.1_f64);
-        let mut requests = vec![PointRequest {
-            time_ns: 0, positions: vec![0.0], velocities: vec![0.0], accelerations: if quintic { vec![0.0] } else { vec![] },
-        }];
-        // The last one is a stop in a short time, from whatever velocity is left: as far as that velocity goes in a part of the time.
-        let last_s = last_us as f64 / 1e6;
+        // The last interval is a stop, after a share of the way that the last velocity would lead.
         let (share, last_velocity) = end;
-        for (number, (seconds, position, velocity, acceleration)) in points.iter().copied().enumerate() {
-            let velocity = if number + 1 == points.len() { last_velocity } else { velocity };
-            let to = [position, velocity, if quintic { acceleration } else { 0.0 }];
-            let step = (seconds * 1e9).round();
-            time_ns += step as u64;
-            let most = largest(before, to, step / 1e9, quintic);
-            (largest_velocity, largest_acceleration) = (largest_velocity.max(most.0), largest_acceleration.max(most.1));
-            requests.push(PointRequest {
-                time_ns, positions: vec![to[0]], velocities: vec![to[1]], accelerations: if quintic { vec![to[2]] } else { vec![] },
-            });
-            before = to;
+        let mut ways: Vec<_> = points.iter().map(|&(seconds, x, v, a)| ((seconds * 1e9).round(), [x, v, a])).collect();
+        let last = ways.last_mut().expect("two at least");
+        last.1[1] = last_velocity;
+        let (last_ns, last_x) = (1e3 * last_us as f64, last.1[0]);
+        ways.push((last_ns, [last_x + share * last_velocity * last_ns / 1e9, 0.0, 0.0]));
+        let point = |time_ns: f64, [x, v, a]: [f64; 3]| PointRequest {
+            time_ns: time_ns as u64,
+            positions: vec![x],
+            velocities: vec![v],
+            accelerations: if quintic { vec![a] } else { vec![] },
+        };
+        let (mut time_ns, mut before, mut most) = (0.0, [0.0; 3], (0.1_f64, 0.1_f64));
+        let mut points = vec![point(0.0, before)];
+        for (ns, to) in ways {
+            let (velocity, acceleration) = largest(before, to, ns / 1e9, quintic);
+            most = (most.0.max(velocity), most.1.max(acceleration));
+            (time_ns, before) = (time_ns + ns, to);
+            points.push(point(time_ns, to));
         }
-        let to = [before[0] + share * last_velocity * last_s, 0.0, 0.0];
-        let most = largest(before, to, last_s, quintic);
-        (largest_velocity, largest_acceleration) = (largest_velocity.max(most.0), largest_acceleration.max(most.1));
-        time_ns += last_us * 1_000;
-        requests.push(PointRequest {
-            time_ns, positions: vec![to[0]], velocities: vec![0.0], accelerations: if quintic { vec![0.0] } else { vec![] },
-        });
-        // Between a thousand places a polynomial of degree 4 rises by less than 1e-5 of its largest value there.
-        let config = machine_of(increments, largest_velocity * 1.000_02, largest_acceleration * 1.000_02);
-        let request = TrajectoryRequest { axes: vec!["a".into()], units: Units::Si, points: requests, ..TrajectoryRequest::default() };
+        // By Markov's inequality a polynomial of degree 4 rises between ten thousand places by less than 4e-7 of its largest value.
+        let config = machine_of(increments, most.0 * (1.0 + 1e-6), most.1 * (1.0 + 1e-6));
+        let request = TrajectoryRequest { axes: vec!["a".into()], units: Units::Si, points, ..TrajectoryRequest::default() };
         let trajectory = config.resolve_trajectory(&request).unwrap();
         let mut rig = Rig::of(config);
         rig.enable();
