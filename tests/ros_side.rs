@@ -43,15 +43,21 @@ fn axis(peer: &mut Peer, name: &str) -> Value {
     peer.run("axis-states /lineshaft").all().last().expect("a sample")["axes"][name].clone()
 }
 
+/// A node whose turret turns at 0.5 rad/s, and a client.
+fn turning(domain: &Domain) -> (Program, Peer) {
+    let program = Program::start(&["run"], domain);
+    let mut peer = Peer::cyclone(domain);
+    peer.run("axes /lineshaft enable turret");
+    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    peer.until_axis("turret", "at its velocity", |turret| turret["command_velocity"] == 0.5);
+    (program, peer)
+}
+
 /// An axis runs at a velocity, and its ROS side stops: nobody could halt it any more.
 #[test]
 fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     let domain = Domain::take();
-    let program = Program::start(&["run"], &domain);
-    let mut peer = Peer::cyclone(&domain);
-    peer.run("axes /lineshaft enable turret");
-    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
-    peer.until_axis("turret", "at its velocity", |turret| turret["command_velocity"] == 0.5);
+    let (program, mut peer) = turning(&domain);
     let side = program.ros_side();
     kill_process(side, Signal::STOP).expect("a child of the program");
     let told = wait_for(&program, "all axes halt", seconds(5.0));
@@ -121,10 +127,7 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
 #[ignore = "long: .ci/nightly runs it"]
 fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
     let domain = Domain::take();
-    let program = Program::start(&["run"], &domain);
-    let mut peer = Peer::cyclone(&domain);
-    peer.run("axes /lineshaft enable turret");
-    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    let (program, _peer) = turning(&domain);
     program.freeze();
     thread::sleep(seconds(13.0));
     program.thaw();
@@ -209,10 +212,7 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
 #[test]
 fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     let domain = Domain::take();
-    let program = Program::start(&["run"], &domain);
-    let mut peer = Peer::cyclone(&domain);
-    peer.run("axes /lineshaft enable turret");
-    peer.run("move /lineshaft --axis turret --mode velocity --velocity 0.5");
+    let (program, mut peer) = turning(&domain);
     let (side, fresh) = (program.ros_side(), program.figures().memory);
     let mut clients = [(Peer::cyclone(&domain), "x"), (Peer::fastdds(&domain), "y")];
     for (client, axis) in &mut clients {

@@ -42,7 +42,7 @@ impl History {
         *self = Self { value, change: value.wrapping_sub(self.value), before: self.change };
     }
 
-    /// Its next value and those before it are the same: it is predicted to stay, also after the next cycle.
+    /// Whether it does not change now, and has not changed in the last two cycles.
     fn rests(self, value: u64) -> bool {
         self == Self { value, ..Self::default() }
     }
