@@ -242,6 +242,8 @@ fn own_parameters_stand_among_those_of_the_machine() {
         "action_monitor_rate",
         "allow_nonzero_velocity_at_trajectory_end",
         "allow_partial_joints_goal",
+        "angle_wraparound",
+        "max_duration",
         "robot_description",
         "use_sim_time",
     ];

@@ -110,6 +110,19 @@ impl PartialEq for Number {
     }
 }
 
+/// The place of a trajectory that an event or a refusal is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrajectoryPlace {
+    /// Number of the point, from 0, or of the point at which the segment ends.
+    pub point: u32,
+    /// The planned time of that point, from the start of the trajectory (ns).
+    pub time_ns: u64,
+    /// Factor by which the time of the trajectory is stretched, or would have to be; 1 where time does not matter.
+    pub stretch: f64,
+    /// Largest allowed factor.
+    pub max_stretch: f64,
+}
+
 /// One event of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
@@ -137,6 +150,8 @@ pub struct Event {
     pub asked: Number,
     /// What is allowed.
     pub limit: Number,
+    /// Where in a trajectory.
+    pub place: Option<TrajectoryPlace>,
 }
 
 impl Event {
@@ -161,6 +176,7 @@ impl Event {
             parameter: None,
             asked: Number::None,
             limit: Number::None,
+            place: None,
         }
     }
 
@@ -188,12 +204,14 @@ pub struct Refusal {
     pub asked: Number,
     /// What is allowed.
     pub limit: Number,
+    /// Where in a trajectory.
+    pub place: Option<TrajectoryPlace>,
 }
 
 impl Refusal {
     /// A refusal that needs no numbers.
     pub fn new(code: Code, object: Object) -> Self {
-        Self { code, object, parameter: None, asked: Number::None, limit: Number::None }
+        Self { code, object, parameter: None, asked: Number::None, limit: Number::None, place: None }
     }
 
     /// The same with numbers.
@@ -201,10 +219,15 @@ impl Refusal {
         Self { asked, limit, ..self }
     }
 
+    /// The same with the stretch of a trajectory that it is about.
+    pub fn with_stretch(self, stretch: f64) -> Self {
+        Self { place: self.place.map(|place| TrajectoryPlace { stretch, ..place }), ..self }
+    }
+
     /// The event that answers command `sequence`.
     pub fn event(&self, sequence: u64) -> Event {
         let event = Event::new(Severity::Warn, Kind::Refused, self.object, self.code).of_command(sequence);
-        Event { parameter: self.parameter, asked: self.asked, limit: self.limit, ..event }
+        Event { parameter: self.parameter, asked: self.asked, limit: self.limit, place: self.place, ..event }
     }
 }
 

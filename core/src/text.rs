@@ -14,6 +14,7 @@ mod function;
 mod parameter;
 mod reason;
 mod set;
+mod trajectory;
 
 pub use parameter::{allowed_text, expected_text, outside_text, range_text, refused_text, value_text};
 

@@ -5,10 +5,15 @@
 //!          increment that is nearest to it
 //! Refuses  times that do not ascend, knots that are not one for each time, an end with a velocity
 
+mod limits;
 mod spline;
+mod stretch;
 
+pub use limits::{OnExcess, TrajectoryLimits};
 pub use spline::{Reach, Spline};
+pub use stretch::{Moment, Stretch};
 
+use crate::modulo::{Direction, Modulo};
 use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
@@ -67,7 +72,7 @@ impl From<Motion> for Knot {
 }
 
 /// One axis of a trajectory.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Track {
     /// The axis.
     pub axis: u16,
@@ -77,6 +82,59 @@ pub struct Track {
     pub path: Tolerance,
     /// At the end.
     pub goal: Tolerance,
+    /// How far the command may be from a first point at time 0 (inc); none: as far as it likes (GRP-TRAJ-11).
+    pub start: Option<f64>,
+    /// Whether the track is moved by whole turns of a modulo axis until it is nearest to the axis (GRP-TRAJ-10).
+    pub wraps: bool,
+}
+
+/// Where a track has its largest values: the number of a point, or of the point at which the segment with the value ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Peaks {
+    /// Of the lowest point.
+    pub lowest: u32,
+    /// Of the highest point.
+    pub highest: u32,
+    /// Of the lowest position.
+    pub low: u32,
+    /// Of the highest position.
+    pub high: u32,
+    /// Of the highest speed.
+    pub speed: u32,
+    /// Of the highest acceleration.
+    pub acceleration: u32,
+    /// Of the highest deceleration.
+    pub deceleration: u32,
+}
+
+impl Peaks {
+    /// All in the segment that ends at one point.
+    pub fn at(point: u32) -> Self {
+        Self {
+            lowest: point,
+            highest: point,
+            low: point,
+            high: point,
+            speed: point,
+            acceleration: point,
+            deceleration: point,
+        }
+    }
+
+    /// Notes a segment that ends at `point` where it exceeds what was before it.
+    fn note(&mut self, before: &Reach, segment: &Reach, point: u32) {
+        for (is_more, peak) in [
+            (segment.low < before.low, &mut self.low),
+            (segment.high > before.high, &mut self.high),
+            (segment.speed() > before.speed(), &mut self.speed),
+            (segment.acceleration > before.acceleration, &mut self.acceleration),
+            (segment.deceleration > before.deceleration, &mut self.deceleration),
+        ] {
+            if is_more {
+                *peak = point;
+            }
+        }
+    }
 }
 
 /// What a trajectory asks of an axis from its first point on.
@@ -84,6 +142,8 @@ pub struct Track {
 pub struct Demand {
     /// Of its splines.
     pub way: Reach,
+    /// Where `way` has its largest values.
+    pub peaks: Peaks,
     /// Lowest knot.
     pub lowest: Position,
     /// Highest knot.
@@ -100,6 +160,8 @@ pub struct Trajectory {
     times_ns: Box<[u64]>,
     tracks: Box<[Track]>,
     goal_time_ns: Option<u64>,
+    limits: TrajectoryLimits,
+    max_duration_ns: Option<u64>,
     /// Of each track, so that nobody looks at all knots in a cycle.
     demands: Box<[Demand]>,
 }
@@ -111,24 +173,29 @@ struct Read {
     times_ns: Box<[u64]>,
     tracks: Box<[Track]>,
     goal_time_ns: Option<u64>,
+    limits: TrajectoryLimits,
+    max_duration_ns: Option<u64>,
     #[allow(dead_code, reason = "part of the recorded form")]
     demands: Box<[Demand]>,
 }
 
 impl From<Read> for Trajectory {
     fn from(read: Read) -> Self {
-        let Read { start_ns, times_ns, tracks, goal_time_ns, .. } = read;
-        Self { start_ns, times_ns, tracks, goal_time_ns, demands: Box::default() }.with_demands()
+        let Read { start_ns, times_ns, tracks, goal_time_ns, limits, max_duration_ns, .. } = read;
+        let demands = Box::default();
+        Self { start_ns, times_ns, tracks, goal_time_ns, limits, max_duration_ns, demands }.with_demands()
     }
 }
 
-/// Where a trajectory begins on an axis.
+/// Where a trajectory begins on an axis. Its positions are those of the trajectory, without the shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Begin {
     /// The motion there: that of the axis, or what the points ask for where the axis is near to that.
     pub motion: Motion,
     /// When, in the trajectory's time (ns).
     pub time_ns: u64,
+    /// How far the track is moved on the axis.
+    pub shift: Position,
 }
 
 impl Trajectory {
@@ -136,7 +203,9 @@ impl Trajectory {
     /// command applies to time 0, negative where that has been before; `times_ns` are counted from time 0; `goal_time_ns` is
     /// how long after the last point the axes may take to come within their goal tolerances, none for ever.
     pub fn new(start_ns: i64, times_ns: Box<[u64]>, tracks: Box<[Track]>, goal_time_ns: Option<u64>) -> Option<Self> {
-        let trajectory = Self { start_ns, times_ns, tracks, goal_time_ns, demands: Box::default() }.with_demands();
+        let (limits, demands) = (TrajectoryLimits::default(), Box::default());
+        let trajectory = Self { start_ns, times_ns, tracks, goal_time_ns, limits, max_duration_ns: None, demands };
+        let trajectory = trajectory.with_demands();
         trajectory.is_sound().then_some(trajectory)
     }
 
@@ -157,6 +226,7 @@ impl Trajectory {
                 && track.knots.last().is_some_and(|last| last.velocity.is_none_or(|velocity| velocity == 0.0))
                 && track.path.is_sound()
                 && track.goal.is_sound()
+                && track.start.is_none_or(|most| most > 0.0 && most.is_finite())
                 && !twice(index, track)
         };
         (1..=MAX_POINTS).contains(&times_ns.len())
@@ -170,7 +240,7 @@ impl Trajectory {
     /// Does its law hold? One that was read from outside may hold anything.
     pub fn is_sound(&self) -> bool {
         // There is one track at least.
-        !self.demands.is_empty()
+        !self.demands.is_empty() && self.limits.is_sound()
     }
 
     /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
@@ -182,6 +252,28 @@ impl Trajectory {
     #[must_use]
     pub fn starting(self, start_ns: i64) -> Self {
         Self { start_ns, ..self }
+    }
+
+    /// The same, with what happens where its points exceed limits of axes.
+    #[must_use]
+    pub fn within(self, limits: TrajectoryLimits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// What happens where its points exceed limits of axes.
+    pub fn limits(&self) -> TrajectoryLimits {
+        self.limits
+    }
+
+    /// The same, which is ended where it takes longer (ns), counted from its start.
+    #[must_use]
+    pub fn ended_after(self, max_duration_ns: Option<u64>) -> Self {
+        Self { max_duration_ns, ..self }
+    }
+
+    /// Longest time from its start to its end (ns); none: without limit.
+    pub fn max_duration_ns(&self) -> Option<u64> {
+        self.max_duration_ns
     }
 
     /// When the points are reached, from time 0, ascending (ns); at least one.
@@ -209,19 +301,26 @@ impl Trajectory {
         self.demands.get(track)
     }
 
-    /// Where a track rests at last: the whole increment that is nearest to its last point, as the target of every goal is.
-    pub fn end(&self, track: usize) -> Option<Position> {
-        Some(Position::whole(self.tracks.get(track)?.knots.last()?.position.nearest()))
+    /// Where a track that is moved by `shift` rests at last: the whole increment that is nearest to its last point, as the target of every
+    /// goal is.
+    pub fn end(&self, track: usize, shift: Position) -> Option<Position> {
+        let last = self.tracks.get(track)?.knots.last()?.position + shift;
+        Some(Position::whole(last.nearest()))
     }
 
-    /// The motion that its points alone ask of a track at a time; none before the first of them and behind the last one.
+    /// The same without the shift.
+    fn planned_end(&self, track: usize, shift: Position) -> Option<Position> {
+        self.end(track, shift).map(|end| end - shift)
+    }
+
+    /// The motion that its points alone ask of a track at a time; none before the first of them and after the last one.
     pub fn given(&self, track: usize, time_ns: u64) -> Option<Motion> {
         let next = self.passed(time_ns);
         let before = next.checked_sub(1)?;
         let knots = &self.tracks.get(track)?.knots;
         let (since, until) = (*self.times_ns.get(before)?, *self.times_ns.get(next)?);
         let spline = Spline::new(knots.get(before)?, knots.get(next)?, until.saturating_sub(since));
-        Some(spline.at(time_ns.saturating_sub(since)))
+        Some(spline.at(time_ns.saturating_sub(since) as f64))
     }
 
     /// From where a track begins to the first point that lies ahead; none where none does.
@@ -231,10 +330,23 @@ impl Trajectory {
         Some(Spline::new(&begin.motion.into(), knot, self.times_ns.get(first)?.saturating_sub(begin.time_ns)))
     }
 
+    /// How far a track is moved, so that its first point that is not before a time is nearest to a position of its axis.
+    pub fn shift(&self, track: usize, time_ns: u64, from: Position, turn: Option<Modulo>) -> Position {
+        let knots = self.tracks.get(track).filter(|track| track.wraps).map(|track| &track.knots);
+        let ahead = knots.and_then(|knots| knots.get(self.times_ns.partition_point(|&time| time < time_ns)));
+        let Some((turn, knot)) = turn.zip(ahead) else { return Position::ZERO };
+        turn.target(knot.position, from, from, Direction::Shortest, 0.0) - knot.position
+    }
+
+    /// The first point that lies ahead of a time; the last point where none does.
+    pub fn point_ahead(&self, time_ns: u64) -> u32 {
+        self.passed(time_ns).min(self.times_ns.len().saturating_sub(1)) as u32
+    }
+
     /// Where a track ends, if it is on a straight line there at a time: nothing slows it down before.
     pub fn straight_end(&self, track: usize, begin: &Begin, time_ns: u64) -> Option<Position> {
         let next = self.passed(time_ns);
-        let end = self.end(track)?;
+        let end = self.planned_end(track, begin.shift)?;
         if next < self.demand(track)?.stands as usize {
             return None;
         }
@@ -246,10 +358,10 @@ impl Trajectory {
     }
 
     /// The motion of a track at a time, not before its begin.
-    pub fn sample(&self, track: usize, begin: &Begin, time_ns: u64) -> Motion {
-        match self.under_way(track, begin, time_ns) {
-            Some((spline, since)) => spline.at(time_ns.saturating_sub(since)),
-            None => Motion::at_rest(self.end(track).unwrap_or(begin.motion.position)),
+    pub fn sample(&self, track: usize, begin: &Begin, time: Moment) -> Motion {
+        match self.under_way(track, begin, time.ns) {
+            Some((spline, since)) => spline.at(time.since(since)),
+            None => Motion::at_rest(self.planned_end(track, begin.shift).unwrap_or(begin.motion.position)),
         }
     }
 
@@ -274,21 +386,24 @@ impl Trajectory {
 }
 
 fn demand(times_ns: &[u64], track: &Track) -> Demand {
-    let places = || track.knots.iter().map(|knot| knot.position);
-    let lowest = places().min().unwrap_or_default();
-    let highest = places().max().unwrap_or_default();
+    let places = || track.knots.iter().map(|knot| knot.position).enumerate();
+    let (lowest_point, lowest) = places().min_by_key(|(_, place)| *place).unwrap_or_default();
+    let (highest_point, highest) = places().max_by_key(|(_, place)| *place).unwrap_or_default();
     let stands = track.knots.first().map_or(Position::ZERO, |first| first.position);
-    let segments = std::iter::zip(track.knots.windows(2), times_ns.windows(2));
-    let way = segments.fold(Reach::at(stands), |way, (knots, times)| {
-        way.union(Spline::new(&knots[0], &knots[1], times[1].saturating_sub(times[0])).reach())
-    });
+    let mut way = Reach::at(stands);
+    let mut peaks = Peaks { lowest: lowest_point as u32, highest: highest_point as u32, ..Peaks::default() };
+    for (before, (knots, times)) in std::iter::zip(track.knots.windows(2), times_ns.windows(2)).enumerate() {
+        let segment = Spline::new(&knots[0], &knots[1], times[1].saturating_sub(times[0])).reach();
+        peaks.note(&way, &segment, before as u32 + 1);
+        way = way.union(segment);
+    }
     let end = track.knots.last().map(|last| last.position);
     let is_zero = |rate: Option<f64>| rate.is_none_or(|rate| rate == 0.0);
     let holds = |knot: &Knot| Some(knot.position) == end && is_zero(knot.velocity) && is_zero(knot.acceleration);
     let moves = track.knots.iter().rposition(|knot| !holds(knot));
     let last = track.knots.len().saturating_sub(1);
     let stands = moves.map_or(0, |moves| (moves + 1).min(last)) as u32;
-    Demand { way, lowest, highest, stands }
+    Demand { way, peaks, lowest, highest, stands }
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ pub use source::{Source, Wired, may_carry, may_read};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
-pub use track::{Run, Violation};
+pub use track::{Excess, Run, Violation};
 pub use velocity_encoder::may_find_velocity;
 pub use waiting::MAX_WAITING;
 

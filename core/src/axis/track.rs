@@ -12,14 +12,14 @@ use super::goal::Goal;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::encoder::Lead;
-use crate::event::{Number, Refusal};
-use crate::parameter::Rule;
+use crate::event::{Number, Refusal, TrajectoryPlace};
+use crate::parameter::{Row, Rule};
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{SyncMode, Transmission};
-use crate::trajectory::{Begin, Reach, Tolerance, Trajectory};
+use crate::trajectory::{Begin, Moment, Peaks, Reach, Stretch, Tolerance, Trajectory};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -43,13 +43,50 @@ pub struct Run {
     pub begin_ns: u64,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
+    /// How much longer than planned it takes.
+    pub stretch: Stretch,
 }
 
 impl Run {
-    /// The trajectory's time in a cycle (ns), from the one in which it begins on.
-    pub fn time_ns(&self, cycle: u64) -> u64 {
-        self.begin_ns.saturating_add(cycle.saturating_sub(self.begins).saturating_mul(self.cycle_ns))
+    /// Real time since the cycle in which it begins (ns).
+    fn elapsed_ns(&self, cycle: u64) -> u64 {
+        cycle.saturating_sub(self.begins).saturating_mul(self.cycle_ns)
     }
+
+    /// The trajectory's time in a cycle, from the one in which it begins on.
+    pub fn time(&self, cycle: u64) -> Moment {
+        self.stretch.moment(self.begin_ns, self.elapsed_ns(cycle))
+    }
+
+    /// Real time that has passed since its last point was due (ns); none before that.
+    pub fn late_ns(&self, cycle: u64) -> Option<u64> {
+        self.elapsed_ns(cycle).checked_sub(self.duration_ns())
+    }
+
+    /// Real time from its start to its last point (ns).
+    pub fn duration_ns(&self) -> u64 {
+        self.stretch.real_ns(self.trajectory.end_ns().saturating_sub(self.begin_ns))
+    }
+
+    /// How long it runs already and how long it may (ns), where that is too long.
+    pub fn overtime_ns(&self, cycle: u64) -> Option<(u64, u64)> {
+        let (runs, most) = (self.elapsed_ns(cycle), self.trajectory.max_duration_ns()?);
+        (runs > most).then_some((runs, most))
+    }
+
+    /// The real motion that it asks of a track in a cycle.
+    fn sample(&self, track: usize, begin: &Begin, cycle: u64) -> Motion {
+        self.stretch.real(self.trajectory.sample(track, begin, self.time(cycle)))
+    }
+}
+
+/// A rate of a track beyond its limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Excess {
+    /// Factor by which the time would have to be stretched further.
+    pub factor: f64,
+    /// Why the track is refused where it is not stretched.
+    pub refusal: Refusal,
 }
 
 /// An axis' place in a trajectory.
@@ -59,7 +96,7 @@ pub(super) struct Tracker {
     slot: u16,
     /// Its place among the trajectory's.
     track: u16,
-    /// The motion with which it begins.
+    /// The motion with which it begins, by the trajectory's time.
     begin: Motion,
     /// It has not begun yet.
     waits: bool,
@@ -70,6 +107,8 @@ pub(super) struct Tracker {
     /// Lowest and highest position of all of it.
     low: Position,
     high: Position,
+    /// How far the track is moved: whole turns.
+    shift: Position,
 }
 
 impl Tracker {
@@ -83,7 +122,7 @@ impl Tracker {
     }
 
     fn begin(&self, run: &Run) -> Begin {
-        Begin { motion: self.begin, time_ns: run.begin_ns }
+        Begin { motion: self.begin, time_ns: run.begin_ns, shift: self.shift }
     }
 }
 
@@ -134,39 +173,80 @@ impl Axis {
         self.rests()
     }
 
-    /// May it take that track of a run?
+    /// Checks that it may take that track of a run, but for its rates.
     ///
     /// # Errors
     /// What its state or its limits forbid.
-    pub fn prepare_track(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
+    pub fn check_track(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        let motion = self.takes_over(cycle, run, track);
-        let begin = Begin { motion, time_ns: run.begin_ns };
-        self.check_is_there(run, track)?;
+        self.check_is_there(cycle, run, track)?;
+        let trajectory = &run.trajectory;
         let refuse = || Refusal::new(Code::BAD_REQUEST, self.object());
-        let demand = run.trajectory.demand(track).ok_or_else(refuse)?;
-        for knot in [demand.lowest, demand.highest] {
-            self.check_target(knot, &self.parameters)?;
+        let demand = trajectory.demand(track).ok_or_else(refuse)?;
+        let shift = self.shift(cycle, run, track);
+        self.check_start(self.motion_at(cycle, run.begins).position - shift, run, track)?;
+        for (knot, point) in [(demand.lowest, demand.peaks.lowest), (demand.highest, demand.peaks.highest)] {
+            let at_point = |refusal| Refusal { place: Some(place(trajectory, point)), ..refusal };
+            self.check_target(knot + shift, &self.parameters).map_err(at_point)?;
         }
-        let first = run.trajectory.first_spline(track, &begin).map(|spline| spline.reach());
-        for reach in [Some(demand.way), first].iter().flatten() {
-            self.check_reach(reach, motion.position)?;
+        let from = self.takes_over(cycle, run, track).position + shift;
+        for (reach, peaks) in self.reaches(cycle, run, track).into_iter().flatten() {
+            self.check_track_way(trajectory, (&reach, &peaks), from)?;
         }
         Ok(())
     }
 
-    /// Where that track takes it over: at what its points ask for, if the axis is near to that. The difference, such as the rounding of
-    /// a measured position, is worked off during the motion. Otherwise the spline from the axis to the first point that lies ahead would be
-    /// judged, which is not part of the plan.
+    /// The rates of that track that exceed their limits by more than the margin.
+    pub fn track_excesses(&self, cycle: u64, run: &Run, track: usize) -> impl Iterator<Item = Excess> {
+        let reaches = self.reaches(cycle, run, track).into_iter().flatten();
+        reaches.flat_map(|(reach, peaks)| self.excesses(run, &run.stretch.real_reach(reach), &peaks)).flatten()
+    }
+
+    /// What that track asks for, by the trajectory's time: from its first point on, and from the axis to the first point ahead.
+    fn reaches(&self, cycle: u64, run: &Run, track: usize) -> [Option<(Reach, Peaks)>; 2] {
+        let shift = self.shift(cycle, run, track);
+        let begin = Begin { motion: self.takes_over(cycle, run, track), time_ns: run.begin_ns, shift };
+        let first = run.trajectory.first_spline(track, &begin).map(|spline| {
+            let point = run.trajectory.point_ahead(run.begin_ns);
+            (spline.reach().moved(shift), Peaks::at(point))
+        });
+        [run.trajectory.demand(track).map(|demand| (demand.way.moved(shift), demand.peaks)), first]
+    }
+
+    /// How far that track is moved: by the whole turns that bring its first point ahead nearest to the axis (GRP-TRAJ-10).
+    fn shift(&self, cycle: u64, run: &Run, track: usize) -> Position {
+        let from = self.motion_at(cycle, run.begins).position;
+        run.trajectory.shift(track, run.begin_ns, from, self.setup.modulo)
+    }
+
+    /// A track whose first point is at time 0 begins near to the command (GRP-TRAJ-11).
+    fn check_start(&self, from: Position, run: &Run, track: usize) -> Result<(), Refusal> {
+        let trajectory = &run.trajectory;
+        let Some(of) = trajectory.tracks().get(track).filter(|_| trajectory.times_ns().first() == Some(&0)) else {
+            return Ok(());
+        };
+        let Some((most, knot)) = of.start.zip(of.knots.first()) else { return Ok(()) };
+        let off = (knot.position - from).to_f64().abs();
+        if off <= most {
+            return Ok(());
+        }
+        let number = |value: f64| Number::Position(value as i64);
+        Err(Refusal::new(Code::TRAJECTORY_START, self.object()).with(number(off.ceil()), number(most.floor())))
+    }
+
+    /// Where that track takes it over, by the trajectory's time and without its shift: at what its points ask for, if the axis is near to that. The
+    /// difference, such as the rounding of a measured position, is worked off during the motion. Otherwise the spline from the axis
+    /// to the first point that lies ahead would be judged, which is not part of the plan.
     fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
         let motion = self.motion_at(cycle, run.begins);
+        let motion = Motion { position: motion.position - self.shift(cycle, run, track), ..motion };
         let is_near = |given: &Motion| {
             let change = self.parameters.max_acceleration.min(self.parameters.deceleration_limit()) * self.cycle_s();
             (given.position - motion.position).to_f64().abs() <= self.nearness()
-                && (given.velocity - motion.velocity).abs() <= change
+                && (run.stretch.real(*given).velocity - motion.velocity).abs() <= change
         };
-        run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or(motion)
+        run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or_else(|| run.stretch.planned(motion))
     }
 
     /// How far off a point is that counts as the same place (inc).
@@ -175,8 +255,9 @@ impl Axis {
     }
 
     /// A trajectory that has no time left may end only where the axis is.
-    fn check_is_there(&self, run: &Run, track: usize) -> Result<(), Refusal> {
-        let Some(end) = run.trajectory.end(track).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
+    fn check_is_there(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
+        let shift = self.shift(cycle, run, track);
+        let Some(end) = run.trajectory.end(track, shift).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
             return Ok(());
         };
         if !self.rests() {
@@ -195,32 +276,62 @@ impl Axis {
         Ok(())
     }
 
-    fn check_reach(&self, reach: &Reach, from: Position) -> Result<(), Refusal> {
-        let refuse = |code, asked, limit| Err(Refusal::new(code, self.object()).with(asked, limit));
+    /// Checks where a track goes, and that it does not go backwards where that is forbidden.
+    fn check_track_way(
+        &self,
+        trajectory: &Trajectory,
+        (reach, peaks): (&Reach, &Peaks),
+        from: Position,
+    ) -> Result<(), Refusal> {
         let rounding = Position::from_f64(ROUNDING);
         let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
-        let place = |position: i64| Number::Position(position);
+        let refuse = |code, asked, limit, point| {
+            let refusal = Refusal::new(code, self.object()).with(Number::Position(asked), Number::Position(limit));
+            Err(Refusal { place: Some(place(trajectory, point)), ..refusal })
+        };
         if reach.high > high.max(from) + rounding {
-            return refuse(Code::TRAJECTORY_ABOVE_MAX_POSITION, place(reach.high.ceil()), place(high.floor()));
+            return refuse(Code::TRAJECTORY_ABOVE_MAX_POSITION, reach.high.ceil(), high.floor(), peaks.high);
         }
         if reach.low < low.min(from) - rounding {
-            return refuse(Code::TRAJECTORY_BELOW_MIN_POSITION, place(reach.low.floor()), place(low.floor()));
+            return refuse(Code::TRAJECTORY_BELOW_MIN_POSITION, reach.low.floor(), low.floor(), peaks.low);
         }
-        let p = &self.parameters;
-        let rates = [
-            (reach.speed(), p.max_velocity, Code::VELOCITY_TOO_HIGH, Number::Velocity as fn(f64) -> Number),
-            (reach.acceleration, p.max_acceleration, Code::ACCELERATION_TOO_HIGH, Number::Acceleration),
-            (reach.deceleration, p.deceleration_limit(), Code::DECELERATION_TOO_HIGH, Number::Acceleration),
-        ];
-        for (asked, most, code, number) in rates {
-            if asked.is_nan() || asked > most * (1.0 + SLACK) {
-                return refuse(code, number(asked), number(most));
-            }
-        }
-        if reach.slowest < -SLACK * p.max_velocity {
+        if reach.slowest < -SLACK * self.parameters.max_velocity {
             self.check_forward(reach.slowest)?;
         }
         Ok(())
+    }
+
+    /// Velocity, acceleration and deceleration, where they exceed their limits by more than the margin.
+    fn excesses(&self, run: &Run, reach: &Reach, peaks: &Peaks) -> [Option<Excess>; 3] {
+        const VELOCITY: u16 = Row::place("max_velocity");
+        const ACCELERATION: u16 = Row::place("max_acceleration");
+        const DECELERATION: u16 = Row::place("max_deceleration");
+        let p = &self.parameters;
+        let limits = run.trajectory.limits();
+        let (speed, up, down) = (reach.speed(), reach.acceleration, reach.deceleration);
+        let rates = [
+            (Code::VELOCITY_TOO_HIGH, VELOCITY, (speed, p.max_velocity), peaks.speed),
+            (Code::ACCELERATION_TOO_HIGH, ACCELERATION, (up, p.max_acceleration), peaks.acceleration),
+            (Code::DECELERATION_TOO_HIGH, DECELERATION, (down, p.deceleration_limit()), peaks.deceleration),
+        ];
+        let excess = |(code, row, (asked, most), point): (Code, u16, (f64, f64), u32)| {
+            if asked <= most * (1.0 + limits.margin.max(SLACK)) {
+                return None;
+            }
+            let is_velocity = code == Code::VELOCITY_TOO_HIGH;
+            let number = if is_velocity { Number::Velocity } else { Number::Acceleration };
+            let factor = if is_velocity { asked / most } else { libm::sqrt(asked / most) };
+            // What is no number exceeds everything.
+            let factor = if factor.is_nan() { f64::INFINITY } else { factor };
+            let place = TrajectoryPlace {
+                stretch: factor * run.stretch.factor(),
+                max_stretch: limits.most(),
+                ..place(&run.trajectory, point)
+            };
+            let refusal = Refusal::new(code, self.object()).with(number(asked), number(most));
+            Some(Excess { factor, refusal: Refusal { parameter: Some(row), place: Some(place), ..refusal } })
+        };
+        rates.map(excess)
     }
 
     /// Its motion in the cycle in which a track begins, when it stops from now on until then.
@@ -240,13 +351,14 @@ impl Axis {
 
     /// Takes that track of a run: what moved it before is replaced.
     pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
-        let begin = self.takes_over(cx.cycle, run, track);
+        let (begin, shift) = (self.takes_over(cx.cycle, run, track), self.shift(cx.cycle, run, track));
         let present = self.motion_at(cx.cycle, run.begins);
         self.abandon(cx, Code::REPLACED);
-        let at = Begin { motion: begin, time_ns: run.begin_ns };
+        let at = Begin { motion: begin, time_ns: run.begin_ns, shift };
         let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
         let way = run.trajectory.demand(track).map(|demand| demand.way);
         let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
+        let (reach, from) = (reach.moved(shift), begin.position + shift);
         let waits = run.begins > cx.cycle;
         if waits {
             self.brake_to_rest(cx, &self.parameters.usual_limits());
@@ -257,28 +369,31 @@ impl Axis {
             begin,
             waits,
             moved: present.velocity,
-            exact: begin.position == present.position,
+            exact: from == present.position,
             low: reach.low,
             high: reach.high,
+            shift,
         };
-        let target = run.trajectory.end(track);
+        let target = run.trajectory.end(track, shift);
         self.goal = Some(Goal { sequence: run.sequence, ending: None, target, search: None, track: Some(tracker) });
         self.judge.rested_at = None;
         self.owner = Owner::Native;
-        let generator = if waits { self.generator } else { self.track_from(present, begin.position) };
+        let margin = run.trajectory.limits().margin;
+        let generator = if waits { self.generator } else { self.track_from(present, from, margin) };
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
     /// The follower of an axis that moves so, which a track takes over there.
-    fn track_from(&self, motion: Motion, from: Position) -> Generator {
+    fn track_from(&self, motion: Motion, from: Position, margin: f64) -> Generator {
         let p = &self.parameters;
         let down = p.deceleration_limit();
+        let slack = 1.0 + margin.max(STEP_SLACK);
         let bounds = Bounds {
             velocity: p.max_velocity,
             acceleration: p.max_acceleration.min(down),
-            max_velocity: p.max_velocity * (1.0 + STEP_SLACK),
-            max_acceleration: p.max_acceleration * (1.0 + STEP_SLACK),
-            max_deceleration: down * (1.0 + STEP_SLACK),
+            max_velocity: p.max_velocity * slack,
+            max_acceleration: p.max_acceleration * slack,
+            max_deceleration: down * slack,
         };
         let transmission = Transmission::Gear(Gear::new(Ratio::ONE));
         let follower = Follower::new(0.0, transmission, SyncMode::Position, motion, from - motion.position, bounds);
@@ -301,8 +416,9 @@ impl Axis {
         let present = self.present();
         tracker.begin = self.takes_over(cx.cycle, run, usize::from(tracker.track));
         (tracker.moved, tracker.waits) = (self.command.velocity, false);
-        tracker.exact = tracker.begin.position == present.position;
-        self.generator = self.track_from(present, tracker.begin.position);
+        let from = tracker.begin.position + tracker.shift;
+        tracker.exact = from == present.position;
+        self.generator = self.track_from(present, from, run.trajectory.limits().margin);
         self.keep(tracker);
     }
 
@@ -323,13 +439,12 @@ impl Axis {
             self.brake_to_rest(cx, &self.stop_limits());
             return None;
         };
-        let sample = run.trajectory.sample(usize::from(tracker.track), &tracker.begin(run), run.time_ns(cx.cycle));
+        let (track, begin) = (usize::from(tracker.track), tracker.begin(run));
+        let sample = run.sample(track, &begin, cx.cycle);
+        let sample = Motion { position: sample.position + tracker.shift, ..sample };
         let change = sample.position - follower.target();
-        follower.halt_at(run.trajectory.straight_end(
-            usize::from(tracker.track),
-            &tracker.begin(run),
-            run.time_ns(cx.cycle),
-        ));
+        let halt = run.trajectory.straight_end(track, &begin, run.time(cx.cycle).ns);
+        follower.halt_at(halt.map(|halt| halt + tracker.shift));
         let lead = Lead { position: sample.position, change, velocity: sample.velocity, uneven: 0.0, valid: true };
         // What rounding has put beyond a limit was not commanded; it is not to stay behind for that.
         let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
@@ -381,12 +496,13 @@ impl Axis {
         }
         let age = if self.is_virtual() { 0 } else { self.delay().saturating_add(1) };
         let answered = cycle.checked_sub(age).filter(|answered| *answered >= run.begins)?;
-        if run.time_ns(answered) >= run.trajectory.end_ns() {
+        if run.late_ns(answered).is_some() {
             return None;
         }
         let begin = tracker.begin(run);
-        let wanted = run.trajectory.sample(track, &begin, run.time_ns(answered));
-        let now = run.trajectory.sample(track, &begin, run.time_ns(cycle));
+        let wanted = run.sample(track, &begin, answered);
+        let wanted = Motion { position: wanted.position + tracker.shift, ..wanted };
+        let now = run.sample(track, &begin, cycle);
         // No drive measures its acceleration: the commanded one is what there is.
         let wanted = Motion { acceleration: now.acceleration - self.command.acceleration, ..wanted };
         self.violation(&path, wanted)
@@ -394,9 +510,10 @@ impl Axis {
 
     /// Is it too far from where its trajectory has ended?
     pub fn goal_violation(&self, run: &Run) -> Option<Violation> {
-        let track = usize::from(self.tracker()?.track);
+        let tracker = self.tracker()?;
+        let track = usize::from(tracker.track);
         let goal = run.trajectory.tracks().get(track)?.goal;
-        let end = Motion::at_rest(run.trajectory.end(track)?);
+        let end = Motion::at_rest(run.trajectory.end(track, tracker.shift)?);
         self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
     }
 
@@ -447,6 +564,12 @@ impl Axis {
             self.set_state(cx, AxisState::Standstill);
         }
     }
+}
+
+/// A point of a trajectory.
+fn place(trajectory: &Trajectory, point: u32) -> TrajectoryPlace {
+    let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
+    TrajectoryPlace { point, time_ns, stretch: 1.0, max_stretch: 1.0 }
 }
 
 /// A trajectory within a state.

@@ -629,6 +629,29 @@ codes! {
         remedy: "Give more points, or keep off the limit.",
     }
 
+    /// The first point of a trajectory, due at its start, is too far from where an axis is commanded to be.
+    TRAJECTORY_START = 10420, NoError {
+        says: "the first point of the trajectory is {asked} from the command; {limit} is allowed (start tolerance)",
+        cause: "The trajectory has a point at time 0 that differs from the command position of the axis by more than the start tolerance \
+            (constraints.<joint>.start).",
+        remedy: "Plan again from the present position.",
+    }
+
+    /// A trajectory takes longer than it may.
+    TRAJECTORY_TOO_LONG = 10261, NoError {
+        says: "the trajectory takes {asked}; at most {limit} is allowed (max_duration)",
+        cause: "The trajectory, as it is stretched, would take longer than max_duration of its group, or has run that long without an end.",
+        remedy: "Plan a shorter one, or raise max_duration.",
+    }
+
+    /// The time of a trajectory is stretched, so that it stays within the limits of its axes.
+    TRAJECTORY_STRETCHED = 10260, NoError {
+        says: "the time of the trajectory is stretched",
+        cause: "A trajectory exceeds a limit by more than trajectory_limits.margin, and trajectory_limits.on_excess is scale: it takes \
+            longer, on the same path.",
+        remedy: "Nothing has to be done. Plan with lower limits, or with points closer together, to keep the planned time.",
+    }
+
     /// Between its points the trajectory would go beyond `min_position`.
     TRAJECTORY_BELOW_MIN_POSITION = 10066, NoError {
         says: "between its points the trajectory would reach {asked}, below min_position {limit}",

@@ -51,5 +51,7 @@ mod synchronize;
 mod together;
 mod trajectory;
 mod trajectory_as_given;
+mod trajectory_limits;
+mod trajectory_start;
 mod turned;
 mod virtual_master;

@@ -8,13 +8,16 @@
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::{Machine, Told};
-use crate::axis::Run;
+use crate::axis::{Excess, Run};
 use crate::code::Code;
 use crate::command::Command;
-use crate::event::{Event, Number, Refusal};
+use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
-use crate::trajectory::Trajectory;
+use crate::trajectory::{Stretch, Trajectory};
 use std::sync::Arc;
+
+/// Most times that the stretch of a trajectory is computed.
+const MAX_STRETCHES: u32 = 8;
 
 /// How a trajectory ends.
 struct End {
@@ -32,6 +35,22 @@ impl End {
     }
 }
 
+fn time_number(ns: u64) -> Number {
+    Number::Time(i64::try_from(ns).unwrap_or(i64::MAX))
+}
+
+/// Checks that a run, as it is stretched, ends in time.
+fn check_duration(run: &Run) -> Result<(), Refusal> {
+    let lasts = run.duration_ns();
+    match run.trajectory.max_duration_ns() {
+        Some(most) if lasts > most => {
+            let refusal = Refusal::new(Code::TRAJECTORY_TOO_LONG, Object::Machine);
+            Err(refusal.with(time_number(lasts), time_number(most)))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl Machine {
     /// Begins a trajectory on all of its axes, after they have moved in this cycle.
     pub(super) fn start_trajectory(
@@ -42,6 +61,7 @@ impl Machine {
     ) -> Result<(), Refusal> {
         let run = self.run_of(command.sequence, trajectory);
         self.check_run(&run)?;
+        let (run, excess) = self.stretched(run)?;
         // Whom it takes its axes from. A place is free after that: each of the others has an axis that this one has not.
         for of in trajectory.tracks() {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.abandon_track(cx));
@@ -56,6 +76,10 @@ impl Machine {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run, (slot, track)));
         }
         self.accept(command, Object::Machine);
+        if let Some(Refusal { object, parameter, asked, limit, place, .. }) = excess {
+            let event = Event::new(Severity::Info, Kind::Warning, object, Code::TRAJECTORY_STRETCHED);
+            self.events.push(Event { parameter, asked, limit, place, ..event.of_command(command.sequence) });
+        }
         if let Some(place) = self.state.runs.get_mut(slot) {
             *place = Some(run);
         }
@@ -72,24 +96,51 @@ impl Machine {
             Err(_) => trajectory.start_ns().unsigned_abs(),
         };
         let begins = self.state.cycle.saturating_add(cycles);
-        Run { sequence, trajectory: Arc::clone(trajectory), begins, begin_ns, cycle_ns }
+        Run { sequence, trajectory: Arc::clone(trajectory), begins, begin_ns, cycle_ns, stretch: Stretch::NONE }
     }
 
     fn check_run(&self, run: &Run) -> Result<(), Refusal> {
         let last = run.trajectory.end_ns();
         // In the cycle in which it begins, its axes may be there.
         if last <= run.begin_ns && run.trajectory.start_ns() < 0 {
-            let time = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
-            return Err(
-                Refusal::new(Code::TRAJECTORY_IN_THE_PAST, Object::Machine).with(time(last), time(run.begin_ns))
-            );
+            let refusal = Refusal::new(Code::TRAJECTORY_IN_THE_PAST, Object::Machine);
+            return Err(refusal.with(time_number(last), time_number(run.begin_ns)));
         }
         for (track, of) in run.trajectory.tracks().iter().enumerate() {
             let axis = self.state.axes.get(usize::from(of.axis));
             let axis = axis.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
-            axis.prepare_track(self.state.cycle, run, track)?;
+            axis.check_track(self.state.cycle, run, track)?;
         }
         Ok(())
+    }
+
+    /// The run with its time stretched until it is within the limits of its axes, with the excess that asked for most of that.
+    fn stretched(&self, mut run: Run) -> Result<(Run, Option<Refusal>), Refusal> {
+        let (mut first, mut largest): (Option<Refusal>, Option<Refusal>) = (None, None);
+        let mut factor = 1.0;
+        // From rest one stretch is enough. From motion, the way to the first point is another one with each stretch.
+        for _ in 0..MAX_STRETCHES {
+            let mut more: Option<Excess> = None;
+            for (track, of) in run.trajectory.tracks().iter().enumerate() {
+                let Some(axis) = self.state.axes.get(usize::from(of.axis)) else { continue };
+                for excess in axis.track_excesses(self.state.cycle, &run, track) {
+                    first = first.or(Some(excess.refusal));
+                    more = more.filter(|more| more.factor >= excess.factor).or(Some(excess));
+                }
+            }
+            let Some(excess) = more else {
+                check_duration(&run)?;
+                return Ok((run, largest.map(|largest| largest.with_stretch(factor))));
+            };
+            largest = largest.or(Some(excess.refusal));
+            factor = excess.factor * run.stretch.factor();
+            if factor > run.trajectory.limits().most() {
+                break;
+            }
+            run.stretch = Stretch::at_least(factor);
+        }
+        let refusal = first.unwrap_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine));
+        Err(refusal.with_stretch(factor))
     }
 
     /// Judges the trajectories that run, after all axes have moved in this cycle.
@@ -140,7 +191,11 @@ impl Machine {
         if let Some((object, violation)) = off {
             return Some(violated(Code::TRAJECTORY_PATH_TOLERANCE, object, violation));
         }
-        let late = run.time_ns(cycle).checked_sub(run.trajectory.end_ns())?;
+        if let Some((lasts, most)) = run.overtime_ns(cycle) {
+            let end = End::new(Object::Machine, Code::TRAJECTORY_TOO_LONG);
+            return Some(End { asked: time_number(lasts), limit: time_number(most), ..end });
+        }
+        let late = run.late_ns(cycle)?;
         match axes().find_map(|axis| Some((axis.object(), axis.goal_violation(run)?))) {
             Some((object, violation)) if run.trajectory.goal_time_ns().is_some_and(|most| late > most) => {
                 Some(violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation))

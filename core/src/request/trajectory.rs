@@ -4,7 +4,7 @@ use super::{Amount, RequestError, Units};
 use crate::config::{AxisConfig, MachineConfig};
 use crate::drive::Interface;
 use crate::position::Position;
-use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory};
+use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory, TrajectoryLimits};
 
 /// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
@@ -62,6 +62,14 @@ pub struct TrajectoryRequest<N = f64> {
     pub goal: Vec<ToleranceRequest<N>>,
     /// How long after the last point the axes may take to come within their goal tolerances (ns); none: for ever.
     pub goal_time_ns: Option<u64>,
+    /// How far the commands may be from first points at time 0: one for each axis, or empty. Positions only; 0: without limit.
+    pub start: Vec<ToleranceRequest<N>>,
+    /// What happens where it exceeds limits of its axes.
+    pub limits: TrajectoryLimits,
+    /// Whether tracks of modulo axes are moved by whole turns until they are nearest to their axes.
+    pub angle_wraparound: bool,
+    /// Longest time from its start to its end (ns); none: without limit.
+    pub max_duration_ns: Option<u64>,
 }
 
 impl<N> Default for TrajectoryRequest<N> {
@@ -74,6 +82,10 @@ impl<N> Default for TrajectoryRequest<N> {
             path: Vec::new(),
             goal: Vec::new(),
             goal_time_ns: None,
+            start: Vec::new(),
+            limits: TrajectoryLimits::default(),
+            angle_wraparound: false,
+            max_duration_ns: None,
         }
     }
 }
@@ -106,7 +118,12 @@ impl MachineConfig {
         for (place, point) in request.points.iter().enumerate() {
             check_lists(place, point, axes.len())?;
         }
-        for (name, list) in [("path tolerances", &request.path), ("goal tolerances", &request.goal)] {
+        let tolerances = [
+            ("path tolerances", &request.path),
+            ("goal tolerances", &request.goal),
+            ("start tolerances", &request.start),
+        ];
+        for (name, list) in tolerances {
             if !list.is_empty() && list.len() != axes.len() {
                 return Err(bad(name, format!("{} values", list.len()), format!("none or {} are allowed", axes.len())));
             }
@@ -125,10 +142,14 @@ impl MachineConfig {
                     knots: field.knots(place, &request.points)?,
                     path: tolerance("path tolerance", &request.path)?,
                     goal: tolerance("goal tolerance", &request.goal)?,
+                    start: field.start(tolerance("start tolerance", &request.start)?)?,
+                    wraps: request.angle_wraparound && axis.modulo.is_some(),
                 })
             })
             .collect();
-        let trajectory = Trajectory::new(request.start_ns, times, tracks?, request.goal_time_ns);
+        let trajectory = Trajectory::new(request.start_ns, times, tracks?, request.goal_time_ns)
+            .map(|trajectory| trajectory.within(request.limits).ended_after(request.max_duration_ns))
+            .filter(Trajectory::is_sound);
         trajectory
             .ok_or_else(|| bad("the trajectory", "not sound".to_owned(), "finite numbers are expected".to_owned()))
     }
@@ -264,6 +285,15 @@ impl Field<'_> {
             return Err(bad(self.named("position", Some(point)), value, "within +-2^62 inc is expected".to_owned()));
         }
         Ok(position)
+    }
+
+    /// A start tolerance; 0 is none.
+    fn start(&self, tolerance: Tolerance) -> Result<Option<f64>, RequestError> {
+        if tolerance.velocity.or(tolerance.acceleration).is_some() {
+            let value = "a velocity or an acceleration".to_owned();
+            return Err(bad(self.named("start tolerance", None), value, "a position is expected".to_owned()));
+        }
+        Ok(tolerance.position.filter(|most| *most > 0.0))
     }
 
     fn tolerance<N: Copy + Into<Amount>>(

@@ -1,7 +1,7 @@
 //! Why something was refused, ended or failed: the sentence of each code, by its row or, where the event has to be looked at, here.
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
-use super::{function, number_text, plain, row, scale_of};
+use super::{function, number_text, plain, row, scale_of, trajectory};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
@@ -27,6 +27,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         function::of_field(event, config, says)
     };
     if let Some(text) = function::reason(event, config) {
+        return text;
+    }
+    if let Some(text) = event.place.and_then(|place| trajectory::reason(event, &place, config)) {
         return text;
     }
     match event.code {

@@ -75,6 +75,12 @@ impl Reach {
         }
     }
 
+    /// The same motion elsewhere.
+    #[must_use]
+    pub fn moved(self, by: Position) -> Self {
+        Self { low: self.low + by, high: self.high + by, ..self }
+    }
+
     /// Highest speed either way (inc/s).
     pub fn speed(&self) -> f64 {
         self.fastest.max(-self.slowest)
@@ -190,12 +196,12 @@ impl Spline {
         Self { from: from.position, to: to.position, c, duration_ns, rounding }
     }
 
-    /// Its motion that long after its begin; from its end on it stands there.
-    pub fn at(&self, elapsed_ns: u64) -> Motion {
-        if elapsed_ns >= self.duration_ns {
+    /// Returns its motion that long after its begin (ns); from its end on it stands there.
+    pub fn at(&self, elapsed_ns: f64) -> Motion {
+        if elapsed_ns >= self.duration_ns as f64 {
             return Motion::at_rest(self.to);
         }
-        let u = elapsed_ns as f64 / self.duration_ns as f64;
+        let u = elapsed_ns / self.duration_ns as f64;
         let s = self.duration_ns as f64 / 1e9;
         let velocity = derivative(&self.c);
         let acceleration = derivative(&velocity);

@@ -7,6 +7,10 @@ fn knot(position: i64, velocity: Option<f64>, acceleration: Option<f64>) -> Knot
     Knot { position: Position::whole(position), velocity, acceleration }
 }
 
+fn at(ns: u64) -> Moment {
+    Moment { ns, fraction: 0.0 }
+}
+
 fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() <= 1e-9 * (1.0 + expected.abs()), "{found} instead of {expected}");
 }
@@ -15,7 +19,7 @@ fn close(found: f64, expected: f64) {
 #[test]
 fn positions_alone_make_a_straight_line() {
     let spline = Spline::new(&knot(100, None, Some(3.0)), &knot(1100, Some(7.0), Some(1.0)), 2 * S);
-    let motion = spline.at(S / 2);
+    let motion = spline.at(0.5e9);
     assert_eq!((motion.position, motion.velocity, motion.acceleration), (Position::whole(350), 500.0, 0.0));
     let reach = spline.reach();
     assert_eq!((reach.low, reach.high), (Position::whole(100), Position::whole(1100)));
@@ -27,7 +31,7 @@ fn positions_alone_make_a_straight_line() {
 #[test]
 fn velocities_make_a_cubic() {
     let spline = Spline::new(&knot(0, Some(0.0), None), &knot(1000, Some(0.0), Some(5.0)), 2 * S);
-    let quarter = spline.at(S / 2);
+    let quarter = spline.at(0.5e9);
     close(quarter.position.to_f64(), 1000.0 * (3.0 / 16.0 - 2.0 / 64.0));
     close(quarter.velocity, 1000.0 / 2.0 * (6.0 / 4.0 - 6.0 / 16.0));
     close(quarter.acceleration, 1000.0 / 4.0 * (6.0 - 3.0));
@@ -35,14 +39,14 @@ fn velocities_make_a_cubic() {
     close(reach.fastest, 750.0);
     close(reach.acceleration, 1500.0);
     close(reach.deceleration, 1500.0);
-    assert_eq!(spline.at(2 * S), Motion::at_rest(Position::whole(1000)));
+    assert_eq!(spline.at(2e9), Motion::at_rest(Position::whole(1000)));
 }
 
 /// From rest to rest over L in T: x = L (10 u^3 - 15 u^4 + 6 u^5), at most 1.875 L / T and 10 / sqrt(3) L / T^2.
 #[test]
 fn accelerations_make_a_quintic() {
     let spline = Spline::new(&knot(0, Some(0.0), Some(0.0)), &knot(-1000, Some(0.0), Some(0.0)), S);
-    close(spline.at(S / 2).position.to_f64(), -500.0);
+    close(spline.at(0.5e9).position.to_f64(), -500.0);
     let reach = spline.reach();
     close(reach.slowest, -1875.0);
     close(reach.fastest, 0.0);
@@ -93,7 +97,7 @@ fn what_f64_rounds_is_no_acceleration() {
 }
 
 fn track(knots: Vec<Knot>) -> Track {
-    Track { axis: 0, knots: knots.into(), path: Tolerance::default(), goal: Tolerance::default() }
+    Track { knots: knots.into(), ..Track::default() }
 }
 
 fn trajectory(times: &[u64], knots: Vec<Knot>) -> Option<Trajectory> {
@@ -119,15 +123,15 @@ fn what_breaks_the_law_is_no_trajectory() {
 fn points_that_are_past_are_passed_over() {
     let knots = vec![knot(1000, None, None), knot(2000, None, None), knot(4000, None, None)];
     let all = trajectory(&[S, 2 * S, 3 * S], knots).unwrap();
-    let begin = Begin { motion: Motion::at_rest(Position::whole(3000)), time_ns: 2 * S };
+    let begin = Begin { motion: Motion::at_rest(Position::whole(3000)), time_ns: 2 * S, shift: Position::ZERO };
     // From 3000 at 2 s to 4000 at 3 s.
-    assert_eq!(all.sample(0, &begin, 2 * S).position, Position::whole(3000));
-    assert_eq!(all.sample(0, &begin, 5 * S / 2).position, Position::whole(3500));
-    assert_eq!(all.sample(0, &begin, 7 * S), Motion::at_rest(Position::whole(4000)));
-    let early = Begin { motion: Motion::at_rest(Position::ZERO), time_ns: 0 };
-    assert_eq!(all.sample(0, &early, S / 2).position, Position::whole(500));
-    assert_eq!(all.sample(0, &early, 3 * S / 2).position, Position::whole(1500));
-    assert_eq!(all.end(0), Some(Position::whole(4000)));
+    assert_eq!(all.sample(0, &begin, at(2 * S)).position, Position::whole(3000));
+    assert_eq!(all.sample(0, &begin, at(5 * S / 2)).position, Position::whole(3500));
+    assert_eq!(all.sample(0, &begin, at(7 * S)), Motion::at_rest(Position::whole(4000)));
+    let early = Begin { motion: Motion::at_rest(Position::ZERO), time_ns: 0, shift: Position::ZERO };
+    assert_eq!(all.sample(0, &early, at(S / 2)).position, Position::whole(500));
+    assert_eq!(all.sample(0, &early, at(3 * S / 2)).position, Position::whole(1500));
+    assert_eq!(all.end(0, Position::ZERO), Some(Position::whole(4000)));
 }
 
 fn rate() -> impl Strategy<Value = Option<f64>> {
@@ -151,7 +155,7 @@ proptest! {
         let size = way + from.velocity.unwrap_or(0.0).abs() * s + from.acceleration.unwrap_or(0.0).abs() * s * s
             + to.velocity.unwrap_or(0.0).abs() * s + to.acceleration.unwrap_or(0.0).abs() * s * s;
         let near = |found: f64, expected: f64, scale: f64| (found - expected).abs() <= 1e-6 * (1.0 + size) / scale;
-        let (first, last) = (spline.at(0), spline.at(duration - 1));
+        let (first, last) = (spline.at(0.0), spline.at((duration - 1) as f64));
         prop_assert_eq!(first.position, from.position);
         prop_assert!(near((last.position - to.position).to_f64(), 0.0, s.min(1.0)));
         if let (Some(v0), Some(v1)) = (from.velocity, to.velocity) {
@@ -164,7 +168,7 @@ proptest! {
         }
         let reach = spline.reach();
         for step in 0..200 {
-            let motion = spline.at(duration / 200 * step);
+            let motion = spline.at((duration / 200 * step) as f64);
             let grid = Position::from_f64(1e-9 * (1.0 + size));
             prop_assert!(motion.position >= reach.low - grid && motion.position <= reach.high + grid);
             let slack = 1e-9 * (1.0 + size) / s;

@@ -273,6 +273,11 @@ impl Scale {
         self.unit.with_order(order).text(&number_to_text(number))
     }
 
+    /// The same scale with m or rad as its unit.
+    pub fn in_si(&self) -> Self {
+        self.with_unit(self.si_unit()).unwrap_or(*self)
+    }
+
     fn si_unit(&self) -> Unit {
         self.kind.dimension(0).si_unit()
     }

@@ -305,7 +305,7 @@ pub(super) fn trajectory(numbers: &mut Numbers) -> Arc<Trajectory> {
             velocity: Some(if place == 2 { 0.0 } else { numbers.below(5_000) as f64 }),
             acceleration: Some(0.0),
         });
-        Track { axis, knots: knots.collect(), path: tolerance, goal: tolerance }
+        Track { axis, knots: knots.collect(), path: tolerance, goal: tolerance, ..Track::default() }
     };
     let tracks = Box::new([track(first), track((first + 4) % AXES)]);
     let start = numbers.below(400_000_000) as i64 - 200_000_000;

@@ -56,6 +56,7 @@ pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::{device_file, load_of};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
+pub(crate) use groups::trajectory_limits;
 use lineshaft_can::NodeId;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::Dictionary;
@@ -65,6 +66,7 @@ use lineshaft_core::drive::{Objects, Terminal};
 use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
+use lineshaft_ros::surface::Group;
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 pub use marks::CellMarks;
 use names::{Names, Section, quote};
@@ -105,8 +107,8 @@ pub struct Cell {
     pub terminals_on_can: Vec<CellTerminal>,
     /// How it appears in ROS 2.
     pub ros: RosOptions,
-    /// Groups of axes, in file order: name, places of the axes.
-    pub groups: Vec<(String, Vec<u16>)>,
+    /// Groups of axes, in file order.
+    pub groups: Vec<Group>,
     /// In file order.
     pub backends: Vec<CellBackend>,
     /// The file as it was read.

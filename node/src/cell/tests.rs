@@ -20,6 +20,7 @@ mod sections;
 use super::*;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::sim::SecondOrder;
+use lineshaft_ros::surface::TrajectorySettings;
 use proptest::prelude::*;
 
 /// Five lines that nothing is wrong with.
@@ -80,7 +81,10 @@ fn the_example_of_the_contract_is_good() {
         [None, Some(0), Some(0)]
     );
     assert_eq!(axes.iter().map(|axis| axis.parameters.homing.method).collect::<Vec<_>>(), [0, 35, 0]);
-    assert_eq!(cell.groups, [("arm".to_owned(), vec![1, 2])]);
+    assert_eq!(
+        cell.groups,
+        [Group { name: "arm".to_owned(), axes: vec![1, 2], trajectories: TrajectorySettings::default() }]
+    );
     assert!(cell.backends.iter().all(|backend| backend.is_simulated()));
     assert_eq!(cell.models, [Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap()), Model::Ideal]);
     assert_eq!(cell.text, text);
@@ -182,7 +186,10 @@ fn is_a_machine_or_has_problems(text: &str) {
         Ok(cell) => {
             assert_eq!(cell.machine.count_drives(), cell.models.len(), "{text}");
             assert!(
-                cell.groups.iter().flat_map(|(_, axes)| axes).all(|axis| usize::from(*axis) < cell.machine.axes.len())
+                cell.groups
+                    .iter()
+                    .flat_map(|group| &group.axes)
+                    .all(|axis| usize::from(*axis) < cell.machine.axes.len())
             );
             assert!(Machine::new(cell.machine).is_ok(), "{text}");
         }

@@ -369,10 +369,9 @@ mod tests {
     #[test]
     fn a_trajectory_is_freed_here_once_nobody_has_it() {
         use lineshaft_core::position::Position;
-        use lineshaft_core::trajectory::{Knot, Tolerance, Track};
+        use lineshaft_core::trajectory::{Knot, Track};
         let knot = Knot { position: Position::ZERO, velocity: None, acceleration: None };
-        let (path, goal) = (Tolerance::default(), Tolerance::default());
-        let track = Track { axis: 0, knots: Box::new([knot]), path, goal };
+        let track = Track { knots: Box::new([knot]), ..Track::default() };
         let trajectory = Arc::new(Trajectory::new(0, Box::new([1]), Box::new([track]), None).expect("a sound one"));
         let watch = Arc::downgrade(&trajectory);
         let (commander, mut lanes) = lanes(3);

@@ -8,7 +8,7 @@ use crate::machine::{Machine, State, StateError};
 use crate::object::{AxisSet, Object};
 use crate::position::Position;
 use crate::sim::{Model, SecondOrder};
-use crate::trajectory::{Knot, Tolerance, Track, Trajectory};
+use crate::trajectory::{Knot, OnExcess, Tolerance, Track, Trajectory, TrajectoryLimits};
 use std::sync::Arc;
 
 const MS: u64 = 1_000_000;
@@ -23,7 +23,7 @@ pub(super) fn track(axis: u16, points: &[Point]) -> Track {
         acceleration,
     };
     let (path, goal) = (Tolerance::default(), Tolerance::default());
-    Track { axis, knots: points.iter().map(knot).collect(), path, goal }
+    Track { axis, knots: points.iter().map(knot).collect(), path, goal, ..Track::default() }
 }
 
 fn run(times_ms: &[u64], tracks: Vec<Track>) -> Action {
@@ -33,6 +33,13 @@ fn run(times_ms: &[u64], tracks: Vec<Track>) -> Action {
 fn start(start_ns: i64, times_ms: &[u64], tracks: Vec<Track>, goal_time_ns: Option<u64>) -> Action {
     let times = times_ms.iter().map(|ms| ms * MS).collect();
     Action::Trajectory(Arc::new(Trajectory::new(start_ns, times, tracks.into(), goal_time_ns).expect("a sound one")))
+}
+
+/// The same, without stretching its time.
+fn refusing(action: Action) -> Action {
+    let Action::Trajectory(trajectory) = action else { panic!("a trajectory is expected") };
+    let limits = TrajectoryLimits { margin: 0.0, on_excess: OnExcess::Refuse, max_stretch: 1.0 };
+    Action::Trajectory(Arc::new(trajectory.as_ref().clone().within(limits)))
 }
 
 /// At rest there.
@@ -108,20 +115,28 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
     rig.enable();
     let turn = |velocity: f64| [(9_000, Some(velocity), None), (9_000, Some(-velocity), None), rest(0)];
     let table: Vec<(&[u64], Vec<Point>, &str)> = vec![
-        (&[500], vec![rest(10_001)], "x: target 10.001 mm lies above max_position 10 mm"),
-        (&[500], vec![rest(-10_001)], "x: target -10.001 mm lies below min_position -10 mm"),
+        (
+            &[500],
+            vec![rest(10_001)],
+            "x: position 0.010001 m (10.001 mm) exceeds max_position 0.01 m (10 mm) at point 0 (0.5 s)",
+        ),
+        (
+            &[500],
+            vec![rest(-10_001)],
+            "x: position -0.010001 m (-10.001 mm) is below min_position -0.01 m (-10 mm) at point 0 (0.5 s)",
+        ),
         // From 40000 inc/s to -40000 inc/s in 400 ms: 4000 inc further.
         (
             &[600, 1000, 1600],
             turn(40_000.0).to_vec(),
-            "x: between its points the trajectory would reach 13 mm, above max_position 10 mm",
+            "x: position 0.013 m (13 mm) exceeds max_position 0.01 m (10 mm) before point 1 (1 s)",
         ),
-        (&[50], vec![(6_000, None, None)], "x: velocity 120 mm/s lies above max_velocity 100 mm/s"),
+        (&[50], vec![(6_000, None, None)], "x: velocity 0.12 m/s (120 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s)"),
         // 1.5 L / T
-        (&[100], vec![rest(8_000)], "x: velocity 120 mm/s lies above max_velocity 100 mm/s"),
+        (&[100], vec![rest(8_000)], "x: velocity 0.12 m/s (120 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s)"),
         // 6 L / T^2, up and down.
-        (&[50], vec![rest(3_000)], "x: acceleration 7200 mm/s^2 lies above max_acceleration 1000 mm/s^2"),
-        (&[100], vec![rest(1_000)], "x: deceleration 600 mm/s^2 lies above max_deceleration 400 mm/s^2"),
+        (&[50], vec![rest(3_000)], "x: acceleration 7.2 m/s^2 (7200 mm/s^2) exceeds max_acceleration 1 m/s^2"),
+        (&[100], vec![rest(1_000)], "x: deceleration 0.6 m/s^2 (600 mm/s^2) exceeds max_deceleration 0.4 m/s^2"),
         (
             &[0],
             vec![rest(1_000)],
@@ -129,13 +144,15 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
         ),
     ];
     for (times, points, expected) in table {
-        let goal = rig.give(run(times, vec![track(LINE, &vec![rest(0); times.len()]), track(X, &points)]));
+        let goal = rig.give(refusing(run(times, vec![track(LINE, &vec![rest(0); times.len()]), track(X, &points)])));
         let sentence = rig.refusal(goal);
         assert!(sentence.starts_with(expected), "{sentence}");
     }
     // 6 * 100 / 0.02^2 = 1.5e6, and 7500 inc/s.
-    let goal = rig.give(run(&[20], vec![track(X, &[rest(100)])]));
-    assert_eq!(rig.refusal(goal), "x: acceleration 1500 mm/s^2 lies above max_acceleration 1000 mm/s^2");
+    let goal = rig.give(refusing(run(&[20], vec![track(X, &[rest(100)])])));
+    let sentence = "x: acceleration 1.5 m/s^2 (1500 mm/s^2) exceeds max_acceleration 1 m/s^2 (1000 mm/s^2) before point 0 (0.02 s); \
+                    trajectory_limits.on_excess is refuse, scale would stretch the time by 1.9365";
+    assert_eq!(rig.refusal(goal), sentence);
     // As far as the limit, with as much deceleration as there is: 6 * 10000 / 0.4^2 = 375000.
     let goal = rig.give(run(&[400], vec![track(X, &[rest(10_000)])]));
     rig.run(400);
@@ -161,7 +178,7 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     let points = [(9_000, Some(5_000.0), None), rest(1_800)];
     let goal = rig.give(start(-150_000_000, &[100, 200], vec![track(X, &points)], None));
     // Of the whole of it.
-    assert!(rig.refusal(goal).starts_with("x: velocity 109.26"), "{}", rig.refusal(goal));
+    assert!(rig.refusal(goal).starts_with("x: velocity 0.10926"), "{}", rig.refusal(goal));
     let points = [(1_700, Some(5_000.0), None), rest(1_800)];
     let goal = rig.give(start(-150_000_000, &[100, 200], vec![track(X, &points)], None));
     rig.run(25);

@@ -24,7 +24,7 @@ fn rest(position: f64) -> Knot {
 fn run(start_ns: i64, times_ms: &[u64], tracks: &[(u16, &[Knot])], goal: Option<f64>) -> Action {
     let times = times_ms.iter().map(|ms| ms * MS).collect();
     let goal = Tolerance { position: goal, ..Tolerance::default() };
-    let track = |&(axis, knots): &(u16, &[Knot])| Track { axis, knots: knots.into(), path: Tolerance::default(), goal };
+    let track = |&(axis, knots): &(u16, &[Knot])| Track { axis, knots: knots.into(), goal, ..Track::default() };
     let tracks = tracks.iter().map(track).collect();
     Action::Trajectory(Arc::new(Trajectory::new(start_ns, times, tracks, None).expect("a sound one")))
 }

@@ -54,7 +54,7 @@ fn names_and_units_become_axes_and_increments() {
     let end = Position::whole(10_000) + Position::from_f64(0.6);
     assert!((x.knots[1].position - end).to_f64().abs() < 1e-9, "{:?}", x.knots[1]);
     assert_eq!((x.knots[1].velocity, x.knots[1].acceleration), (Some(0.0), Some(-500_000.0)));
-    assert_eq!(trajectory.end(1), Some(Position::whole(10_001)));
+    assert_eq!(trajectory.end(1, Position::ZERO), Some(Position::whole(10_001)));
     assert_eq!(x.path, Tolerance { position: Some(1000.0), ..Tolerance::default() });
     assert_eq!((y.path, x.goal), (Tolerance::default(), Tolerance::default()));
 }

@@ -11,6 +11,7 @@ mod diagnostics;
 mod functions;
 mod gear_out;
 mod goal;
+mod group;
 mod history;
 mod home;
 mod home_axis;
@@ -44,6 +45,7 @@ mod tune;
 mod urdf;
 mod vocabulary;
 
+pub use group::{Group, TrajectorySettings};
 pub use hub::is_told;
 #[cfg(any(test, feature = "fuzz"))]
 pub use laws::any_goal;
@@ -69,8 +71,7 @@ pub struct Surface {
 
 impl Surface {
     /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order, `states` the cycles of the
-    /// state topics; `groups` are the
-    /// groups of axes that take trajectories together (name, places of the axes), none for all axes with a drive.
+    /// state topics; `groups` are the groups of axes that take trajectories together, none for all axes with a drive.
     ///
     /// # Errors
     /// An endpoint that cannot be made, or a parameter that was given to the node and cannot be.
@@ -79,7 +80,7 @@ impl Surface {
         host: Arc<dyn Host>,
         events: UnboundedReceiver<StampedEvent>,
         states: StateReceiver,
-        groups: &[(String, Vec<u16>)],
+        groups: &[Group],
     ) -> Result<Self, CreateError> {
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, Arc::clone(&host), events, &mut tasks)?;

@@ -45,5 +45,6 @@ fn parameter(urdf: &str) -> Own {
             string_value: urdf.to_owned(),
             ..ParameterValue::default()
         },
+        ..Own::default()
     }
 }

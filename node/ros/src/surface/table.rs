@@ -413,6 +413,44 @@ pub const PARAMETERS: &[ParameterRow] = &[
         "m or rad that a joint may be off on its way; 0: without limit",
     ),
     own("constraints.<joint>.goal", "double", "0.0", "m or rad that a joint may be off at the end; 0: without limit"),
+    own(
+        "constraints.<joint>.start",
+        "double",
+        "0.0",
+        "m or rad that a first point at time 0 may be from the command of a joint; 0: without limit",
+    ),
+    own(
+        "trajectory_limits.margin",
+        "double",
+        "0.001",
+        "share by which a trajectory may exceed velocities and accelerations of its axes, 0 to 0.1; of a group \
+         `<group>.trajectory_limits.margin`, as the next two",
+    ),
+    own(
+        "trajectory_limits.on_excess",
+        "string",
+        "scale",
+        "what is done beyond the margin: `scale` stretches the time of the trajectory, `refuse` refuses it",
+    ),
+    own(
+        "trajectory_limits.max_stretch",
+        "double",
+        "1.44",
+        "largest factor by which the time is stretched, 1 to 10; beyond it the trajectory is refused",
+    ),
+    own(
+        "angle_wraparound",
+        "bool",
+        "false",
+        "points of joints with `modulo` are moved by whole turns until the first one is nearest to the joint; of a group \
+         `<group>.angle_wraparound`",
+    ),
+    own(
+        "max_duration",
+        "double",
+        "0.0",
+        "longest time of a trajectory from its start to its end in s, up to 86400; 0: without limit; of a group `<group>.max_duration`",
+    ),
 ];
 
 const fn own(name: &'static str, kind: &'static str, default: &'static str, text: &'static str) -> ParameterRow {

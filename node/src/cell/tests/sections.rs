@@ -4,6 +4,8 @@ use super::{HEAD, RosOptions, assert_said, good, said, said_of};
 use crate::cell::OnLoss;
 use lineshaft_core::config::{IoKind, MemoryKind};
 use lineshaft_core::encoder::Form;
+use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
+use lineshaft_ros::surface::{Group, TrajectorySettings};
 use std::time::Duration;
 
 #[test]
@@ -310,9 +312,16 @@ pub(super) fn three_axes(more: &str) -> String {
 
 #[test]
 fn groups() {
+    let usual = TrajectorySettings::default();
+    let limits = TrajectoryLimits { margin: 0.02, on_excess: OnExcess::Refuse, max_stretch: 3.0 };
+    let all = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0 };
+    let group =
+        |name: &str, axes: &[u16], trajectories| Group { name: name.to_owned(), axes: axes.to_vec(), trajectories };
+    let map = "a: {axes: [turret, x], angle_wraparound: true, max_duration: 30 s, \
+               trajectory_limits: {margin: 0.02, on_excess: refuse, max_stretch: 3}}";
     assert_eq!(
-        good(&three_axes("groups: {b: [turret], a: [turret, x]}\n")).groups,
-        [("b".to_owned(), vec![2]), ("a".to_owned(), vec![2, 1])]
+        good(&three_axes(&format!("groups: {{b: [turret], {map}, c: {{axes: [x]}}}}\n"))).groups,
+        [group("b", &[2], usual), group("a", &[2, 1], all), group("c", &[1], usual)]
     );
     for (text, sentence) in [
         ("[x, ^x]", "axis `x` is taken already, at 10:14"),
@@ -321,6 +330,18 @@ fn groups() {
         ("[^plant]", "g[0] is `plant`, which is a backend; axis is allowed"),
         ("^[]", "group `g` is empty; the names of one axis or more are expected"),
         ("^x", "g is `x`; a list is expected"),
+        ("^{}", "missing key `axes` in group `g`"),
+        ("{axes: [x], max_duration: ^1441 min}", "max_duration is `1441 min`; 0 s to 86400 s is allowed"),
+        (
+            "{axes: [x], ^kinematics: {type: scara}}",
+            "unknown key `kinematics` in group `g`, known are axes, trajectory_limits, angle_wraparound, max_duration",
+        ),
+        ("{axes: [x], trajectory_limits: {margin: ^0.2}}", "margin is `0.2`; 0 to 0.1 is allowed"),
+        ("{axes: [x], trajectory_limits: {max_stretch: ^0.9}}", "max_stretch is `0.9`; 1 to 10 is allowed"),
+        (
+            "{axes: [x], trajectory_limits: {on_excess: ^ignore}}",
+            "on_excess is `ignore`; `scale` or `refuse` is allowed",
+        ),
     ] {
         assert_said(&three_axes(&format!("groups: {{g: {text}}}\n")), sentence);
     }

@@ -570,7 +570,7 @@ fn a_saia_verb_is_written_with_its_registers_and_flags_in_one_order() {
 
 #[test]
 fn a_trajectory_tells_its_points_by_axis_and_what_is_left_out_is_none() {
-    use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+    use lineshaft_core::trajectory::{Knot, OnExcess, Tolerance, Track, Trajectory, TrajectoryLimits};
     let knot = |position, velocity| Knot { position, velocity, acceleration: None };
     let none = Tolerance::default();
     let path = Tolerance { position: Some(1000.0), ..none };
@@ -580,30 +580,32 @@ fn a_trajectory_tells_its_points_by_axis_and_what_is_left_out_is_none() {
         axis: 0,
         knots: Box::new([knot(quarter, Some(7.5)), knot(Position::whole(9), None)]),
         path,
-        goal: none,
+        ..Track::default()
     };
     let odd = Track {
         axis: 2,
         knots: Box::new([knot(Position::ZERO, Some(0.0)), knot(Position::whole(1), None)]),
-        path: none,
         goal,
+        start: Some(4.0),
+        ..Track::default()
     };
     let run = Trajectory::new(-5, Box::new([10, 20]), Box::new([odd, x]), Some(30)).expect("a sound one");
+    let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
+    let run = run.within(limits).ended_after(Some(40));
     Desk::new().is(
         &Action::Trajectory(run.into()),
-        r#"{"follow_joint_trajectory":{"id":"17","joints":["odd","x"],"start":"-5 ns","points":[{"time":"10 ns","positions":["0 inc","-0.75 inc"],"velocities":["0 inc/s","7.5 inc/s"]},{"time":"20 ns","positions":["1 inc","9 inc"]}],"path_tolerance":{"x":{"position":"1000 inc"}},"goal_tolerance":{"odd":{"position":"0.1 inc","velocity":"2.5 inc/s","acceleration":"3e20 inc/s^2"}},"goal_time":"30 ns"}}"#,
+        r#"{"follow_joint_trajectory":{"id":"17","joints":["odd","x"],"start":"-5 ns","points":[{"time":"10 ns","positions":["0 inc","-0.75 inc"],"velocities":["0 inc/s","7.5 inc/s"]},{"time":"20 ns","positions":["1 inc","9 inc"]}],"path_tolerance":{"x":{"position":"1000 inc"}},"goal_tolerance":{"odd":{"position":"0.1 inc","velocity":"2.5 inc/s","acceleration":"3e20 inc/s^2"}},"goal_time":"30 ns","start_tolerance":{"odd":{"position":"4 inc"}},"trajectory_limits":{"margin":0.01,"on_excess":"refuse","max_stretch":2.0},"max_duration":"40 ns"}}"#,
     );
 }
 
 /// What no door makes does not read back: one axis with a velocity where the other has none.
 #[test]
 fn a_trajectory_with_gaps_is_refused() {
-    use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+    use lineshaft_core::trajectory::{Knot, Track, Trajectory};
     let track = |axis, velocity| Track {
         axis,
         knots: Box::new([Knot { position: Position::ZERO, velocity, acceleration: None }]),
-        path: Tolerance::default(),
-        goal: Tolerance::default(),
+        ..Track::default()
     };
     let run = Trajectory::new(0, Box::new([10]), Box::new([track(0, None), track(1, Some(0.0))]), None).expect("sound");
     let desk = Desk::new();
@@ -613,13 +615,13 @@ fn a_trajectory_with_gaps_is_refused() {
 /// The longest trajectory is longer than a file may be, and reads back.
 #[test]
 fn the_longest_trajectory_reads_back() {
-    use lineshaft_core::trajectory::{Knot, MAX_KNOTS, Tolerance, Track, Trajectory};
+    use lineshaft_core::trajectory::{Knot, MAX_KNOTS, Track, Trajectory};
     let position = Position::whole((1 << 61) + 1) + Position::from_f64(1.0 / 3.0);
     let rate = Some(-1.2345678901234567e-10);
     let mut knots = vec![Knot { position, velocity: rate, acceleration: rate }; MAX_KNOTS];
     knots[MAX_KNOTS - 1] = Knot { position: Position::whole(1 << 61), velocity: Some(0.0), acceleration: rate };
     let times = (0..MAX_KNOTS as u64).map(|place| (1 << 60) + place).collect();
-    let track = Track { axis: 4, knots: knots.into(), path: Tolerance::default(), goal: Tolerance::default() };
+    let track = Track { axis: 4, knots: knots.into(), ..Track::default() };
     let run = Action::Trajectory(Trajectory::new(0, times, Box::new([track]), None).expect("a sound one").into());
     let desk = Desk::new();
     let json = desk.write(&run);

@@ -3,7 +3,7 @@
 use super::write::{axis, length, rate};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::{Length, Position};
-use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
+use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory, TrajectoryLimits};
 use serde::{Serialize, Serializer};
 
 /// Arguments of the verb.
@@ -20,6 +20,21 @@ pub(super) struct FollowJointTrajectory<'a> {
     goal_tolerance: Tolerances<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     goal_time: Option<String>,
+    #[serde(skip_serializing_if = "Tolerances::is_empty")]
+    start_tolerance: Tolerances<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trajectory_limits: Option<ExcessLimits>,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    angle_wraparound: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_duration: Option<String>,
+}
+
+#[derive(Serialize)]
+struct ExcessLimits {
+    margin: f64,
+    on_excess: &'static str,
+    max_stretch: f64,
 }
 
 #[derive(Serialize)]
@@ -61,9 +76,9 @@ struct Limits {
 /// The verb's arguments; what stands at its default is left out.
 pub(super) fn follow<'a>(id: String, run: &Trajectory, config: &'a MachineConfig) -> FollowJointTrajectory<'a> {
     let tracks = run.tracks();
-    let tolerances = |of: fn(&Track) -> &Tolerance| {
+    let tolerances = |of: fn(&Track) -> Tolerance| {
         let given = tracks.iter().filter(|track| !of(track).is_none());
-        Tolerances(given.map(|track| (axis(track.axis, config), limits(of(track)))).collect())
+        Tolerances(given.map(|track| (axis(track.axis, config), limits(&of(track)))).collect())
     };
     let knots = |place: usize| tracks.iter().filter_map(move |track| track.knots.get(place));
     let points = run.times_ns().iter().enumerate().map(|(place, time)| Point {
@@ -77,9 +92,16 @@ pub(super) fn follow<'a>(id: String, run: &Trajectory, config: &'a MachineConfig
         joints: tracks.iter().map(|track| axis(track.axis, config)).collect(),
         start: Some(run.start_ns()).filter(|start| *start != 0).map(|start| format!("{start} ns")),
         points: points.collect(),
-        path_tolerance: tolerances(|track| &track.path),
-        goal_tolerance: tolerances(|track| &track.goal),
+        path_tolerance: tolerances(|track| track.path),
+        goal_tolerance: tolerances(|track| track.goal),
+        start_tolerance: tolerances(|track| Tolerance { position: track.start, ..Tolerance::default() }),
+        angle_wraparound: tracks.iter().any(|track| track.wraps),
+        max_duration: run.max_duration_ns().map(|time| format!("{time} ns")),
         goal_time: run.goal_time_ns().map(|time| format!("{time} ns")),
+        trajectory_limits: Some(run.limits()).filter(|limits| *limits != TrajectoryLimits::default()).map(|limits| {
+            let TrajectoryLimits { margin, on_excess, max_stretch } = limits;
+            ExcessLimits { margin, on_excess: on_excess.name(), max_stretch }
+        }),
     }
 }
 

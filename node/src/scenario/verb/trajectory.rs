@@ -1,9 +1,11 @@
 //! Verb `follow_joint_trajectory` (contract section 7, by the fields of control_msgs).
 
 use super::{Deed, Reader, UNITS, amount, number};
+use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::trajectory::TrajectoryLimits;
 use lineshaft_core::unit::{Dimension, Scale, excerpt};
 use std::sync::Arc;
 
@@ -28,6 +30,11 @@ impl Reader<'_> {
         let start = map.optional("start").map_or(Some(0), |start| nanoseconds(&start, &Allowed::Any));
         let (points, goal_time) = (map.required("points"), optional_time(&mut map, "goal_time"));
         let [path, goal] = ["path_tolerance", "goal_tolerance"].map(|key| map.optional(key));
+        let start_tolerance = map.optional("start_tolerance");
+        let wraps = map.optional("angle_wraparound").map_or(Some(false), |value| value.boolean());
+        let max_duration = optional_time(&mut map, "max_duration");
+        let limits = map.optional("trajectory_limits");
+        let limits = limits.map_or(Some(TrajectoryLimits::default()), |value| trajectory_limits(&value));
         map.finish();
         let deed = (|| {
             let (joints, units) = (joints?, units?);
@@ -37,7 +44,8 @@ impl Reader<'_> {
                 Err(error) => return self.settle(value, Err(error)),
             };
             let points = points?.list()?.iter().map(|point| numbers.point(point)).collect::<Vec<_>>();
-            let [path, goal] = [path, goal].map(|value| numbers.tolerances(value.as_ref()));
+            let [path, goal, start_tolerance] =
+                [path, goal, start_tolerance].map(|value| numbers.tolerances(value.as_ref()));
             let request = TrajectoryRequest {
                 axes: joints.iter().map(|joint| joint.name.to_owned()).collect(),
                 units,
@@ -46,6 +54,10 @@ impl Reader<'_> {
                 path: path?,
                 goal: goal?,
                 goal_time_ns: goal_time?,
+                start: start_tolerance?,
+                limits: limits?,
+                angle_wraparound: wraps?,
+                max_duration_ns: max_duration?,
             };
             let trajectory = self.names.config.resolve_trajectory(&request);
             self.settle(value, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))

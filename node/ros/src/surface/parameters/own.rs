@@ -2,7 +2,7 @@
 
 use super::catalogue::power_of_ten;
 use crate::layer::{CreateError, Given, NodeHandle, Overrides};
-use lineshaft_core::unit::number_to_text;
+use lineshaft_core::unit::{excerpt, number_to_text};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -26,12 +26,14 @@ struct State {
 }
 
 /// One of them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::surface) struct Own {
     /// Name, type, range, text.
     pub descriptor: ParameterDescriptor,
     /// What it is worth.
     pub value: ParameterValue,
+    /// The strings that it takes; empty: any.
+    pub words: &'static [&'static str],
 }
 
 impl Default for OwnParameters {
@@ -55,14 +57,14 @@ impl OwnParameters {
     /// where it is read-only later; one that is none for it is told by [`OwnParameters::check`].
     pub(crate) fn declare(&self, own: Own) {
         let mut state = self.state();
-        let Own { descriptor, mut value } = own;
+        let Own { descriptor, mut value, words } = own;
         if let Some(Given { value: given, place, .. }) = state.overrides.take(&descriptor.name) {
-            match fitting(&descriptor, given) {
+            match fitting(&descriptor, words, given) {
                 Ok(given) => value = given,
                 Err(sentence) => state.refused.push(format!("{place}: {sentence}")),
             }
         }
-        state.declared.insert(descriptor.name.clone(), Own { descriptor, value });
+        state.declared.insert(descriptor.name.clone(), Own { descriptor, value, words });
         drop(state);
         self.version.send_modify(|version| *version += 1);
     }
@@ -72,7 +74,11 @@ impl OwnParameters {
         let (name, description) = (name.to_owned(), description.to_owned());
         let r#type = ParameterType::PARAMETER_BOOL;
         let descriptor = ParameterDescriptor { name, r#type, description, ..ParameterDescriptor::default() };
-        self.declare(Own { descriptor, value: ParameterValue { r#type, ..ParameterValue::default() } });
+        self.declare(Own {
+            descriptor,
+            value: ParameterValue { r#type, ..ParameterValue::default() },
+            ..Own::default()
+        });
     }
 
     /// Once all are declared: what was given at the start and cannot be.
@@ -119,6 +125,11 @@ impl OwnParameters {
         }
     }
 
+    /// A string; empty where there is none.
+    pub(crate) fn string(&self, name: &str) -> String {
+        self.get(name).map(|own| own.value.string_value).unwrap_or_default()
+    }
+
     /// A switch; off where there is none.
     pub(crate) fn switch(&self, name: &str) -> bool {
         self.get(name).is_some_and(|own| own.value.bool_value)
@@ -130,7 +141,7 @@ impl OwnParameters {
     /// Why not.
     pub(crate) fn fitting(&self, name: &str, value: &ParameterValue) -> Option<Result<ParameterValue, String>> {
         let own = self.get(name)?;
-        let fitting = fitting(&own.descriptor, value.clone());
+        let fitting = fitting(&own.descriptor, own.words, value.clone());
         Some(match own.descriptor.read_only && fitting.as_ref() != Ok(&own.value) {
             true => Err(format!("{name} is read-only: it is given at the start, with -p or --params-file")),
             false => fitting,
@@ -166,7 +177,7 @@ pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), 
         let description = format!("QoS policy {policy} of {topic}.");
         let r#type = value.r#type;
         let descriptor = ParameterDescriptor { name, r#type, description, read_only: true, ..Default::default() };
-        own.declare(Own { descriptor, value });
+        own.declare(Own { descriptor, value, ..Own::default() });
     }
     Ok(())
 }
@@ -174,8 +185,12 @@ pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), 
 /// The value as the parameter takes it.
 ///
 /// # Errors
-/// Another type than the parameter has, or a number outside of its range.
-fn fitting(descriptor: &ParameterDescriptor, mut value: ParameterValue) -> Result<ParameterValue, String> {
+/// Another type than the parameter has, a number outside of its range, or a string that is none of its words.
+fn fitting(
+    descriptor: &ParameterDescriptor,
+    words: &[&str],
+    mut value: ParameterValue,
+) -> Result<ParameterValue, String> {
     let name = &descriptor.name;
     match (value.r#type, descriptor.r#type) {
         (given, declared) if given == declared => {}
@@ -228,6 +243,13 @@ fn fitting(descriptor: &ParameterDescriptor, mut value: ParameterValue) -> Resul
     {
         let [bad, from, to] = [*bad, range.from_value, range.to_value].map(number_to_text);
         return Err(format!("{name} is {bad}; {from} to {to} is allowed"));
+    }
+    if value.r#type == ParameterType::PARAMETER_STRING
+        && !words.is_empty()
+        && !words.contains(&value.string_value.as_str())
+    {
+        let bad = excerpt(&value.string_value);
+        return Err(format!("{name} is `{bad}`; {} is allowed", words.join(" or ")));
     }
     Ok(value)
 }

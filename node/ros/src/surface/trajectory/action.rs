@@ -44,7 +44,7 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, hub: 
                     Ok(answers) => {
                         open.spawn(run(Arc::clone(&hub), Arc::clone(&joints), handle, answers, period));
                     }
-                    Err(busy) => finish(handle, Code::TOO_MANY_WAITING, &busy.to_string()),
+                    Err(busy) => finish(handle, Code::TOO_MANY_WAITING, &busy.to_string(), &[]),
                 }
             }
             Err(sentence) => {
@@ -55,8 +55,13 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, hub: 
     }
 }
 
-fn finish(handle: Handle, code: Code, sentence: &str) {
-    let (last, result) = end(code, sentence, handle.is_cancel_requested());
+/// Ends a goal. `notes` is what the machine said of it before.
+fn finish(handle: Handle, code: Code, sentence: &str, notes: &[String]) {
+    let (last, mut result) = end(code, sentence, handle.is_cancel_requested());
+    for note in notes {
+        result.error_string += if result.error_string.is_empty() { "" } else { " " };
+        result.error_string += note;
+    }
     match last {
         Last::Succeeded => handle.succeed(result),
         Last::Canceled => handle.canceled(result),
@@ -70,6 +75,7 @@ async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: An
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
     let (mut accepted, mut cancelled) = (false, false);
+    let mut notes = Vec::new();
     loop {
         tokio::select! {
             answer = answers.next() => match answer.map(|answer| answer.event) {
@@ -80,11 +86,12 @@ async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: An
                     }
                     Kind::Refused | Kind::Done => {
                         let sentence = text::sentence(&event, hub.host.config());
-                        return finish(handle, event.code, &sentence);
+                        return finish(handle, event.code, &sentence, &notes);
                     }
+                    Kind::Warning => notes.push(text::sentence(&event, hub.host.config())),
                     _ => {}
                 },
-                None => return finish(handle, Code::DISABLED, "the machine has stopped"),
+                None => return finish(handle, Code::DISABLED, "the machine has stopped", &notes),
             },
             () = handle.cancel_requested(), if !cancelled => {
                 cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();

@@ -136,12 +136,13 @@ pub(super) fn request(
         }
     }
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
-    let path = |place: usize| ToleranceRequest { position: positive(usual(place).0), ..ToleranceRequest::default() };
+    let path = |place: usize| ToleranceRequest { position: positive(usual(place)[0]), ..ToleranceRequest::default() };
     let end = |place: usize| ToleranceRequest {
-        position: positive(usual(place).1),
+        position: positive(usual(place)[1]),
         velocity: positive(settings.stopped),
         acceleration: None,
     };
+    let start = |place: usize| ToleranceRequest { position: positive(usual(place)[2]), ..ToleranceRequest::default() };
     Ok(TrajectoryRequest {
         axes: names.clone(),
         units: Units::Si,
@@ -150,6 +151,10 @@ pub(super) fn request(
         path: tolerances(joints, &places, "path_tolerance", &goal.path_tolerance, path)?,
         goal: tolerances(joints, &places, "goal_tolerance", &goal.goal_tolerance, end)?,
         goal_time_ns: goal_time(settings, duration_ns(&goal.goal_time_tolerance))?,
+        start: places.iter().map(|&place| start(place)).collect(),
+        limits: settings.group.limits,
+        angle_wraparound: settings.group.angle_wraparound,
+        max_duration_ns: positive(settings.group.max_duration).map(|seconds| (seconds * 1e9).round() as u64),
     })
 }
 

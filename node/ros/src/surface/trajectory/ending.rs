@@ -28,6 +28,7 @@ pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool) -> (Last, Resu
             let text = format!("Aborted due to goal_time_tolerance exceeding: {sentence}");
             (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, text)
         }
+        Code::TRAJECTORY_IN_THE_PAST => (Last::Aborted, Result::OLD_HEADER_TIMESTAMP, sentence.to_owned()),
         Code::REPLACED => {
             let text = format!("Current goal cancelled due to new incoming action. {sentence}");
             (Last::Aborted, Result::INVALID_GOAL, text)
@@ -43,7 +44,7 @@ mod tests {
 
     #[test]
     fn each_end_has_the_code_and_text_of_the_controller() {
-        // control_msgs/action/FollowJointTrajectory: 0, -1 invalid goal, -4 path, -5 goal tolerance
+        // control_msgs/action/FollowJointTrajectory: 0, -1 invalid goal, -3 old stamp, -4 path, -5 goal tolerance
         let cases = [
             (Code::NONE, false, Last::Succeeded, 0, "Goal successfully reached!"),
             // A cancel that came too late does not change what was reached.
@@ -59,6 +60,7 @@ mod tests {
                 "Aborted due to goal_time_tolerance exceeding: why",
             ),
             (Code::REPLACED, false, Last::Aborted, -1, "Current goal cancelled due to new incoming action. why"),
+            (Code::TRAJECTORY_IN_THE_PAST, false, Last::Aborted, -3, "why"),
             (Code::HALTED, false, Last::Aborted, -1, "why"),
             (Code::NOT_ENABLED, false, Last::Aborted, -1, "why"),
             (Code::VELOCITY_TOO_HIGH, true, Last::Aborted, -1, "why"),

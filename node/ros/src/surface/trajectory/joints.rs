@@ -1,5 +1,6 @@
 //! The axes that one action and one topic move.
 
+use crate::surface::group::{Group, TrajectorySettings};
 use crate::surface::messages::AxisView;
 use crate::surface::table::Row;
 use lineshaft_core::config::MachineConfig;
@@ -16,20 +17,23 @@ pub(super) struct Joints {
     pub names: Vec<String>,
     /// Their signals.
     pub views: Vec<AxisView>,
+    /// How their trajectories are taken, by the cell.
+    pub usual: TrajectorySettings,
 }
 
 impl Joints {
     /// One for each group; without groups one for all axes that have a drive, if there are any.
-    pub(super) fn all(config: &MachineConfig, directory: &Directory, groups: &[(String, Vec<u16>)]) -> Vec<Self> {
+    pub(super) fn all(config: &MachineConfig, directory: &Directory, groups: &[Group]) -> Vec<Self> {
         let views = AxisView::all(config, directory);
-        let of = |group: Option<&String>, axes: &[u16]| Self {
-            group: group.cloned(),
+        let of = |group: Option<&Group>, axes: &[u16]| Self {
+            group: group.map(|group| group.name.clone()),
+            usual: group.map(|group| group.trajectories).unwrap_or_default(),
             axes: axes.to_vec(),
             names: axes.iter().filter_map(|&axis| Some(config.axes.get(usize::from(axis))?.name.clone())).collect(),
             views: axes.iter().filter_map(|&axis| views.get(usize::from(axis)).cloned()).collect(),
         };
         if !groups.is_empty() {
-            return groups.iter().map(|(name, axes)| of(Some(name), axes)).collect();
+            return groups.iter().map(|group| of(Some(group), &group.axes)).collect();
         }
         let driven = config.axes.iter().enumerate().filter(|(_, axis)| axis.drive.is_some());
         let driven: Vec<u16> = driven.map(|(place, _)| place as u16).collect();
@@ -42,6 +46,20 @@ impl Joints {
             (Some(group), Some(name)) => format!("~/{group}/{name}"),
             _ => row.name.to_owned(),
         }
+    }
+
+    /// What a parameter of the node is called for these axes: `trajectory_limits.margin`, `arm.trajectory_limits.margin`.
+    pub(super) fn parameter(&self, name: &str) -> String {
+        match &self.group {
+            Some(group) => format!("{group}.{name}"),
+            None => name.to_owned(),
+        }
+    }
+
+    /// The same joints as a group of that name.
+    #[cfg(test)]
+    pub(super) fn of_group(self, name: &str, usual: TrajectorySettings) -> Self {
+        Self { group: Some(name.to_owned()), usual, ..self }
     }
 
     /// Place of a joint among them.
@@ -57,7 +75,7 @@ mod tests {
     use crate::surface::table;
     use lineshaft_core::machine::Machine;
 
-    fn all(groups: &[(String, Vec<u16>)]) -> Vec<Joints> {
+    fn all(groups: &[Group]) -> Vec<Joints> {
         let config = config();
         let machine = Machine::new(config.clone()).expect("a sound machine");
         Joints::all(&config, machine.directory(), groups)
@@ -74,10 +92,16 @@ mod tests {
 
     #[test]
     fn each_group_has_its_own_in_its_order() {
-        let all = all(&[("arm".to_owned(), vec![2, 1]), ("hand".to_owned(), vec![1])]);
+        let group = |name: &str, axes: &[u16]| Group {
+            name: name.to_owned(),
+            axes: axes.to_vec(),
+            trajectories: TrajectorySettings::default(),
+        };
+        let all = all(&[group("arm", &[2, 1]), group("hand", &[1])]);
         assert_eq!(all.iter().map(|joints| joints.names.clone()).collect::<Vec<_>>(), [vec!["y", "x"], vec!["x"]]);
         assert_eq!(all[0].name_of(&table::FOLLOW_JOINT_TRAJECTORY.0), "~/arm/follow_joint_trajectory");
         assert_eq!(all[1].name_of(&table::JOINT_TRAJECTORY.0), "~/hand/joint_trajectory");
         assert_eq!((all[0].place("x"), all[1].place("y")), (Some(1), None));
+        assert_eq!(all[0].parameter("trajectory_limits.margin"), "arm.trajectory_limits.margin");
     }
 }

@@ -13,6 +13,7 @@ mod joints;
 mod settings;
 mod topic;
 
+use super::group::Group;
 use super::hub::Hub;
 use super::table;
 use crate::layer::{CreateError, Node};
@@ -22,15 +23,10 @@ use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Opens action and topic for each of `groups` (name, places of the axes); for all axes with a drive where there are none.
-pub(super) fn start(
-    node: &Node,
-    hub: &Arc<Hub>,
-    groups: &[(String, Vec<u16>)],
-    tasks: &mut JoinSet<()>,
-) -> Result<(), CreateError> {
+/// Opens action and topic for each of `groups`; for all axes with a drive where there are none.
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, groups: &[Group], tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let all = Joints::all(hub.host.config(), hub.host.directory(), groups);
-    settings::declare(&hub.own, hub.host.config());
+    settings::declare(&hub.own, hub.host.config(), &all);
     for joints in all {
         let joints = Arc::new(joints);
         let action =
@@ -48,7 +44,7 @@ pub(super) fn start(
 /// # Errors
 /// What is wrong with the goal in itself, in one sentence.
 fn read(hub: &Hub, joints: &Joints, goal: &FollowJointTrajectoryGoal) -> Result<Started, String> {
-    let settings = settings::Settings::read(&hub.own, &joints.names);
+    let settings = settings::Settings::read(&hub.own, joints);
     let request = convert::request(joints, &settings, goal, hub.now_ns()).map_err(|wrong| wrong.to_string())?;
     let trajectory = hub.host.config().resolve_trajectory(&request).map_err(|error| error.to_string())?;
     Ok(Started { trajectory, stamp_ns: convert::stamp_ns(&goal.trajectory.header.stamp) })

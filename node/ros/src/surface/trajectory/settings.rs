@@ -1,8 +1,11 @@
 //! The parameters of trajectories, with the names of joint_trajectory_controller. Axes may stand in several groups: what is said
 //! of a joint, and of trajectories as such, counts for all of them.
 
+use super::joints::Joints;
+use crate::surface::group::TrajectorySettings;
 use crate::surface::parameters::own::{Own, OwnParameters};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{
     FloatingPointRange, ParameterDescriptor, ParameterType, ParameterValue,
 };
@@ -13,6 +16,15 @@ const MOVING_END: &str = "allow_nonzero_velocity_at_trajectory_end";
 const MONITOR_RATE: &str = "action_monitor_rate";
 const GOAL_TIME: &str = "constraints.goal_time";
 const STOPPED: &str = "constraints.stopped_velocity_tolerance";
+/// Of each group.
+const MARGIN: &str = "trajectory_limits.margin";
+const ON_EXCESS: &str = "trajectory_limits.on_excess";
+const MAX_STRETCH: &str = "trajectory_limits.max_stretch";
+const WRAPAROUND: &str = "angle_wraparound";
+const MAX_DURATION: &str = "max_duration";
+
+/// What ON_EXCESS may be.
+const WORDS: &[&str] = &["scale", "refuse"];
 
 /// Feedback per second, and what may be set.
 const USUAL_RATE: f64 = 20.0;
@@ -27,16 +39,21 @@ pub(super) struct Settings {
     pub goal_time: f64,
     /// Velocity of a joint that stands (m/s, rad/s); 0: none is asked for.
     pub stopped: f64,
-    /// For each joint: how far it may be off on the way, and at the end (m, rad); 0: as far as it likes.
-    pub joints: Vec<(f64, f64)>,
+    /// For each joint: how far it may be off on the way, at the end, and at the start (m, rad); 0: as far as it likes.
+    pub joints: Vec<[f64; 3]>,
+    /// How the trajectories of the group are taken.
+    pub group: TrajectorySettings,
 }
 
-fn of_joint(name: &str) -> [String; 2] {
-    [format!("constraints.{name}.trajectory"), format!("constraints.{name}.goal")]
+fn of_joint(name: &str) -> [String; 3] {
+    ["trajectory", "goal", "start"].map(|what| format!("constraints.{name}.{what}"))
 }
 
-/// Declares them.
-pub(super) fn declare(own: &OwnParameters, config: &MachineConfig) {
+/// Declares them, with those of each group.
+pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, groups: &[Joints]) {
+    for joints in groups {
+        declare_of_group(own, joints);
+    }
     own.declare(switch(PARTIAL, "Goals may name some of the joints only."));
     let mut moving_end =
         switch(MOVING_END, "A trajectory may end in motion; else a last point with a velocity is refused.");
@@ -54,10 +71,37 @@ pub(super) fn declare(own: &OwnParameters, config: &MachineConfig) {
     );
     tolerance(STOPPED, 0.01, "Velocity error of a joint at the end of a trajectory [m/s or rad/s]; 0: without limit.");
     for axis in config.axes.iter().filter(|axis| axis.drive.is_some()) {
-        let [path, goal] = of_joint(&axis.name);
+        let [path, goal, start] = of_joint(&axis.name);
         tolerance(&path, 0.0, "How far the joint may be off on its way [m or rad]; 0: without limit.");
         tolerance(&goal, 0.0, "How far the joint may be off at the end [m or rad]; 0: without limit.");
+        let text = "How far a first point at time 0 may be from the command of the joint [m or rad]; 0: without limit.";
+        tolerance(&start, 0.0, text);
     }
+}
+
+fn declare_of_group(own: &OwnParameters, joints: &Joints) {
+    let TrajectorySettings { limits, angle_wraparound, max_duration } = joints.usual;
+    let TrajectoryLimits { margin, on_excess, max_stretch } = limits;
+    let text = "Points of joints with modulo are moved by whole turns until the first one is nearest to the joint.";
+    let mut wraps = switch(&joints.parameter(WRAPAROUND), text);
+    wraps.value.bool_value = angle_wraparound;
+    own.declare(wraps);
+    let text = "Longest time of a trajectory from its start to its end [s]; 0: without limit.";
+    own.declare(real(&joints.parameter(MAX_DURATION), max_duration, (0.0, TrajectorySettings::LONGEST.into()), text));
+    let share = "Share by which a trajectory may exceed max_velocity, max_acceleration and max_deceleration.";
+    own.declare(real(&joints.parameter(MARGIN), margin, TrajectoryLimits::MARGINS, share));
+    let most = "Largest factor by which the time of a trajectory is stretched; beyond it the trajectory is refused.";
+    own.declare(real(&joints.parameter(MAX_STRETCH), max_stretch, TrajectoryLimits::STRETCHES, most));
+    let text = "What is done with a trajectory that exceeds a limit by more than the margin: scale (stretch its time) or refuse.";
+    let mut word = switch(&joints.parameter(ON_EXCESS), text);
+    word.descriptor.r#type = ParameterType::PARAMETER_STRING;
+    word.descriptor.additional_constraints = WORDS.join(" or ");
+    word.value = ParameterValue {
+        r#type: ParameterType::PARAMETER_STRING,
+        string_value: on_excess.name().to_owned(),
+        ..ParameterValue::default()
+    };
+    own.declare(Own { words: WORDS, ..word });
 }
 
 fn switch(name: &str, text: &str) -> Own {
@@ -70,6 +114,7 @@ fn switch(name: &str, text: &str) -> Own {
             ..ParameterDescriptor::default()
         },
         value: ParameterValue { r#type, ..ParameterValue::default() },
+        ..Own::default()
     }
 }
 
@@ -85,17 +130,29 @@ fn real(name: &str, usual: f64, (from_value, to_value): (f64, f64), text: &str) 
 
 impl Settings {
     /// For goals of these joints.
-    pub(super) fn read(own: &OwnParameters, joints: &[String]) -> Self {
-        let constraints = |name: &String| {
-            let [path, goal] = of_joint(name);
-            (own.real(&path), own.real(&goal))
-        };
+    pub(super) fn read(own: &OwnParameters, joints: &Joints) -> Self {
+        let constraints = |name: &String| of_joint(name).map(|name| own.real(&name));
         Self {
             partial: own.switch(PARTIAL),
             goal_time: own.real(GOAL_TIME),
             stopped: own.real(STOPPED),
-            joints: joints.iter().map(constraints).collect(),
+            joints: joints.names.iter().map(constraints).collect(),
+            group: TrajectorySettings {
+                limits: limits(own, joints),
+                angle_wraparound: own.switch(&joints.parameter(WRAPAROUND)),
+                max_duration: own.real(&joints.parameter(MAX_DURATION)),
+            },
         }
+    }
+}
+
+fn limits(own: &OwnParameters, joints: &Joints) -> TrajectoryLimits {
+    let word = own.string(&joints.parameter(ON_EXCESS));
+    let known = OnExcess::ALL.iter().find(|(_, name)| *name == word);
+    TrajectoryLimits {
+        margin: own.real(&joints.parameter(MARGIN)),
+        on_excess: known.map_or(joints.usual.limits.on_excess, |(on_excess, _)| *on_excess),
+        max_stretch: own.real(&joints.parameter(MAX_STRETCH)),
     }
 }
 
@@ -109,12 +166,12 @@ pub(super) fn feedback_period(own: &OwnParameters) -> Duration {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::config;
+    use super::super::tests::{config, joints};
     use super::*;
 
     fn declared() -> OwnParameters {
         let own = OwnParameters::default();
-        declare(&own, &config());
+        declare(&own, &config(), &[joints()]);
         own
     }
 
@@ -122,9 +179,14 @@ mod tests {
     fn defaults_are_those_of_joint_trajectory_controller() {
         // joint_trajectory_controller_parameters.yaml, Jazzy
         let own = declared();
-        let joints = ["x".to_owned(), "y".to_owned()];
-        let usual = Settings { partial: false, goal_time: 0.0, stopped: 0.01, joints: vec![(0.0, 0.0), (0.0, 0.0)] };
-        assert_eq!(Settings::read(&own, &joints), usual);
+        let usual = Settings {
+            partial: false,
+            goal_time: 0.0,
+            stopped: 0.01,
+            joints: vec![[0.0; 3]; 2],
+            group: TrajectorySettings::default(),
+        };
+        assert_eq!(Settings::read(&own, &joints()), usual);
         assert_eq!(feedback_period(&own), Duration::from_millis(50));
         assert!(own.get("action_monitor_rate").is_some_and(|own| own.descriptor.read_only));
     }
@@ -135,8 +197,33 @@ mod tests {
         let mut goal = own.get("constraints.y.goal").expect("declared");
         goal.value.double_value = 0.5;
         own.declare(goal);
-        assert_eq!(Settings::read(&own, &["y".to_owned()]).joints, [(0.0, 0.5)]);
+        assert_eq!(Settings::read(&own, &joints()).joints, [[0.0; 3], [0.0, 0.5, 0.0]]);
         assert!(own.get("constraints.line.goal").is_none(), "a virtual axis follows no trajectory");
+    }
+
+    #[test]
+    fn settings_of_a_group_are_parameters_with_its_name() {
+        let own = OwnParameters::default();
+        let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
+        let usual = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0 };
+        let arm = joints().of_group("arm", usual);
+        declare(&own, &config(), std::slice::from_ref(&arm));
+        assert_eq!(Settings::read(&own, &arm).group, usual);
+        let names = own.names();
+        for name in
+            ["arm.trajectory_limits.margin", "arm.trajectory_limits.on_excess", "arm.trajectory_limits.max_stretch"]
+        {
+            assert!(names.iter().any(|known| known == name), "{name}");
+        }
+        let words: Vec<_> = OnExcess::ALL.iter().map(|(_, name)| *name).collect();
+        assert_eq!(words, WORDS);
+        let mut word = own.get("arm.trajectory_limits.on_excess").expect("declared");
+        word.value.string_value = "ignore".to_owned();
+        let refused = own.fitting("arm.trajectory_limits.on_excess", &word.value);
+        assert_eq!(
+            refused,
+            Some(Err("arm.trajectory_limits.on_excess is `ignore`; scale or refuse is allowed".to_owned()))
+        );
     }
 
     #[test]

@@ -6,6 +6,7 @@ use lineshaft_core::request::{
     CamRequest, GearOutRequest, HomeRequest, MoveRequest, OutAnRequest, PhaseRequest, PointRequest, ProbeRequest,
     Rates, SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
 };
+use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -210,8 +211,21 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
     let axes = prop::sample::subsequence(AXES.to_vec(), 1..=5).prop_shuffle();
     let times = (0..1_u64 << 40, 1..1_u64 << 40, any::<i64>(), prop::option::of(0..1_u64 << 62));
     let points = prop::collection::vec(point(), 1..5);
-    (axes, units(), times, points, tolerances(), tolerances()).prop_map(
-        |(axes, units, (first, step, start_ns, goal_time_ns), points, path, goal)| {
+    let start = prop::option::of(prop::collection::vec(some(), 5));
+    let limits = (0.0..0.1_f64, any::<bool>(), 1.0..10.0_f64);
+    let settings = (prop::option::of(limits), any::<bool>(), prop::option::of(0..1_u64 << 62));
+    (axes, units(), times, points, tolerances(), tolerances(), (start, settings)).prop_map(
+        |(axes, units, (first, step, start_ns, goal_time_ns), points, path, goal, (start, settings))| {
+            let (limits, angle_wraparound, max_duration_ns) = settings;
+            let limits = limits.map(|(margin, scales, max_stretch)| TrajectoryLimits {
+                margin,
+                on_excess: if scales { OnExcess::Scale } else { OnExcess::Refuse },
+                max_stretch,
+            });
+            let start = start.map(|list: Vec<_>| {
+                let of = |position| ToleranceRequest { position, ..ToleranceRequest::default() };
+                list.into_iter().map(of).collect::<Vec<_>>()
+            });
             let (count, last) = (axes.len(), points.len() - 1);
             let of = |list: Option<Vec<Amount>>| list.map_or(Vec::new(), |list| list[..count].to_vec());
             let points =
@@ -230,6 +244,10 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
                 path: tolerances(path),
                 goal: tolerances(goal),
                 goal_time_ns,
+                start: tolerances(start),
+                limits: limits.unwrap_or_default(),
+                angle_wraparound,
+                max_duration_ns,
             }
         },
     )

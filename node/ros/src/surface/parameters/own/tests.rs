@@ -16,23 +16,31 @@ fn integer(integer_value: i64) -> ParameterValue {
     ParameterValue { r#type: ParameterType::PARAMETER_INTEGER, integer_value, ..ParameterValue::default() }
 }
 
-/// A number in 0 to 1, a count in 1 to 10 by threes, a fixed list.
+fn string(text: &str) -> ParameterValue {
+    let string_value = text.to_owned();
+    ParameterValue { r#type: ParameterType::PARAMETER_STRING, string_value, ..ParameterValue::default() }
+}
+
+/// A number in 0 to 1, a count in 1 to 10 by threes, a fixed list, one of two words.
 fn declare(own: &OwnParameters) {
     let descriptor = |name: &str, r#type| ParameterDescriptor { name: name.to_owned(), r#type, ..Default::default() };
     let range = FloatingPointRange { from_value: 0.0, to_value: 1.0, step: 0.0 };
     let share = descriptor("share", ParameterType::PARAMETER_DOUBLE);
     let descriptor_of_share = ParameterDescriptor { floating_point_range: Some(range).into(), ..share };
-    own.declare(Own { descriptor: descriptor_of_share, value: double(0.5) });
+    own.declare(Own { descriptor: descriptor_of_share, value: double(0.5), ..Own::default() });
     let range = IntegerRange { from_value: 1, to_value: 10, step: 4 };
     let count = descriptor("count", ParameterType::PARAMETER_INTEGER);
     own.declare(Own {
         descriptor: ParameterDescriptor { integer_range: Some(range).into(), ..count },
         value: integer(5),
+        ..Own::default()
     });
     let list = descriptor("list", ParameterType::PARAMETER_DOUBLE_ARRAY);
     let r#type = ParameterType::PARAMETER_DOUBLE_ARRAY;
     let value = ParameterValue { r#type, double_array_value: vec![1.0], ..ParameterValue::default() };
-    own.declare(Own { descriptor: ParameterDescriptor { read_only: true, ..list }, value });
+    own.declare(Own { descriptor: ParameterDescriptor { read_only: true, ..list }, value, ..Own::default() });
+    let word = descriptor("word", ParameterType::PARAMETER_STRING);
+    own.declare(Own { descriptor: word, value: string("scale"), words: &["scale", "refuse"] });
     own.declare_switch("use_sim_time", "The time of /clock.");
 }
 

@@ -1,5 +1,7 @@
 use super::super::tests::joints;
 use super::*;
+use crate::surface::group::TrajectorySettings;
+use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 
 mod any;
@@ -7,7 +9,7 @@ mod any;
 const NOW: i64 = 1_700_000_000_000_000_000;
 
 fn settings() -> Settings {
-    Settings { stopped: 0.01, joints: vec![(0.0, 0.0), (0.0, 0.0)], ..Settings::default() }
+    Settings { stopped: 0.01, joints: vec![[0.0; 3]; 2], ..Settings::default() }
 }
 
 fn at(seconds: f64) -> Duration {
@@ -59,6 +61,8 @@ fn a_plain_goal_starts_now_and_has_the_usual_tolerances() {
         path: vec![ToleranceRequest::default(); 2],
         goal: vec![stands; 2],
         goal_time_ns: None,
+        start: vec![ToleranceRequest::default(); 2],
+        ..TrajectoryRequest::default()
     };
     assert_eq!(read(&goal()), Ok(expected));
 }
@@ -120,13 +124,24 @@ fn partial_goals_need_their_parameter() {
         read(&goal).unwrap_err().to_string(),
         "joint_names has 1 of x, y; all are expected, or some with allow_partial_joints_goal"
     );
-    let settings = Settings { partial: true, joints: vec![(0.1, 0.2), (0.3, 0.4)], ..settings() };
+    let settings = Settings { partial: true, joints: vec![[0.1, 0.2, 0.0], [0.3, 0.4, 0.0]], ..settings() };
     let request = request(&joints(), &settings, &goal, NOW).unwrap();
     assert_eq!(request.axes, ["y"]);
     assert_eq!((request.path[0].position, request.goal[0].position), (Some(0.3), Some(0.4)), "its own tolerances");
     goal.path_tolerance = vec![tolerance("x", 1.0, 0.0, 0.0)];
     let error = super::request(&joints(), &settings, &goal, NOW).unwrap_err();
     assert_eq!(error.to_string(), "path_tolerance has the joint `x`; joints of joint_names are expected");
+}
+
+#[test]
+fn settings_of_group_and_joints_are_part_of_the_request() {
+    let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
+    let group = TrajectorySettings { limits, angle_wraparound: true, max_duration: 1.5 };
+    let settings = Settings { group, joints: vec![[0.0, 0.0, 0.01], [0.0; 3]], ..settings() };
+    let request = request(&joints(), &settings, &goal(), NOW).unwrap();
+    assert_eq!((request.limits, request.angle_wraparound), (limits, true));
+    assert_eq!(request.max_duration_ns, Some(1_500_000_000));
+    assert_eq!((request.start[0].position, request.start[1].position), (Some(0.01), None));
 }
 
 #[test]
@@ -147,7 +162,7 @@ fn a_trajectory_ends_at_rest() {
 #[test]
 fn a_goal_says_its_own_tolerances() {
     let settings =
-        Settings { goal_time: 1.5, stopped: 0.01, joints: vec![(0.1, 0.2), (0.0, 0.0)], ..Settings::default() };
+        Settings { goal_time: 1.5, stopped: 0.01, joints: vec![[0.1, 0.2, 0.0], [0.0; 3]], ..Settings::default() };
     let mut goal = goal();
     // 0: what the parameters say; -1: without limit; else: this.
     goal.path_tolerance = vec![tolerance("x", -1.0, 0.0, 3.0)];

@@ -64,9 +64,13 @@ fn any_goal() -> impl Strategy<Value = Goal> {
 
 fn any_settings() -> impl Strategy<Value = Settings> {
     let tolerance = || prop_oneof![Just(0.0), 0.0..1.0, Just(f64::MAX)];
-    let joint = || (tolerance(), tolerance());
-    (any::<bool>(), tolerance(), tolerance(), joint(), joint())
-        .prop_map(|(partial, goal_time, stopped, x, y)| Settings { partial, goal_time, stopped, joints: vec![x, y] })
+    let joint = || [tolerance(), tolerance(), tolerance()];
+    (any::<bool>(), tolerance(), tolerance(), joint(), joint(), (any::<bool>(), 0.0..86_400.0)).prop_map(
+        |(partial, goal_time, stopped, x, y, (angle_wraparound, max_duration))| {
+            let group = TrajectorySettings { angle_wraparound, max_duration, ..TrajectorySettings::default() };
+            Settings { partial, goal_time, stopped, joints: vec![x, y], group }
+        },
+    )
 }
 
 proptest! {

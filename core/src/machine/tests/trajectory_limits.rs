@@ -1,0 +1,281 @@
+//! Trajectories that exceed the velocities and accelerations of their axes: their time is stretched, or they are refused.
+
+use super::rig::{Rig, X, Y, config};
+use super::trajectory::{Point, track};
+use crate::code::Code;
+use crate::command::Action;
+use crate::event::{Event, Kind};
+use crate::position::Position;
+use crate::text;
+use crate::trajectory::{Knot, OnExcess, Spline, Track, Trajectory, TrajectoryLimits};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+const MS: u64 = 1_000_000;
+/// Of the axes of the rig (inc/s, inc/s^2).
+const MAX_VELOCITY: f64 = 100_000.0;
+const MAX_ACCELERATION: f64 = 1_000_000.0;
+
+fn rest(position: i64) -> Point {
+    (position, Some(0.0), None)
+}
+
+fn run(times_ms: &[u64], tracks: Vec<Track>, limits: TrajectoryLimits) -> Action {
+    let times = times_ms.iter().map(|ms| ms * MS).collect();
+    let trajectory = Trajectory::new(0, times, tracks.into(), None).expect("a sound one");
+    Action::Trajectory(Arc::new(trajectory.within(limits)))
+}
+
+fn refusing(margin: f64) -> TrajectoryLimits {
+    TrajectoryLimits { margin, on_excess: OnExcess::Refuse, ..TrajectoryLimits::default() }
+}
+
+fn scaling(margin: f64, max_stretch: f64) -> TrajectoryLimits {
+    TrajectoryLimits { margin, on_excess: OnExcess::Scale, max_stretch }
+}
+
+fn command(rig: &Rig, axis: &str) -> f64 {
+    rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
+}
+
+/// Runs a goal to its end: how many cycles it took, the largest velocity and change of velocity of an axis (inc/s, inc/s^2).
+fn played(rig: &mut Rig, goal: u64, axis: &str) -> (usize, f64, f64) {
+    let (mut fastest, mut hardest) = (0.0_f64, 0.0_f64);
+    let mut before = (command(rig, axis), rig.real(&format!("{axis}.command.velocity")));
+    for cycle in 0..100_000 {
+        if let [done] = rig.done(goal)[..] {
+            assert_eq!(done.code, Code::NONE);
+            return (cycle, fastest, hardest);
+        }
+        rig.run(1);
+        let now = (command(rig, axis), rig.real(&format!("{axis}.command.velocity")));
+        fastest = fastest.max((now.0 - before.0).abs() / 0.001).max(now.1.abs());
+        hardest = hardest.max((now.1 - before.1).abs() / 0.001);
+        before = now;
+    }
+    panic!("goal {goal} does not end");
+}
+
+fn stretches(rig: &Rig, goal: u64) -> Vec<Event> {
+    let is_one = |event: &&Event| event.command == goal && event.code == Code::TRAJECTORY_STRETCHED;
+    rig.events.iter().filter(is_one).copied().collect()
+}
+
+/// 1500 inc from rest to rest in 50 ms: 6 * 1500 / 0.05^2 = 3.6e6 inc/s^2, 3.6 times what x may, so that it takes sqrt(3.6) =
+/// 1.8974 times as long: 94.87 ms. Each position is that of 50 ms, later.
+#[test]
+fn excessive_acceleration_stretches_the_time_of_all_axes_and_keeps_the_path() {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(run(&[50], vec![track(Y, &[rest(-300)]), track(X, &[rest(1_500)])], scaling(0.0, 2.0)));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let stretch = 3.6_f64.sqrt();
+    for cycle in 1..95 {
+        rig.run(1);
+        let u = f64::from(cycle) / (50.0 * stretch);
+        for (axis, way) in [("x", 1_500.0), ("y", -300.0)] {
+            let expected = way * (3.0 * u * u - 2.0 * u * u * u);
+            let found = command(&rig, axis);
+            assert!((found - expected).abs() < 1e-4, "{axis} at {cycle}: {found} instead of {expected}");
+            let velocity = way * (6.0 * u - 6.0 * u * u) / (0.05 * stretch);
+            assert!((rig.real(&format!("{axis}.command.velocity")) - velocity).abs() < 1e-3, "{axis} at {cycle}");
+        }
+    }
+    assert!(rig.done(goal).is_empty(), "94 ms are not enough");
+    rig.run(1);
+    assert_eq!((rig.done(goal)[0].code, command(&rig, "x"), command(&rig, "y")), (Code::NONE, 1_500.0, -300.0));
+    let [event] = stretches(&rig, goal)[..] else { panic!("one event is expected") };
+    assert_eq!(event.kind, Kind::Warning);
+    assert_eq!(
+        text::sentence(&event, rig.machine.config()),
+        "x: the trajectory takes 1.8974 times the planned time: acceleration 3.6 m/s^2 (3600 mm/s^2) exceeds max_acceleration \
+         1 m/s^2 (1000 mm/s^2) before point 0 (0.05 s)"
+    );
+}
+
+/// The second segment, 15000 inc in 100 ms, takes 1.5 times max_velocity.
+#[test]
+fn excessive_velocity_stretches_by_its_share() {
+    let mut rig = Rig::enabled();
+    let points: [Point; 3] = [(0, None, None), (15_000, None, None), (16_000, None, None)];
+    let goal = rig.give(run(&[0, 100, 200], vec![track(X, &points)], scaling(0.0, 1.5)));
+    let [event] = stretches(&rig, goal)[..] else { panic!("one event is expected: {}", rig.refusal(goal)) };
+    assert_eq!(
+        text::sentence(&event, rig.machine.config()),
+        "x: the trajectory takes 1.5 times the planned time: velocity 0.15 m/s (150 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) \
+         before point 1 (0.1 s)"
+    );
+    let (_, fastest, _) = played(&mut rig, goal, "x");
+    assert!(fastest <= MAX_VELOCITY * (1.0 + 2e-6), "{fastest}");
+}
+
+#[test]
+fn a_margin_accepts_what_exceeds_by_less_and_never_more() {
+    // 1.5 L / T = 100050 inc/s, 0.05 % too fast, and 6 L / T^2 = 200100 inc/s^2.
+    let points = [rest(133_400)];
+    let mut rig = Rig::enabled();
+    let goal = rig.give(run(&[2_000], vec![track(X, &points)], refusing(0.001)));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let (cycles, fastest, _) = played(&mut rig, goal, "x");
+    assert_eq!((cycles, stretches(&rig, goal).len()), (2_000, 0), "as planned");
+    assert!(fastest > 100_049.0 && fastest <= MAX_VELOCITY * 1.001, "{fastest}");
+    let goal = rig.give(run(&[2_000], vec![track(X, &[rest(0)])], refusing(0.0004)));
+    assert_eq!(
+        rig.refusal(goal),
+        "x: velocity 0.10005 m/s (100.05 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) before point 0 (2 s); \
+         trajectory_limits.on_excess is refuse, scale would stretch the time by 1.0005"
+    );
+}
+
+#[test]
+fn more_than_max_stretch_is_refused_with_point_time_and_factor() {
+    let mut rig = Rig::enabled();
+    // The way from 10000 to 14000 inc in 40 ms: 1.5 times max_velocity, and 6 * 4000 / 0.04^2 = 15e6 inc/s^2: sqrt(15) = 3.873.
+    let points = [rest(0), rest(10_000), rest(14_000)];
+    let goal = rig.give(run(&[0, 500, 540], vec![track(X, &points)], scaling(0.001, 3.0)));
+    assert_eq!(
+        rig.refusal(goal),
+        "x: velocity 0.15 m/s (150 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) before point 2 (0.54 s); the time would have to \
+         be stretched by 3.873, trajectory_limits.max_stretch is 3"
+    );
+    rig.run(10);
+    assert_eq!((command(&rig, "x"), rig.state("x")), (0.0, "STANDSTILL"));
+    let goal = rig.give(run(&[0, 500, 540], vec![track(X, &points)], scaling(0.001, 4.0)));
+    let (cycles, fastest, hardest) = played(&mut rig, goal, "x");
+    // sqrt(15) * 540 ms = 2091.4 ms.
+    assert_eq!(cycles, 2_092);
+    assert!(fastest <= MAX_VELOCITY && hardest <= MAX_ACCELERATION * (1.0 + 1e-6), "{fastest} {hardest}");
+}
+
+/// A new trajectory takes x over in motion: the way to its first point is another one with each stretch.
+#[test]
+fn a_trajectory_that_takes_over_in_motion_is_stretched_too() {
+    let mut rig = Rig::enabled();
+    let before = rig.give(run(&[1_000], vec![track(X, &[rest(40_000)])], refusing(0.0)));
+    rig.run(400);
+    assert!(rig.was_accepted(before) && rig.done(before).is_empty());
+    // From 57600 inc/s at 14080 inc to 30000 inc/s at 20000 inc in 100 ms: 1.2e6 inc/s^2 at its end.
+    let points = [(20_000, Some(30_000.0), None), rest(24_000)];
+    let goal = rig.give(run(&[100, 400], vec![track(X, &points)], scaling(0.0, 1.5)));
+    let [_] = stretches(&rig, goal)[..] else { panic!("one event is expected: {}", rig.refusal(goal)) };
+    let (_, fastest, hardest) = played(&mut rig, goal, "x");
+    assert!(fastest <= MAX_VELOCITY && hardest <= MAX_ACCELERATION * (1.0 + 1e-6), "{fastest} {hardest}");
+    assert_eq!(command(&rig, "x"), 24_000.0);
+}
+
+/// What has no meaning as limits is no trajectory.
+#[test]
+fn limits_outside_of_their_ranges_are_refused() {
+    let times: Box<[u64]> = [100 * MS].into();
+    let of = |limits| {
+        let tracks = vec![track(X, &[rest(100)])];
+        Trajectory::new(0, times.clone(), tracks.into(), None).expect("a sound one").within(limits).is_sound()
+    };
+    assert!(of(TrajectoryLimits::default()));
+    for limits in
+        [scaling(-0.001, 1.5), scaling(0.11, 1.5), scaling(f64::NAN, 1.5), scaling(0.0, 0.9), scaling(0.0, 10.1)]
+    {
+        assert!(!of(limits), "{limits:?}");
+    }
+}
+
+/// Three cubic segments, of which the last one may be short, up to 3 times too hard.
+fn knots() -> impl Strategy<Value = (Vec<u64>, Vec<Point>)> {
+    let time = 20..200_u64;
+    let place = -3_000..3_000_i64;
+    let velocity = -40_000.0..40_000.0_f64;
+    ([time.clone(), time, 5..100], [place.clone(), place.clone(), place], [velocity.clone(), velocity]).prop_map(
+        |(times, places, velocities)| {
+            let at = |count: usize| times[..count].iter().sum::<u64>();
+            let points = vec![
+                rest(0),
+                (places[0], Some(velocities[0]), None),
+                (places[1], Some(velocities[1]), None),
+                rest(places[2]),
+            ];
+            (vec![0, at(1), at(2), at(3)], points)
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Whatever is stretched stays on its path, at its time divided by the stretch, and within all limits.
+    #[test]
+    fn stretched_trajectories_keep_their_path_and_all_limits((times, points) in knots()) {
+        let mut rig = Rig::of(config(0));
+        rig.enable();
+        let limits = scaling(0.0, 10.0);
+        let goal = rig.give(run(&times, vec![track(X, &points)], limits));
+        let is_refused = |event: &Event| event.command == goal && event.kind == Kind::Refused;
+        if rig.events.iter().any(is_refused) {
+            // More than ten times as long.
+            return Ok(());
+        }
+        let stretch = stretches(&rig, goal).first().and_then(|event| event.place).map_or(1.0, |place| place.stretch);
+        let knots = track(X, &points).knots;
+        let model = |time_ms: f64| {
+            let next = times.partition_point(|&time| time as f64 <= time_ms);
+            if next == times.len() {
+                return points[3].0 as f64;
+            }
+            let (from, until) = (times[next - 1], times[next]);
+            let spline = Spline::new(&knots[next - 1], &knots[next], (until - from) * MS);
+            spline.at((time_ms - from as f64) * 1e6).position.to_f64()
+        };
+        let mut before = rig.real("x.command.velocity");
+        for cycle in 1..20_000_u32 {
+            rig.run(1);
+            if !rig.done(goal).is_empty() {
+                break;
+            }
+            let expected = model(f64::from(cycle) / stretch);
+            prop_assert!((command(&rig, "x") - expected).abs() < 1e-2, "{} instead of {expected}", command(&rig, "x"));
+            let velocity = rig.real("x.command.velocity");
+            prop_assert!(velocity.abs() <= MAX_VELOCITY * (1.0 + 1e-6));
+            prop_assert!((velocity - before).abs() / 0.001 <= MAX_ACCELERATION * (1.0 + 1e-6));
+            before = velocity;
+        }
+        prop_assert_eq!(rig.done(goal)[0].code, Code::NONE);
+    }
+}
+
+/// A motion with accelerations of -1, 0 or 1 times the limit, a millisecond each, to standstill: what a time-optimal planner may make.
+fn optimal_plan() -> impl Strategy<Value = (Vec<(f64, f64, f64)>, usize)> {
+    (proptest::collection::vec(-1..=1_i32, 2..90), 1..100_usize).prop_map(|(half, step)| {
+        let back = half.iter().rev().map(|share| -share);
+        let (mut position, mut velocity) = (0.0, 0.0);
+        let mut motion = vec![(0.0, 0.0, MAX_ACCELERATION * f64::from(half[0]))];
+        for acceleration in half.iter().copied().chain(back).map(|share| MAX_ACCELERATION * f64::from(share)) {
+            position += velocity * 0.001 + acceleration * 0.5e-6;
+            velocity += acceleration * 0.001;
+            motion.push((position, velocity, acceleration));
+        }
+        (motion, step)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
+
+    /// Whatever is planned within the limits runs at the defaults, however it is sampled.
+    #[test]
+    fn plans_within_the_limits_are_accepted((motion, step) in optimal_plan(), with_accelerations: bool) {
+        let last = motion.len() - 1;
+        let samples = (0..last).step_by(step).chain([last]);
+        let knots = samples.clone().map(|place| Knot {
+            position: Position::from_f64(motion[place].0),
+            velocity: Some(if place == last { 0.0 } else { motion[place].1 }),
+            acceleration: with_accelerations.then_some(motion[place].2),
+        });
+        let of_x = Track { axis: X, knots: knots.collect(), ..Track::default() };
+        let times = samples.map(|place| place as u64 * MS).collect();
+        let trajectory = Trajectory::new(0, times, [of_x].into(), None).expect("a sound one");
+        let mut rig = Rig::of(config(0));
+        rig.enable();
+        let goal = rig.give(Action::Trajectory(Arc::new(trajectory)));
+        prop_assert!(rig.was_accepted(goal));
+        let (_, fastest, _) = played(&mut rig, goal, "x");
+        prop_assert!(fastest <= MAX_VELOCITY * 1.001);
+    }
+}
