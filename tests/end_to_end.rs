@@ -26,6 +26,7 @@ mod function_types;
 mod functions;
 mod homing;
 mod homing_drawings;
+mod joints;
 mod lifecycle;
 mod loops;
 mod motion;

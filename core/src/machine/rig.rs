@@ -299,11 +299,11 @@ impl Rig {
     }
 
     /// The answer to a command; what refused it.
-    pub(crate) fn answer(&self, sequence: u64) -> Result<(), Event> {
+    pub(crate) fn answer(&self, sequence: u64) -> Result<(), Box<Event>> {
         let refused = self.of_command(sequence, Kind::Refused);
         let answers = refused.len() + self.of_command(sequence, Kind::Accepted).len();
         assert_eq!(answers, 1, "answered once");
-        refused.first().map_or(Ok(()), |event| Err(*event))
+        refused.first().map_or(Ok(()), |event| Err(Box::new(*event)))
     }
 
     /// The sentence of a refused command.

@@ -10,6 +10,7 @@ use super::devices::Io;
 use super::drives::{self, Drive, interface_of, law_of};
 use super::encoders::{self, Reads};
 use super::fixtures;
+use super::joints;
 use super::loops::Chains;
 use super::machine;
 use super::models::model;
@@ -37,6 +38,8 @@ const SOME_CYCLE_NS: u64 = 1_000_000;
 /// An axis, its drive and its second one; none for a virtual one, and for one with one drive alone.
 pub(super) struct Axis {
     pub config: AxisConfig,
+    /// Its joint name.
+    pub joint: String,
     pub first: Option<Driven>,
     pub second: Option<Driven>,
 }
@@ -57,6 +60,7 @@ struct Onces<'d> {
     switches: fixtures::Taken,
     masters: amc::Masters<'d>,
     functions: machine::Functions<'d>,
+    joints: joints::Taken<'d>,
 }
 
 /// Entries of other sections.
@@ -79,8 +83,14 @@ pub(super) fn read<'d>(
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once =
-        Onces { taken: Once::new(), outputs, switches: Once::new(), masters: amc::Masters::new(), functions };
+    let mut once = Onces {
+        taken: Once::new(),
+        outputs,
+        switches: Once::new(),
+        masters: amc::Masters::new(),
+        functions,
+        joints: joints::Taken::new(),
+    };
     let axes = entries.iter().enumerate();
     let axes = axes.map(|(place, entry)| axis(place, entry, cx, of, &mut once)).collect();
     machine::refuse_shared(&once.functions, &of.io.entries, &once.outputs);
@@ -95,12 +105,13 @@ fn axis<'d>(
     of: Entries<'_, 'd>,
     once: &mut Onces<'d>,
 ) -> Option<Axis> {
-    let Onces { taken, outputs, switches, masters, functions } = once;
+    let Onces { taken, outputs, switches, masters, functions, joints } = once;
     let Entries { io: entries, encoders: coded, tables, .. } = of;
     let io = &*entries.entries;
     let name = entry.name();
     let mut map = entry.value.map(format!("axis `{name}`"))?;
     map.explain_by(parameters::word_of_source);
+    let joint = joints::read(&mut map, entry, cx, joints);
     let (travel, factors) = Travel::read_axis(&mut map);
     let ((described, second), has_two) =
         drives::read(&mut map, name, &travel, cx, taken, &mut Outputs { io: entries, taken: outputs });
@@ -241,7 +252,7 @@ fn axis<'d>(
     check_loop(&config, place, &entry.key, &given, cx);
     check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
-    Some(Axis { config, first, second })
+    Some(Axis { config, joint: joint.to_owned(), first, second })
 }
 
 /// Refuses what two drives of one axis cannot do.

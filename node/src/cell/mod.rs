@@ -30,6 +30,7 @@ mod encoders;
 mod fixtures;
 mod functions;
 mod groups;
+mod joints;
 mod loops;
 mod machine;
 mod marks;
@@ -66,7 +67,7 @@ use lineshaft_core::drive::{Objects, Terminal};
 use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_core::unit::Dimension;
-use lineshaft_ros::surface::Group;
+use lineshaft_ros::surface::{Group, JointNames};
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 pub use marks::CellMarks;
 use names::{Names, Section, quote};
@@ -97,6 +98,8 @@ pub struct Cell {
     pub mechanics: Vec<Mechanics>,
     /// Marks that digital inputs see in the simulation.
     pub marks: Vec<CellMarks>,
+    /// Joint names of the axes.
+    pub joint_names: JointNames,
     /// One for each axis, in file order: where its drive is; none for a virtual one.
     pub hardware: Vec<Option<Hardware>>,
     /// One for each axis, in file order: where its second drive is; none where it has one alone.
@@ -315,10 +318,11 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     terminals_on_can.extend(encoders_on_can);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
-    let mut configs = Vec::new();
+    let (mut configs, mut joints) = (Vec::new(), Vec::new());
     let (mut firsts, mut seconds) = (Vec::new(), Vec::new());
-    for axes::Axis { config, first, second } in axes {
+    for axes::Axis { config, joint, first, second } in axes {
         configs.push(config);
+        joints.push(joint);
         firsts.push(first);
         seconds.push(second);
     }
@@ -360,6 +364,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         models,
         mechanics,
         marks,
+        joint_names: JointNames::new(joints),
         hardware,
         second_hardware,
         on_can,

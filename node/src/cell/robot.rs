@@ -7,6 +7,7 @@ use crate::document::{Place, Problems};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::unit::{ScaleKind, excerpt};
 use lineshaft_ros::layer::open_file;
+use lineshaft_ros::surface::JointNames;
 use roxmltree::{Document, Node, TextPos};
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -100,8 +101,8 @@ impl Robot {
     }
 
     /// Where the description and the axes do not fit together, a sentence each. Nothing of it stops a machine.
-    pub fn warnings(&self, config: &MachineConfig) -> Vec<String> {
-        self.joints.iter().flat_map(|joint| joint.warnings(config)).collect()
+    pub fn warnings(&self, config: &MachineConfig, names: &JointNames) -> Vec<String> {
+        self.joints.iter().flat_map(|joint| joint.warnings(config, names)).collect()
     }
 }
 
@@ -194,22 +195,27 @@ impl Reader<'_> {
 }
 
 impl Joint {
-    fn warnings(&self, config: &MachineConfig) -> Vec<String> {
-        let name = excerpt(&self.name);
-        let Some(axis) = config.axes.iter().find(|axis| axis.name == self.name) else {
-            return vec![format!("robot_description: joint {name}: no axis has that name, so nothing moves it")];
+    fn warnings(&self, config: &MachineConfig, names: &JointNames) -> Vec<String> {
+        let moved = names.find(&self.name).and_then(|axis| config.axes.get(usize::from(axis)));
+        let Some(axis) = moved else {
+            let renamed = names.renamed(config).find(|(object, _)| *object == self.name);
+            let why = renamed.map_or("no axis has that name".to_owned(), |(axis, joint)| {
+                format!("the joint name of axis {axis} is {joint}")
+            });
+            return vec![format!("robot_description: joint {}: {why}, so nothing moves it", excerpt(&self.name))];
         };
+        let (name, of) = (&self.name, &axis.name);
         if axis.drive.is_none() {
-            return vec![format!("robot_description: joint {name}: axis {name} is virtual: joint_states leave it out")];
+            return vec![format!("robot_description: joint {name}: axis {of} is virtual: joint_states leave it out")];
         }
         let is_linear = axis.scale.kind() == ScaleKind::Linear;
         if is_linear != (self.kind == Kind::Prismatic) {
             let (joint, axis) = if is_linear { ("turns", "linear") } else { ("is prismatic", "rotary") };
-            return vec![format!("robot_description: joint {name} {joint}, and axis {name} is {axis}")];
+            return vec![format!("robot_description: joint {name} {joint}, and axis {of} is {axis}")];
         }
         let mut warnings = Vec::new();
         let mut beyond = |what: &str, joint: f64, key: &str, axis: f64| {
-            let begin = format!("robot_description: joint {name}: {what} is {joint}, and axis {name} has {key} {axis}");
+            let begin = format!("robot_description: joint {name}: {what} is {joint}, and axis {of} has {key} {axis}");
             warnings.push(format!("{begin} in SI: goals between them are planned, and refused"));
         };
         if let Some([lower, upper]) = self.range {
@@ -246,7 +252,8 @@ mod tests {
 
     fn warnings(joints: &str) -> Vec<String> {
         let robot = Robot::parse("r.urdf", format!("<robot name='r'>{joints}</robot>")).unwrap();
-        robot.warnings(&Cell::demo().machine)
+        let cell = Cell::demo();
+        robot.warnings(&cell.machine, &cell.joint_names)
     }
 
     #[test]
@@ -254,7 +261,7 @@ mod tests {
         let cell = Cell::demo();
         let robot = cell.robot.unwrap();
         assert_eq!(robot.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["x", "y", "turret"]);
-        assert_eq!(robot.warnings(&cell.machine), Vec::<String>::new());
+        assert_eq!(robot.warnings(&cell.machine, &cell.joint_names), Vec::<String>::new());
         // The limits are those of the cell, not only within them.
         let x = &cell.machine.axes[1];
         let [Some(least), Some(most)] = positions(x) else { panic!("x has limits") };
@@ -309,6 +316,27 @@ mod tests {
              r.urdf:5:1: joint b: type is `slider`; revolute, continuous, prismatic, fixed, floating, planar are allowed\n\
              r.urdf:6:40: joint c: lower is `${-pi}`; a number is expected\n\
              r.urdf:6:55: joint c: upper is `1e999`; a number is expected\n"
+        );
+    }
+
+    #[test]
+    fn joints_are_compared_with_the_axes_of_their_joint_names() {
+        let limit = "<limit lower='-0.06' upper='0.85' velocity='1.2' effort='1'/>";
+        let joints = format!(
+            "<joint name='Slide_X' type='prismatic'>{limit}</joint><joint name='x' type='prismatic'>{limit}</joint>\
+             <joint name='turret' type='prismatic'>{limit}</joint>"
+        );
+        let robot = Robot::parse("r.urdf", format!("<robot name='r'>{joints}</robot>")).unwrap();
+        let text = Cell::demo().text.replacen("\n  x:\n", "\n  x:\n    joint: Slide_X\n", 1);
+        let cell = Cell::parse("c", text).unwrap();
+        assert_eq!(
+            robot.warnings(&cell.machine, &cell.joint_names),
+            [
+                "robot_description: joint Slide_X: lower is -0.06, and axis x has min_position -0.05 in SI: goals between them \
+                 are planned, and refused",
+                "robot_description: joint x: the joint name of axis x is Slide_X, so nothing moves it",
+                "robot_description: joint turret is prismatic, and axis turret is rotary",
+            ]
         );
     }
 

@@ -9,6 +9,7 @@ mod fixtures;
 mod functions;
 mod gantry;
 mod interfaces;
+mod joints;
 mod marks;
 mod masters;
 mod motor;

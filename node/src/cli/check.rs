@@ -34,6 +34,9 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
         }
     };
     say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
+    if let Some(line) = joint_names(&cell) {
+        say(&line);
+    }
     for line in buses.iter().filter_map(load_of) {
         say(&line);
     }
@@ -71,9 +74,16 @@ fn draw(cell: &Cell, name: &Path, path: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// The axes that have joint names of their own; none where all joint names are object names.
+fn joint_names(cell: &Cell) -> Option<String> {
+    let renamed = cell.joint_names.renamed(&cell.machine).map(|(axis, joint)| format!("{axis} is {joint}"));
+    let renamed: Vec<String> = renamed.collect();
+    (!renamed.is_empty()).then(|| format!("joint names: {}", renamed.join(", ")))
+}
+
 /// What is no error and yet may not be what was meant.
 pub(super) fn warnings(cell: &Cell) -> Vec<String> {
-    let mut warnings = cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine));
+    let mut warnings = cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine, &cell.joint_names));
     warnings.extend(cell.machine.endless_searches().map(|axis| {
         let name = &axis.name;
         format!(

@@ -20,6 +20,7 @@ use lineshaft_core::text;
 use lineshaft_msgs::cdr::append_with_header;
 use lineshaft_msgs::foreign::can_msgs::msg::Frame;
 use lineshaft_msgs::msg::{AppliedCommand, CycleInputs, Signals};
+use lineshaft_ros::surface::JointNames;
 use lineshaft_ros::surface::messages::{self, AxisView};
 use serde::Serialize;
 
@@ -28,6 +29,7 @@ use serde::Serialize;
 pub struct Encoder {
     config: MachineConfig,
     views: Vec<AxisView>,
+    joint_names: JointNames,
     axis_states: Cadence,
     joint_states: Cadence,
     signals: Vec<Signal>,
@@ -40,10 +42,11 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder for a machine of `config`, whose signals are those of `directory`. The cell gives the rates.
+    /// An encoder for a machine of `config`, whose signals are those of `directory`. The cell gives the rates and the joint names.
     pub fn new(cell: &Cell, config: &MachineConfig, directory: &Directory) -> Self {
         Self {
             views: AxisView::all(config, directory),
+            joint_names: cell.joint_names.clone(),
             axis_states: Cadence::new(cell.ros.axis_states_rate, config.cycle_ns),
             joint_states: Cadence::new(cell.ros.joint_states_rate, config.cycle_ns),
             signals: directory.iter().map(|(signal, _)| signal).collect(),
@@ -88,7 +91,8 @@ impl Encoder {
             encoded.push(Topic::AxisStates, &messages::axis_states(&self.views, cycle.board, number, cycle.stamp_ns));
         }
         if self.joint_states.is_due(number) {
-            encoded.push(Topic::JointStates, &messages::joint_states(&self.views, cycle.board, cycle.stamp_ns));
+            let message = messages::joint_states(&self.views, &self.joint_names, cycle.board, cycle.stamp_ns);
+            encoded.push(Topic::JointStates, &message);
         }
         self.size = encoded.size();
         encoded

@@ -30,7 +30,7 @@ use lineshaft_ros::surface::host::{
     BackendHealth, Busy, Coming, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
     TuneOrder, Tuning,
 };
-use lineshaft_ros::surface::{StateSender, is_told};
+use lineshaft_ros::surface::{JointNames, StateSender, is_told};
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -52,6 +52,7 @@ pub struct Handle {
     newest: Mutex<Newest>,
     parameters: RwLock<Arc<ParameterImage>>,
     keeper: Option<Orders>,
+    joint_names: JointNames,
     robot_description: Option<String>,
     gate: Arc<Gate>,
     statistics: Arc<Statistics>,
@@ -98,6 +99,7 @@ impl Handle {
         let snapshot = Arc::new(signals.read().clone());
         let newest = Mutex::new(Newest { signals, snapshot });
         let parameters = RwLock::new(Arc::new(parameters));
+        let joint_names = JointNames::of_objects(&config);
         Self {
             config,
             directory,
@@ -116,6 +118,7 @@ impl Handle {
             trials,
             begins_active: true,
             robot_description: None,
+            joint_names,
         }
     }
 
@@ -153,6 +156,11 @@ impl Handle {
     /// The same, whose saved parameters are kept in a store.
     pub fn with_keeper(self, keeper: Orders) -> Self {
         Self { keeper: Some(keeper), ..self }
+    }
+
+    /// The same, whose axes have these joint names; without it those of the objects.
+    pub fn with_joint_names(self, joint_names: JointNames) -> Self {
+        Self { joint_names, ..self }
     }
 
     /// The same, whose robot is described by this URDF.
@@ -205,6 +213,10 @@ impl Host for Handle {
 
     fn config(&self) -> &MachineConfig {
         &self.config
+    }
+
+    fn joint_names(&self) -> &JointNames {
+        &self.joint_names
     }
 
     fn directory(&self) -> &Directory {

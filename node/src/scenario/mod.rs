@@ -116,6 +116,7 @@ impl Scenario {
             Ok(machine) => {
                 let names = Names {
                     config: &cell.machine,
+                    joints: Some(&cell.joint_names),
                     backends: &cell.backends,
                     directory: machine.directory(),
                     folder: Some(folder),

@@ -8,11 +8,14 @@ use lineshaft_core::parameter::{Applies, ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
+use lineshaft_ros::surface::JointNames;
 use std::path::Path;
 
 /// The names of a cell.
 pub(super) struct Names<'c> {
     pub config: &'c MachineConfig,
+    /// Joint names of its axes; none for what was recorded, which names objects.
+    pub joints: Option<&'c JointNames>,
     /// Backends that can be named, in the order of the cell.
     pub backends: &'c [CellBackend],
     pub directory: &'c Directory,
@@ -31,6 +34,12 @@ impl Names<'_> {
             value.refuse(format!("no signal is called `{}`", excerpt(text)), Some(hint));
         }
         found
+    }
+
+    /// The object name of the axis that is called so, by its joint name or its object name; any other name as it is.
+    pub(super) fn axis_of_joint(&self, name: &str) -> String {
+        let axis = self.joints.and_then(|joints| joints.find(name));
+        axis.map_or(name, |axis| self.config.name(Object::Axis(axis))).to_owned()
     }
 
     /// The object that a value names; `machine` is one.

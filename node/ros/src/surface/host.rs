@@ -1,5 +1,6 @@
 //! What the surface needs of the program that runs the machine.
 
+use super::joint_names::JointNames;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::MachineConfig;
@@ -216,6 +217,9 @@ pub struct Untuned {
 pub trait Host: Send + Sync + 'static {
     /// What the machine is made of.
     fn config(&self) -> &MachineConfig;
+
+    /// Joint names of its axes.
+    fn joint_names(&self) -> &JointNames;
 
     /// Names of its signals.
     fn directory(&self) -> &Directory;

@@ -2,6 +2,7 @@
 
 pub use super::signals::AxisView;
 
+use super::joint_names::JointNames;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event as CoreEvent, Number};
 use lineshaft_core::object::Object;
@@ -23,13 +24,13 @@ pub fn header(stamp_ns: u64) -> Header {
     Header { stamp: time(stamp_ns), frame_id: String::new() }
 }
 
-/// joint_states: all axes but virtual ones. `stamp_ns` is t_k (ns).
-pub fn joint_states(views: &[AxisView], board: &Board, stamp_ns: u64) -> JointState {
-    let joints = || views.iter().filter(|view| !view.is_virtual);
-    let each = |value: &dyn Fn(&AxisView) -> f64| joints().map(value).collect::<Vec<_>>();
+/// joint_states: all axes but virtual ones, by their joint names. `stamp_ns` is t_k (ns).
+pub fn joint_states(views: &[AxisView], names: &JointNames, board: &Board, stamp_ns: u64) -> JointState {
+    let joints = || views.iter().zip(names.iter()).filter(|(view, _)| !view.is_virtual);
+    let each = |value: &dyn Fn(&AxisView) -> f64| joints().map(|(view, _)| value(view)).collect::<Vec<_>>();
     JointState {
         header: header(stamp_ns),
-        name: joints().map(|joint| joint.name.clone()).collect(),
+        name: joints().map(|(_, name)| name.to_owned()).collect(),
         position: each(&|joint| joint.si(joint.int(board, AxisSignal::ActualPosition), 0.0)),
         velocity: each(&|joint| joint.rate(board, AxisSignal::ActualVelocity)),
         effort: each(&|joint| joint.effort(board)),

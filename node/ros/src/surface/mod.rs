@@ -16,6 +16,7 @@ mod history;
 mod home;
 mod home_axis;
 mod hub;
+mod joint_names;
 #[cfg(any(test, feature = "fuzz"))]
 mod laws;
 mod leaders;
@@ -47,6 +48,7 @@ mod vocabulary;
 
 pub use group::{Group, TrajectorySettings};
 pub use hub::is_told;
+pub use joint_names::JointNames;
 #[cfg(any(test, feature = "fuzz"))]
 pub use laws::any_goal;
 pub use names::check_names;

@@ -75,10 +75,12 @@ pub(super) fn start(
     tasks: &mut JoinSet<()>,
 ) -> Result<(), CreateError> {
     let views = AxisView::all(host.config(), host.directory());
-    let joints = views.clone();
+    let (joints, of) = (views.clone(), Arc::clone(host));
     let publisher = table::JOINT_STATES.publisher(node)?;
     let clock: Clock = node.clock().clone();
-    let message = move |snapshot: &Snapshot| joint_states(&joints, &snapshot.board, clock.stamp(snapshot.stamp_ns));
+    let message = move |snapshot: &Snapshot| {
+        joint_states(&joints, of.joint_names(), &snapshot.board, clock.stamp(snapshot.stamp_ns))
+    };
     tasks.spawn(publish(publisher, states.joint_states, message));
     let publisher = table::AXIS_STATES.publisher(node)?;
     let clock: Clock = node.clock().clone();

@@ -7,6 +7,7 @@
 
 use super::host::Host;
 use super::hub::Hub;
+use super::joint_names::JointNames;
 use super::table;
 use crate::layer::{CreateError, Node, Subscription};
 use lineshaft_core::command::{Setpoints, Source};
@@ -38,11 +39,12 @@ async fn follow<M: Message>(
     mut topic: Subscription<M>,
     hub: Arc<Hub>,
     name: &'static str,
-    read: fn(M) -> Result<Asked, String>,
+    read: impl Fn(M, &JointNames, &MachineConfig) -> Result<Asked, String> + Send,
 ) {
     let mut refusals = Refusals::default();
     while let Some(message) = topic.next().await {
-        let set = read(message).and_then(|asked| resolve(&asked, &*hub.host, hub.clock.now()));
+        let asked = read(message, hub.host.joint_names(), hub.host.config());
+        let set = asked.and_then(|asked| resolve(&asked, &*hub.host, hub.clock.now()));
         let taken = set.and_then(|set| hub.host.stream(&set).map_err(|busy| busy.to_string()));
         if let Err(sentence) = taken
             && let Some(more) = refusals.say(Instant::now())
@@ -72,8 +74,8 @@ impl Refusals {
     }
 }
 
-fn jog(message: JointJog) -> Result<Asked, String> {
-    let JointJog { header, joint_names, displacements, velocities, duration } = message;
+fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result<Asked, String> {
+    let JointJog { header, mut joint_names, displacements, velocities, duration } = message;
     if !displacements.is_empty() {
         return Err(format!(
             "displacements has {} entries; none is allowed, give velocities, or a goal of ~/move_axis in mode RELATIVE",
@@ -89,10 +91,13 @@ fn jog(message: JointJog) -> Result<Asked, String> {
     // The cast saturates: 584 years. What is less than a nanosecond is one, not for ever.
     let ns = ((duration * 1e9).round() as u64).max(1);
     let duration = (duration > 0.0).then_some(ns);
+    for name in &mut joint_names {
+        *name = joints.object(name, "joint_names", config)?.to_owned();
+    }
     Ok((header.stamp, pair("joint_names", joint_names, velocities, duration)?))
 }
 
-fn setpoints(message: msg::Setpoints) -> Result<Asked, String> {
+fn setpoints(message: msg::Setpoints, _: &JointNames, _: &MachineConfig) -> Result<Asked, String> {
     let msg::Setpoints { header, axes, velocities } = message;
     Ok((header.stamp, pair("axes", axes, velocities, None)?))
 }

@@ -160,7 +160,7 @@ impl<A: Action> Acted<A> {
 pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
     "joint_states",
     Qos::STREAM,
-    "actual position, velocity, effort of all axes but virtual ones; position unwrapped; each cycle of `joint_states_rate`",
+    "actual position, velocity, effort of all axes but virtual ones, by their joint names; position unwrapped; each cycle of `joint_states_rate`",
 );
 pub(super) const AXIS_STATES: Topic<AxisStates> =
     Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
@@ -211,8 +211,11 @@ pub(super) const GET_AVAILABLE_TRANSITIONS: Served<GetAvailableTransitions> =
     Served::new("~/get_available_transitions", Qos::SERVICE, "the transitions from the present state");
 pub(super) const GET_TRANSITION_GRAPH: Served<GetAvailableTransitions> =
     Served::new("~/get_transition_graph", Qos::SERVICE, "all transitions of the life cycle");
-pub(super) const JOG: Topic<JointJog> =
-    Topic::subscribed("~/jog", Qos::STREAM, "moves axes at velocities, by hand, until it stops coming; see below");
+pub(super) const JOG: Topic<JointJog> = Topic::subscribed(
+    "~/jog",
+    Qos::STREAM,
+    "moves axes at velocities, by hand, until it stops coming; names joints; see below",
+);
 pub(super) const SETPOINTS: Topic<Setpoints> = Topic::subscribed(
     "~/setpoints",
     Qos::STREAM,
@@ -410,7 +413,7 @@ pub const PARAMETERS: &[ParameterRow] = &[
         "constraints.<joint>.trajectory",
         "double",
         "0.0",
-        "m or rad that a joint may be off on its way; 0: without limit",
+        "m or rad that a joint may be off on its way; 0: without limit; `<joint>` is a joint name",
     ),
     own("constraints.<joint>.goal", "double", "0.0", "m or rad that a joint may be off at the end; 0: without limit"),
     own(

@@ -3,7 +3,7 @@
 use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
 use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
-use super::{Surface, states};
+use super::{JointNames, Surface, states};
 use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::{MachineConfig, SlotConfig};
@@ -23,6 +23,7 @@ const URDF: &str = "<robot name='r'><link name='base'/></robot>";
 /// A machine that stands still and has everything that opens an endpoint.
 struct Still {
     config: MachineConfig,
+    joint_names: JointNames,
     directory: Directory,
 }
 
@@ -32,13 +33,17 @@ impl Still {
         let slots = vec![SlotConfig::new("cams".to_owned(), 0, FunctionKind::Cam)];
         let config = MachineConfig { slots, ..fake::config() };
         let directory = Machine::new(config.clone()).expect("a sound machine").directory().clone();
-        Self { config, directory }
+        Self { joint_names: JointNames::of_objects(&config), config, directory }
     }
 }
 
 impl Host for Still {
     fn config(&self) -> &MachineConfig {
         &self.config
+    }
+
+    fn joint_names(&self) -> &JointNames {
+        &self.joint_names
     }
 
     fn directory(&self) -> &Directory {

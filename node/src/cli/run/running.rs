@@ -232,6 +232,7 @@ impl Prepared {
             .with_health(services.as_ref().map(Services::board).unwrap_or_default())
             .with_objects(objects)
             .with_real(real)
+            .with_joint_names(cell.joint_names.clone())
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
         // Before the first cycle, and so before anything else that is asked.
         let mut first = given.first.into_iter().map(|action| handle.submit_as(Source::Cli, action));

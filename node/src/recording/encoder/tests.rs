@@ -130,6 +130,22 @@ fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
 }
 
 #[test]
+fn joint_states_have_the_joint_names_of_the_cell_and_everything_else_the_object_names() {
+    let text = Cell::demo().text.replacen("\n  x:\n", "\n  x:\n    joint: left/arm_1\n", 1);
+    let run = rig::record(&Cell::parse("demo.yaml", text).unwrap(), MOVING, 1200, 0);
+    let mut joints = run.encoded.iter().flat_map(|encoded| of::<JointState>(encoded, Topic::JointStates));
+    assert!(joints.all(|joints| joints.name == ["left/arm_1", "y", "turret"]));
+    let plain = rig::record(&Cell::demo(), MOVING, 1200, 0);
+    for (encoded, plain) in run.encoded.iter().zip(&plain.encoded) {
+        let others = |encoded: &Encoded| {
+            let others = encoded.messages().filter(|(topic, _)| *topic != Topic::JointStates);
+            others.map(|(topic, bytes)| (topic, bytes.to_vec())).collect::<Vec<_>>()
+        };
+        assert_eq!(others(encoded), others(plain));
+    }
+}
+
+#[test]
 fn state_topics_come_at_their_rates() {
     let text = Cell::demo().text.replace("joint_states_rate: 100 ", "joint_states_rate: 33.3 ");
     let cell = Cell::parse("demo.yaml", text.replace("axis_states_rate: 100\n", "axis_states_rate: 1000\n")).unwrap();

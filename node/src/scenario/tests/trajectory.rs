@@ -25,6 +25,32 @@ fn joints_follow_their_points() {
     );
 }
 
+/// In a cell with joint names both names of an axis are taken, and a recording has the object name.
+#[test]
+fn joints_have_joint_names_or_object_names() {
+    let text =
+        CELL.replacen("  x: {", "  x: {joint: left/arm_1, ", 1).replacen("  turret: {", "  turret: {joint: J2, ", 1);
+    let cell = Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+    let read = |arguments: &str| {
+        let text =
+            format!("scenario: s\ncycles: 1000\nsteps:\n- {{at: 0, do: {{follow_joint_trajectory: {arguments}}}}}\n");
+        Scenario::parse("s.yaml", &text, &cell)
+    };
+    let points = "points: [{time: 1 s, positions: [10 mm, 3 deg]}]";
+    let by_joint =
+        read(&format!("{{joints: [left/arm_1, J2], {points}, path_tolerance: {{left/arm_1: 1 mm, turret: 1 deg}}}}"));
+    let by_object = read(&format!("{{joints: [x, turret], {points}, path_tolerance: {{x: 1 mm, J2: 1 deg}}}}"));
+    let (by_joint, by_object) = (by_joint.unwrap(), by_object.unwrap());
+    let commands = |scenario: &Scenario| format!("{:?}", scenario.0.acts[0].deed);
+    assert_eq!(commands(&by_joint), commands(&by_object));
+    recorded::plays_the_same_as_json(&cell, &by_joint);
+    let said = |arguments: String| read(&arguments).unwrap_err().to_string();
+    let twice = said(format!("{{joints: [left/arm_1, x], {points}}}"));
+    assert!(twice.contains("x twice"), "{twice}");
+    let twice = said(format!("{{joints: [left/arm_1, J2], {points}, goal_tolerance: {{x: 1 mm, left/arm_1: 2 mm}}}}"));
+    assert!(twice.contains("axis x has a tolerance already, by its other name"), "{twice}");
+}
+
 #[test]
 fn it_is_cancelled_by_id_and_refused_with_a_part_of_its_sentence() {
     passes(

@@ -3,20 +3,23 @@
 use super::{Deed, Reader, UNITS, amount, number};
 use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Map, Value};
+use crate::scenario::names::Names;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::trajectory::TrajectoryLimits;
 use lineshaft_core::unit::{Dimension, Scale, excerpt};
 use std::sync::Arc;
 
-/// A joint of the verb: its name, and its scale where it is an axis.
+/// A joint of the verb: its name as written, the object name, and the scale where it is an axis.
 struct Joint<'d> {
     name: &'d str,
+    axis: String,
     scale: Option<Scale>,
 }
 
 /// What its numbers are read with.
 struct Numbers<'j, 'd> {
+    names: &'j Names<'j>,
     joints: &'j [Joint<'d>],
     in_increments: bool,
 }
@@ -38,7 +41,7 @@ impl Reader<'_> {
         map.finish();
         let deed = (|| {
             let (joints, units) = (joints?, units?);
-            let numbers = Numbers { joints: &joints, in_increments: units == 2 };
+            let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };
             let units = match Units::from_number(units) {
                 Ok(units) => units,
                 Err(error) => return self.settle(value, Err(error)),
@@ -47,7 +50,7 @@ impl Reader<'_> {
             let [path, goal, start_tolerance] =
                 [path, goal, start_tolerance].map(|value| numbers.tolerances(value.as_ref()));
             let request = TrajectoryRequest {
-                axes: joints.iter().map(|joint| joint.name.to_owned()).collect(),
+                axes: joints.iter().map(|joint| joint.axis.clone()).collect(),
                 units,
                 start_ns: start?,
                 points: points.into_iter().collect::<Option<_>>()?,
@@ -69,8 +72,12 @@ impl Reader<'_> {
         let items = value.list()?;
         let names: Vec<_> = items.iter().map(Value::text).collect();
         let names = names.into_iter().collect::<Option<Vec<&'d str>>>()?;
-        let scale = |name: &str| self.names.config.find_axis(name).ok().map(|(_, axis)| axis.scale);
-        Some(names.into_iter().map(|name| Joint { name, scale: scale(name) }).collect())
+        let joint = |name: &'d str| {
+            let axis = self.names.axis_of_joint(name);
+            let scale = self.names.config.find_axis(&axis).ok().map(|(_, axis)| axis.scale);
+            Joint { name, axis, scale }
+        };
+        Some(names.into_iter().map(joint).collect())
     }
 }
 
@@ -102,23 +109,26 @@ impl Numbers<'_, '_> {
     /// By joint: a position, or `position`, `velocity` and `acceleration`.
     fn tolerances(&self, value: Option<&Value<'_>>) -> Option<Vec<ToleranceRequest<Amount>>> {
         let Some(value) = value else { return Some(Vec::new()) };
-        let mut tolerances = vec![ToleranceRequest::default(); self.joints.len()];
+        let mut tolerances = vec![None; self.joints.len()];
         let mut is_good = true;
         for (key, value) in value.entries()? {
             let name = key.text()?;
-            let Some(place) = self.joints.iter().position(|joint| joint.name == name) else {
+            let axis = self.names.axis_of_joint(name);
+            let Some(place) = self.joints.iter().position(|joint| joint.axis == axis) else {
                 let joints: Vec<&str> = self.joints.iter().map(|joint| joint.name).collect();
                 let known = format!("joints are {}", joints.join(", "));
                 key.refuse(format!("`{}` is no joint of this trajectory", excerpt(name)), Some(known));
                 is_good = false;
                 continue;
             };
-            match self.tolerance(&value, self.joints.get(place)) {
-                Some(tolerance) => tolerances[place] = tolerance,
-                None => is_good = false,
+            let tolerance = self.tolerance(&value, self.joints.get(place));
+            is_good &= tolerance.is_some();
+            if tolerances[place].replace(tolerance.unwrap_or_default()).is_some() {
+                key.refuse(format!("axis {axis} has a tolerance already, by its other name"), None);
+                is_good = false;
             }
         }
-        is_good.then_some(tolerances)
+        is_good.then(|| tolerances.into_iter().map(Option::unwrap_or_default).collect())
     }
 
     fn tolerance(&self, value: &Value<'_>, joint: Option<&Joint<'_>>) -> Option<ToleranceRequest<Amount>> {

@@ -19,10 +19,20 @@ pub(in crate::surface) struct OwnParameters {
 #[derive(Debug)]
 struct State {
     declared: BTreeMap<String, Own>,
+    /// Names that clients may take for those of parameters, and the parameters that they mean.
+    renamed: BTreeMap<String, String>,
     /// Values that were given at the start for what is not declared yet.
     overrides: Overrides,
     /// What was given at the start and is refused, a sentence each.
     refused: Vec<String>,
+}
+
+impl State {
+    /// Why a name is refused that was taken for that of a parameter.
+    fn rename(&self, name: &str) -> Option<String> {
+        let meant = self.renamed.get(name)?;
+        Some(format!("parameter `{name}` has not been declared; by the joint name it is `{meant}`"))
+    }
 }
 
 /// One of them.
@@ -45,7 +55,7 @@ impl Default for OwnParameters {
 impl OwnParameters {
     /// None yet; each that is declared gets the value that was given for it.
     pub(crate) fn new(overrides: Overrides) -> Self {
-        let state = State { declared: BTreeMap::new(), overrides, refused: Vec::new() };
+        let state = State { declared: BTreeMap::new(), renamed: BTreeMap::new(), overrides, refused: Vec::new() };
         Self { state: Mutex::new(state), version: watch::Sender::new(0) }
     }
 
@@ -69,6 +79,11 @@ impl OwnParameters {
         self.version.send_modify(|version| *version += 1);
     }
 
+    /// Refuses values for `name` with a sentence that names `meant`, the parameter that a client means by it.
+    pub(crate) fn rename(&self, name: String, meant: String) {
+        self.state().renamed.insert(name, meant);
+    }
+
     /// Declares a switch that is off by itself.
     pub(crate) fn declare_switch(&self, name: &str, description: &str) {
         let (name, description) = (name.to_owned(), description.to_owned());
@@ -87,8 +102,11 @@ impl OwnParameters {
     /// All that is refused, or is called as no parameter is, in one sentence.
     pub(crate) fn check(&self) -> Result<(), CreateError> {
         let state = self.state();
-        if !state.refused.is_empty() {
-            return Err(CreateError::Given(state.refused.join("; ")));
+        let strict = state.overrides.iter().filter(|(_, given)| given.is_strict);
+        let renamed = strict.filter_map(|(name, given)| Some(format!("{}: {}", given.place, state.rename(name)?)));
+        let refused: Vec<String> = state.refused.iter().cloned().chain(renamed).collect();
+        if !refused.is_empty() {
+            return Err(CreateError::Given(refused.join("; ")));
         }
         for warning in state.overrides.unknown().map_err(CreateError::Given)? {
             tracing::warn!("{warning}; it was given to all nodes");
@@ -140,7 +158,7 @@ impl OwnParameters {
     /// # Errors
     /// Why not.
     pub(crate) fn fitting(&self, name: &str, value: &ParameterValue) -> Option<Result<ParameterValue, String>> {
-        let own = self.get(name)?;
+        let Some(own) = self.get(name) else { return self.state().rename(name).map(Err) };
         let fitting = fitting(&own.descriptor, own.words, value.clone());
         Some(match own.descriptor.read_only && fitting.as_ref() != Ok(&own.value) {
             true => Err(format!("{name} is read-only: it is given at the start, with -p or --params-file")),

@@ -23,6 +23,16 @@ fn joint_jog(names: &[&str], velocities: &[f64]) -> JointJog {
     JointJog { joint_names, velocities: velocities.to_vec(), ..JointJog::default() }
 }
 
+/// Reads a jog of a machine without joint names of its own.
+fn jog(message: JointJog) -> Result<Asked, String> {
+    let (config, _) = machine();
+    super::jog(message, &JointNames::of_objects(&config), &config)
+}
+
+fn setpoints(message: msg::Setpoints) -> Result<Asked, String> {
+    super::setpoints(message, &JointNames::default(), &machine().0)
+}
+
 fn judged(asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> {
     let (config, image) = machine();
     let (_, requests) = asked?;
@@ -66,7 +76,7 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
         (with(|m| m.velocities = vec![1.0]), "velocities has 1 entries; 2 are expected, one for each of joint_names"),
         (with(|m| *m = JointJog::default()), "no axis is named"),
         (with(|m| m.joint_names[1] = "x".into()), "axis `x` stands twice"),
-        (with(|m| m.joint_names[1] = "w".into()), "no axis is called `w`; there are x, y"),
+        (with(|m| m.joint_names[1] = "w".into()), "joint_names has the joint `w`; there are x, y"),
         (with(|m| m.velocities[1] = f64::NAN), "velocity of y: "),
         (with(|m| m.velocities[0] = f64::INFINITY), "velocity of x: "),
         (with(|m| m.velocities[1] = -0.100001), "velocity -100.001 mm/s of y lies above max_velocity 100 mm/s"),
@@ -76,6 +86,27 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
     ] {
         assert!(sentence.contains(part), "{sentence}: {part}");
     }
+}
+
+#[test]
+fn a_jog_names_joints_and_setpoints_name_objects() {
+    let (config, _) = machine();
+    let names = JointNames::new(["Shoulder_Pan", "left/arm_1"].map(str::to_owned).to_vec());
+    let jog = |joints: &[&str]| super::jog(joint_jog(joints, &vec![0.02; joints.len()]), &names, &config);
+    let set = judged(jog(&["left/arm_1"]), 0).unwrap();
+    assert_eq!(set.axes, [None, Some(Setpoint { velocity: 20_000.0, duration: None })]);
+    for (joint, sentence) in [
+        ("y", "joint_names has `y`, the object name of an axis; its joint name is `left/arm_1`"),
+        ("left", "joint_names has the joint `left`; there are Shoulder_Pan, left/arm_1"),
+    ] {
+        assert_eq!(judged(jog(&["Shoulder_Pan", joint]), 0).unwrap_err(), sentence);
+    }
+    let setpoints = |axis: &str| {
+        let message = msg::Setpoints { axes: vec![axis.to_owned()], velocities: vec![0.05], ..Default::default() };
+        judged(super::setpoints(message, &names, &config), 0)
+    };
+    assert!(setpoints("y").is_ok());
+    assert_eq!(setpoints("left/arm_1").unwrap_err(), "no axis is called `left/arm_1`; there are x, y");
 }
 
 #[test]

@@ -11,7 +11,6 @@ use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::Kind;
 use lineshaft_core::signal::axis::AxisSignal;
-use lineshaft_core::text;
 use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, FollowJointTrajectoryFeedback};
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint;
 use std::sync::Arc;
@@ -85,10 +84,10 @@ async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: An
                         handle.execute();
                     }
                     Kind::Refused | Kind::Done => {
-                        let sentence = text::sentence(&event, hub.host.config());
+                        let sentence = joints.sentence(&event, hub.host.config());
                         return finish(handle, event.code, &sentence, &notes);
                     }
-                    Kind::Warning => notes.push(text::sentence(&event, hub.host.config())),
+                    Kind::Warning => notes.push(joints.sentence(&event, hub.host.config())),
                     _ => {}
                 },
                 None => return finish(handle, Code::DISABLED, "the machine has stopped", &notes),

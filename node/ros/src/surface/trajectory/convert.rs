@@ -8,6 +8,7 @@
 
 use super::joints::Joints;
 use super::settings::Settings;
+use crate::surface::joint_names::object_name;
 use lineshaft_core::request::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
@@ -33,6 +34,8 @@ pub(super) enum Wrong {
     NoJoints { known: String },
     #[error("{field} has the joint `{name}`; there are {known}")]
     UnknownJoint { field: &'static str, name: String, known: String },
+    #[error("{}", object_name(.field, .axis, .joint))]
+    ObjectName { field: &'static str, axis: String, joint: String },
     #[error("{field} has the joint `{name}` twice; once is expected")]
     Twice { field: &'static str, name: String },
     #[error("{field} has the joint `{name}`; joints of joint_names are expected")]
@@ -86,7 +89,10 @@ pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, Wr
 }
 
 fn place(joints: &Joints, field: &'static str, name: &str, taken: &[usize]) -> Result<usize, Wrong> {
-    let unknown = || Wrong::UnknownJoint { field, name: excerpt(name), known: joints.names.join(", ") };
+    let unknown = || match joints.meant(name) {
+        Some(joint) => Wrong::ObjectName { field, axis: name.to_owned(), joint: joint.to_owned() },
+        None => Wrong::UnknownJoint { field, name: excerpt(name), known: joints.names.join(", ") },
+    };
     let place = joints.place(name).ok_or_else(unknown)?;
     if taken.contains(&place) { Err(Wrong::Twice { field, name: name.to_owned() }) } else { Ok(place) }
 }
@@ -144,7 +150,7 @@ pub(super) fn request(
     };
     let start = |place: usize| ToleranceRequest { position: positive(usual(place)[2]), ..ToleranceRequest::default() };
     Ok(TrajectoryRequest {
-        axes: names.clone(),
+        axes: places.iter().filter_map(|&place| joints.objects.get(place).cloned()).collect(),
         units: Units::Si,
         start_ns: stamp.map_or(0, |stamp| stamp.saturating_sub(now_ns)),
         points,

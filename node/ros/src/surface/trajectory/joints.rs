@@ -1,10 +1,14 @@
 //! The axes that one action and one topic move.
 
 use crate::surface::group::{Group, TrajectorySettings};
+use crate::surface::joint_names::JointNames;
 use crate::surface::messages::AxisView;
 use crate::surface::table::Row;
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Event;
+use lineshaft_core::object::Object;
 use lineshaft_core::signal::Directory;
+use lineshaft_core::text;
 
 /// The axes of a group, in its order.
 #[derive(Clone, Debug)]
@@ -13,8 +17,10 @@ pub(super) struct Joints {
     group: Option<String>,
     /// Their places in the cell.
     pub axes: Vec<u16>,
-    /// Their names.
+    /// Their joint names.
     pub names: Vec<String>,
+    /// Their object names.
+    pub objects: Vec<String>,
     /// Their signals.
     pub views: Vec<AxisView>,
     /// How their trajectories are taken, by the cell.
@@ -23,13 +29,19 @@ pub(super) struct Joints {
 
 impl Joints {
     /// One for each group; without groups one for all axes that have a drive, if there are any.
-    pub(super) fn all(config: &MachineConfig, directory: &Directory, groups: &[Group]) -> Vec<Self> {
+    pub(super) fn all(
+        config: &MachineConfig,
+        joints: &JointNames,
+        directory: &Directory,
+        groups: &[Group],
+    ) -> Vec<Self> {
         let views = AxisView::all(config, directory);
         let of = |group: Option<&Group>, axes: &[u16]| Self {
             group: group.map(|group| group.name.clone()),
             usual: group.map(|group| group.trajectories).unwrap_or_default(),
             axes: axes.to_vec(),
-            names: axes.iter().filter_map(|&axis| Some(config.axes.get(usize::from(axis))?.name.clone())).collect(),
+            names: axes.iter().map(|&axis| joints.get(axis).to_owned()).collect(),
+            objects: axes.iter().map(|&axis| config.name(Object::Axis(axis)).to_owned()).collect(),
             views: axes.iter().filter_map(|&axis| views.get(usize::from(axis)).cloned()).collect(),
         };
         if !groups.is_empty() {
@@ -62,6 +74,22 @@ impl Joints {
         Self { group: Some(name.to_owned()), usual, ..self }
     }
 
+    /// Joint name of the axis with this object name, where the two differ.
+    pub(super) fn meant(&self, object: &str) -> Option<&str> {
+        let place = self.objects.iter().position(|known| known == object)?;
+        self.names.get(place).map(String::as_str).filter(|joint| *joint != object)
+    }
+
+    /// What the machine says of the end of a goal. An axis with a joint name of its own has both names there.
+    pub(super) fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
+        let sentence = text::sentence(event, config);
+        let object = config.name(event.source);
+        match (self.meant(object), sentence.strip_prefix(object)) {
+            (Some(joint), Some(rest)) => format!("axis {object} (joint {joint}){rest}"),
+            _ => sentence,
+        }
+    }
+
     /// Place of a joint among them.
     pub(super) fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|joint| joint == name)
@@ -70,15 +98,17 @@ impl Joints {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::config;
+    use super::super::tests::{config, joint_names, joints_called};
     use super::*;
     use crate::surface::table;
+    use lineshaft_core::code::Code;
+    use lineshaft_core::event::{Kind, Severity};
     use lineshaft_core::machine::Machine;
 
     fn all(groups: &[Group]) -> Vec<Joints> {
         let config = config();
         let machine = Machine::new(config.clone()).expect("a sound machine");
-        Joints::all(&config, machine.directory(), groups)
+        Joints::all(&config, &joint_names(), machine.directory(), groups)
     }
 
     #[test]
@@ -88,6 +118,42 @@ mod tests {
         assert_eq!(all[0].names, ["x", "y"], "line is virtual");
         assert_eq!(all[0].axes, [1, 2]);
         assert_eq!(all[0].name_of(&table::FOLLOW_JOINT_TRAJECTORY.0), "~/follow_joint_trajectory");
+    }
+
+    /// line, x and y by other names.
+    fn renamed() -> JointNames {
+        JointNames::new(["line", "Shoulder_Pan", "left/arm_1"].map(str::to_owned).to_vec())
+    }
+
+    #[test]
+    fn joints_have_the_joint_names_of_their_axes() {
+        let config = config();
+        let machine = Machine::new(config.clone()).expect("a sound machine");
+        let (name, axes, trajectories) = ("arm".to_owned(), vec![2, 1], TrajectorySettings::default());
+        let groups = [Group { name, axes, trajectories }];
+        let joints = Joints::all(&config, &renamed(), machine.directory(), &groups).remove(0);
+        assert_eq!(
+            (&joints.names[..], &joints.objects[..]),
+            (&["left/arm_1", "Shoulder_Pan"].map(str::to_owned)[..], &["y", "x"].map(str::to_owned)[..])
+        );
+        assert_eq!((joints.place("Shoulder_Pan"), joints.place("x")), (Some(1), None));
+        assert_eq!(
+            (joints.meant("x"), joints.meant("line"), joints.meant("left/arm_1")),
+            (Some("Shoulder_Pan"), None, None)
+        );
+    }
+
+    #[test]
+    fn the_sentence_of_an_end_has_both_names_where_they_differ() {
+        let event = |source| Event::new(Severity::Warn, Kind::Done, source, Code::REPLACED);
+        let config = config();
+        let (plain, both) = (joints_called(&joint_names()), joints_called(&renamed()));
+        for (source, is_both) in [(Object::Axis(1), true), (Object::Axis(0), false), (Object::Machine, false)] {
+            let usual = text::sentence(&event(source), &config);
+            assert_eq!(plain.sentence(&event(source), &config), usual);
+            let expected = if is_both { usual.replacen("x: ", "axis x (joint Shoulder_Pan): ", 1) } else { usual };
+            assert_eq!(both.sentence(&event(source), &config), expected);
+        }
     }
 
     #[test]

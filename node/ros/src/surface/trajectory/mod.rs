@@ -25,8 +25,8 @@ use tokio::task::JoinSet;
 
 /// Opens action and topic for each of `groups`; for all axes with a drive where there are none.
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, groups: &[Group], tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    let all = Joints::all(hub.host.config(), hub.host.directory(), groups);
-    settings::declare(&hub.own, hub.host.config(), &all);
+    let all = Joints::all(hub.host.config(), hub.host.joint_names(), hub.host.directory(), groups);
+    settings::declare(&hub.own, hub.host.config(), hub.host.joint_names(), &all);
     for joints in all {
         let joints = Arc::new(joints);
         let action =

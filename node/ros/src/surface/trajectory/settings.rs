@@ -3,6 +3,7 @@
 
 use super::joints::Joints;
 use crate::surface::group::TrajectorySettings;
+use crate::surface::joint_names::JointNames;
 use crate::surface::parameters::own::{Own, OwnParameters};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
@@ -50,7 +51,7 @@ fn of_joint(name: &str) -> [String; 3] {
 }
 
 /// Declares them, with those of each group.
-pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, groups: &[Joints]) {
+pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, names: &JointNames, groups: &[Joints]) {
     for joints in groups {
         declare_of_group(own, joints);
     }
@@ -70,12 +71,15 @@ pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, groups: &[Joi
         "Time after the last point within which the goal tolerances must be met [s]; 0: for ever.",
     );
     tolerance(STOPPED, 0.01, "Velocity error of a joint at the end of a trajectory [m/s or rad/s]; 0: without limit.");
-    for axis in config.axes.iter().filter(|axis| axis.drive.is_some()) {
-        let [path, goal, start] = of_joint(&axis.name);
+    for (axis, joint) in config.axes.iter().zip(names.iter()).filter(|(axis, _)| axis.drive.is_some()) {
+        let [path, goal, start] = of_joint(joint);
         tolerance(&path, 0.0, "How far the joint may be off on its way [m or rad]; 0: without limit.");
         tolerance(&goal, 0.0, "How far the joint may be off at the end [m or rad]; 0: without limit.");
         let text = "How far a first point at time 0 may be from the command of the joint [m or rad]; 0: without limit.";
         tolerance(&start, 0.0, text);
+        if axis.name != joint {
+            of_joint(&axis.name).into_iter().zip(of_joint(joint)).for_each(|(name, meant)| own.rename(name, meant));
+        }
     }
 }
 
@@ -166,12 +170,12 @@ pub(super) fn feedback_period(own: &OwnParameters) -> Duration {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{config, joints};
+    use super::super::tests::{config, joint_names, joints, joints_called};
     use super::*;
 
     fn declared() -> OwnParameters {
         let own = OwnParameters::default();
-        declare(&own, &config(), &[joints()]);
+        declare(&own, &config(), &joint_names(), &[joints()]);
         own
     }
 
@@ -207,7 +211,7 @@ mod tests {
         let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
         let usual = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0 };
         let arm = joints().of_group("arm", usual);
-        declare(&own, &config(), std::slice::from_ref(&arm));
+        declare(&own, &config(), &joint_names(), std::slice::from_ref(&arm));
         assert_eq!(Settings::read(&own, &arm).group, usual);
         let names = own.names();
         for name in
@@ -224,6 +228,26 @@ mod tests {
             refused,
             Some(Err("arm.trajectory_limits.on_excess is `ignore`; scale or refuse is allowed".to_owned()))
         );
+    }
+
+    #[test]
+    fn tolerances_have_the_joint_name_and_the_object_name_is_refused_with_it() {
+        let own = OwnParameters::default();
+        let names = JointNames::new(["line", "left/arm_1", "y"].map(str::to_owned).to_vec());
+        let joints = joints_called(&names);
+        declare(&own, &config(), &names, std::slice::from_ref(&joints));
+        for (name, is_there) in [("constraints.left/arm_1", true), ("constraints.x", false), ("constraints.y", true)] {
+            for of in ["trajectory", "goal", "start"] {
+                assert_eq!(own.get(&format!("{name}.{of}")).is_some(), is_there, "{name}.{of}");
+            }
+        }
+        let mut goal = own.get("constraints.left/arm_1.goal").expect("declared");
+        goal.value.double_value = 0.5;
+        own.declare(goal.clone());
+        assert_eq!(Settings::read(&own, &joints).joints, [[0.0, 0.5, 0.0], [0.0; 3]]);
+        let sentence = "parameter `constraints.x.goal` has not been declared; by the joint name it is `constraints.left/arm_1.goal`";
+        assert_eq!(own.fitting("constraints.x.goal", &goal.value), Some(Err(sentence.to_owned())));
+        assert_eq!(own.fitting("constraints.line.goal", &goal.value), None, "a virtual axis follows no trajectory");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::action::feedback;
 use super::joints::Joints;
 use super::*;
+use crate::surface::JointNames;
 use crate::surface::host::Snapshot;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::machine::Machine;
@@ -25,11 +26,21 @@ pub(super) fn config() -> MachineConfig {
     }
 }
 
+/// Without joint names of their own.
+pub(super) fn joint_names() -> JointNames {
+    JointNames::of_objects(&config())
+}
+
 /// Its axes with a drive.
 pub(super) fn joints() -> Joints {
+    joints_called(&joint_names())
+}
+
+/// Its axes with a drive, with these joint names.
+pub(super) fn joints_called(names: &JointNames) -> Joints {
     let config = config();
     let machine = Machine::new(config.clone()).expect("a sound machine");
-    Joints::all(&config, machine.directory(), &[]).remove(0)
+    Joints::all(&config, names, machine.directory(), &[]).remove(0)
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::super::states::{ACTIVE, FINALIZED, INACTIVE, UNCONFIGURED};
 use super::*;
 use crate::layer::{Environment, Networks, Node, NodeName};
+use crate::surface::JointNames;
 use crate::surface::host::{Host, Listing, Snapshot, StampedEvent, Statistics};
 use crate::surface::parameters::fake;
 use crate::surface::table;
@@ -32,6 +33,7 @@ struct Script {
 
 struct Fake {
     config: MachineConfig,
+    joint_names: JointNames,
     directory: Directory,
     script: Script,
     gate: Mutex<GateState>,
@@ -43,6 +45,10 @@ struct Fake {
 impl Host for Fake {
     fn config(&self) -> &MachineConfig {
         &self.config
+    }
+
+    fn joint_names(&self) -> &JointNames {
+        &self.joint_names
     }
 
     fn directory(&self) -> &Directory {
@@ -146,8 +152,15 @@ impl Bench {
         let node = Node::new(NodeName::new("/", "life").expect("a name"), &environment).expect("a node");
         let (events, heard) = tokio::sync::mpsc::unbounded_channel();
         let (gate, given) = (Mutex::new(GateState::Closed), Mutex::default());
-        let host = Fake { config: fake::config(), directory: Directory::default(), script, gate, given, events };
-        let host = Arc::new(host);
+        let host = Arc::new(Fake {
+            config: fake::config(),
+            joint_names: JointNames::default(),
+            directory: Directory::default(),
+            script,
+            gate,
+            given,
+            events,
+        });
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, host.clone(), heard, &mut tasks).expect("a hub");
         let life = Life::new(hub, table::TRANSITION_EVENT.publisher(&node).expect("a topic"));

@@ -97,3 +97,20 @@ fn clients_are_held_to_type_range_and_read_only() {
     assert!(changes.has_changed().unwrap());
     assert_eq!(value(&own, "share"), double(0.25));
 }
+
+#[test]
+fn a_name_that_stands_for_another_parameter_is_refused_with_that_one() {
+    let sentence = "parameter `part` has not been declared; by the joint name it is `share`";
+    let own = given("part:=0.25");
+    declare(&own);
+    own.rename("part".to_owned(), "share".to_owned());
+    assert_eq!(own.check().unwrap_err().to_string(), format!("-p part: {sentence}"));
+    assert_eq!(own.fitting("part", &double(0.25)), Some(Err(sentence.to_owned())));
+    assert_eq!(own.fitting("share", &double(0.25)), Some(Ok(double(0.25))));
+    assert!(own.get("part").is_none() && !own.names().contains(&"part".to_owned()), "it is no parameter");
+    // Nobody has given it.
+    let own = given("share:=0.25");
+    declare(&own);
+    own.rename("part".to_owned(), "share".to_owned());
+    own.check().unwrap();
+}

@@ -1,5 +1,6 @@
-use super::super::tests::joints;
+use super::super::tests::{joints, joints_called};
 use super::*;
+use crate::surface::JointNames;
 use crate::surface::group::TrajectorySettings;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
@@ -259,6 +260,30 @@ fn tolerances_that_mean_nothing_are_told() {
         |goal| goal.goal_time_tolerance = at(-2.0),
         "goal_time_tolerance is -2 s; 0 or more, or -1 s for no limit, is expected",
     );
+}
+
+#[test]
+fn joint_names_stand_for_their_axes_and_object_names_are_refused_with_them() {
+    let joints = joints_called(&JointNames::new(["line", "Shoulder_Pan", "left/arm_1"].map(str::to_owned).to_vec()));
+    let read = |change: &dyn Fn(&mut Goal)| {
+        let mut goal = goal();
+        goal.trajectory.joint_names = vec!["left/arm_1".to_owned(), "Shoulder_Pan".to_owned()];
+        change(&mut goal);
+        request(&joints, &settings(), &goal, NOW).map_err(|wrong| wrong.to_string())
+    };
+    let good = read(&|goal| goal.path_tolerance = vec![tolerance("Shoulder_Pan", 0.5, 0.0, 0.0)]).unwrap();
+    assert_eq!(good.axes, ["y", "x"]);
+    assert_eq!((good.path[0].position, good.path[1].position), (None, Some(0.5)));
+    let object = |field: &str| format!("{field} has `x`, the object name of an axis; its joint name is `Shoulder_Pan`");
+    let wrong = read(&|goal| goal.trajectory.joint_names[1] = "x".to_owned());
+    assert_eq!(wrong, Err(object("joint_names")));
+    let wrong = read(&|goal| goal.goal_tolerance = vec![tolerance("x", 0.5, 0.0, 0.0)]);
+    assert_eq!(wrong, Err(object("goal_tolerance")));
+    // Of an axis that is none of the group nothing is meant.
+    let wrong = read(&|goal| goal.trajectory.joint_names[1] = "line".to_owned());
+    assert_eq!(wrong.unwrap_err(), "joint_names has the joint `line`; there are Shoulder_Pan, left/arm_1");
+    let wrong = read(&|goal| goal.trajectory.points[0].positions[1] = f64::NAN);
+    assert_eq!(wrong.unwrap_err(), "points[0].positions of `Shoulder_Pan` is NaN; a finite number is expected");
 }
 
 #[test]

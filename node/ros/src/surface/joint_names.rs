@@ -1,0 +1,108 @@
+//! Joint names of the axes.
+//!
+//! Messages that other packages define name joints: `joint_states`, trajectories, `~/jog`, the robot description and the parameters
+//! `constraints.<joint>.*`. Everything else names objects of the cell.
+
+use lineshaft_core::config::MachineConfig;
+use lineshaft_core::unit::excerpt;
+
+/// Joint name of each axis, in file order. No axis has the joint name or the object name of another one as its joint name.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct JointNames(Vec<String>);
+
+impl JointNames {
+    /// The given names, one for each axis in file order.
+    pub fn new(names: Vec<String>) -> Self {
+        Self(names)
+    }
+
+    /// The object names of the axes: what a cell without a key `joint` has.
+    pub fn of_objects(config: &MachineConfig) -> Self {
+        Self(config.axes.iter().map(|axis| axis.name.clone()).collect())
+    }
+
+    /// All of them, in file order.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(String::as_str)
+    }
+
+    /// Joint name of an axis; empty where there is no such axis.
+    pub fn get(&self, axis: u16) -> &str {
+        self.0.get(usize::from(axis)).map_or("", String::as_str)
+    }
+
+    /// Place of the axis with this joint name.
+    pub fn find(&self, joint: &str) -> Option<u16> {
+        let place = self.0.iter().position(|known| known == joint)?;
+        u16::try_from(place).ok()
+    }
+
+    /// Object names of the axes with their joint names, where the two differ.
+    pub fn renamed<'a>(&'a self, config: &'a MachineConfig) -> impl Iterator<Item = (&'a str, &'a str)> {
+        let pairs = config.axes.iter().map(|axis| axis.name.as_str()).zip(self.iter());
+        pairs.filter(|(object, joint)| object != joint)
+    }
+
+    /// Object name of the axis with this joint name, which stands in `field` of a message.
+    ///
+    /// # Errors
+    /// No axis has that joint name: which one was meant, or all there are.
+    pub fn object<'c>(&self, joint: &str, field: &str, config: &'c MachineConfig) -> Result<&'c str, String> {
+        if let Some(axis) = self.find(joint).and_then(|axis| config.axes.get(usize::from(axis))) {
+            return Ok(&axis.name);
+        }
+        let meant = self.renamed(config).find(|(object, _)| *object == joint);
+        Err(meant.map_or_else(
+            || format!("{field} has the joint `{}`; there are {}", excerpt(joint), self.0.join(", ")),
+            |(axis, joint)| object_name(field, axis, joint),
+        ))
+    }
+}
+
+/// Why a name that stands in `field` is refused: it is the object name of an axis.
+pub(super) fn object_name(field: &str, axis: &str, joint: &str) -> String {
+    format!("{field} has `{axis}`, the object name of an axis; its joint name is `{joint}`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::fake;
+    use super::*;
+    use crate::surface::messages::{AxisView, axis_states, joint_states};
+    use lineshaft_core::machine::Machine;
+
+    #[test]
+    fn without_joint_names_those_of_the_objects_count() {
+        let config = fake::config();
+        let names = JointNames::of_objects(&config);
+        assert!(names.iter().eq(config.axes.iter().map(|axis| axis.name.as_str())));
+        assert_eq!(names.renamed(&config).count(), 0);
+        assert_eq!(names.object("x", "joint_names", &config), Ok("x"));
+        let sentence = "joint_names has the joint `w`; there are line, x";
+        assert_eq!(names.object("w", "joint_names", &config), Err(sentence.to_owned()));
+    }
+
+    #[test]
+    fn joint_states_have_joint_names_and_axis_states_have_object_names() {
+        let config = fake::config();
+        let machine = Machine::new(config.clone()).expect("a sound machine");
+        let views = AxisView::all(&config, machine.directory());
+        let names = JointNames::new(["line", "left/arm_1"].map(str::to_owned).to_vec());
+        assert_eq!(joint_states(&views, &names, machine.board(), 0).name, ["left/arm_1"], "line is virtual");
+        let axes = axis_states(&views, machine.board(), 0, 0).axes;
+        assert_eq!(axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>(), ["line", "x"]);
+    }
+
+    #[test]
+    fn a_joint_name_finds_its_axis_and_an_object_name_is_refused_with_the_right_one() {
+        let config = fake::config();
+        let names = JointNames::new(["line", "left/arm_1"].map(str::to_owned).to_vec());
+        assert_eq!((names.find("left/arm_1"), names.find("x"), names.find("")), (Some(1), None, None));
+        assert_eq!((names.get(1), names.get(2)), ("left/arm_1", ""));
+        assert_eq!(names.object("left/arm_1", "joint_names", &config), Ok("x"));
+        assert_eq!(names.object("line", "joint_names", &config), Ok("line"));
+        let sentence = "joint_names has `x`, the object name of an axis; its joint name is `left/arm_1`";
+        assert_eq!(names.object("x", "joint_names", &config), Err(sentence.to_owned()));
+        assert!(names.renamed(&config).eq([("x", "left/arm_1")]));
+    }
+}
