@@ -336,11 +336,11 @@ fn groups() {
             "{axes: [x], ^kinematics: {type: scara}}",
             "unknown key `kinematics` in group `g`, known are axes, trajectory_limits, angle_wraparound, max_duration",
         ),
-        ("{axes: [x], trajectory_limits: {margin: ^0.2}}", "margin is `0.2`; 0 to 0.1 is allowed"),
-        ("{axes: [x], trajectory_limits: {max_stretch: ^0.9}}", "max_stretch is `0.9`; 1 to 10 is allowed"),
+        ("{axes: [x], trajectory_limits: {margin: ^0.2}}", "margin is 0.2; 0..0.1 is allowed"),
+        ("{axes: [x], trajectory_limits: {max_stretch: ^0.9}}", "max_stretch is 0.9; 1..10 is allowed"),
         (
             "{axes: [x], trajectory_limits: {on_excess: ^ignore}}",
-            "on_excess is `ignore`; `scale` or `refuse` is allowed",
+            "on_excess is `ignore`; one of scale, refuse is allowed",
         ),
     ] {
         assert_said(&three_axes(&format!("groups: {{g: {text}}}\n")), sentence);
