@@ -319,6 +319,41 @@ fn what_state_or_limits_forbid_is_accepted_and_aborted_with_the_sentence() {
     assert_eq!(bench.command("x"), 0);
 }
 
+/// 0.1 m in 0.25 s: 6 * 0.1 / 0.25^2 = 9.6 m/s^2, and x may have 8: sqrt(1.2) = 1.0955 times as long.
+#[test]
+fn excess_is_stretched_and_reported_or_refused() {
+    let mut bench = Bench::enabled();
+    let seen = bench.cyclone.run(&all(0.25, 0.1, 0.0, 0.0));
+    let excess =
+        "acceleration 9.6 m/s^2 (9600 mm/s^2) exceeds max_acceleration 8 m/s^2 (8000 mm/s^2) before point 0 (0.25 s)";
+    let text = format!("Goal successfully reached! x: the trajectory takes 1.0955 times the planned time: {excess}");
+    assert_eq!((&seen["status"], &seen["text"]), (&"SUCCEEDED".into(), &text.into()));
+    assert_eq!(bench.command("x"), 10_485_760);
+    bench.cyclone.run("params /lineshaft set trajectory_limits.on_excess=refuse");
+    let seen = bench.cyclone.run(&format!("{} --expect ABORTED", all(0.25, 0.0, 0.0, 0.0)));
+    let text = seen["text"].as_str().unwrap();
+    assert!(text.ends_with("trajectory_limits.on_excess is refuse, scale would stretch the time by 1.0955"), "{text}");
+    assert_eq!((&seen["error"], bench.command("x")), (&"INVALID_GOAL".into(), 10_485_760));
+}
+
+/// 6 rad of the turret are 34377.47 increments, and 1622.53 short of a turn.
+#[test]
+fn an_endless_joint_takes_the_nearest_turn_and_a_wrong_start_is_refused() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("params /lineshaft set angle_wraparound=true constraints.x.start=0.01");
+    bench.cyclone.run(&all(1.0, 0.0, 0.0, 6.0));
+    assert_eq!(bench.command("turret"), -1_623);
+    let joints = "follow /lineshaft --joint x --joint y --joint turret";
+    let points = "--point 0:0.02,0,6:0,0,0 --point 1:0.1,0,6:0,0,0";
+    let seen = bench.cyclone.run(&format!("{joints} {points} --expect ABORTED"));
+    let text = seen["text"].as_str().unwrap();
+    assert!(
+        text.starts_with("x: the first point of the trajectory is 20 mm from the command; 10 mm is allowed"),
+        "{text}"
+    );
+    assert_eq!(bench.command("x"), 0);
+}
+
 #[test]
 fn partial_goals_are_taken_once_the_parameter_allows_them() {
     let mut bench = Bench::enabled();

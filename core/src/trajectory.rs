@@ -105,6 +105,8 @@ pub struct Peaks {
     pub acceleration: u32,
     /// Of the highest deceleration.
     pub deceleration: u32,
+    /// Of the largest step of the velocity.
+    pub step: u32,
 }
 
 impl Peaks {
@@ -118,6 +120,7 @@ impl Peaks {
             speed: point,
             acceleration: point,
             deceleration: point,
+            step: point,
         }
     }
 
@@ -144,6 +147,8 @@ pub struct Demand {
     pub way: Reach,
     /// Where `way` has its largest values.
     pub peaks: Peaks,
+    /// Largest step of the velocity at a point, where straight segments meet others or end (inc/s).
+    pub step: f64,
     /// Lowest knot.
     pub lowest: Position,
     /// Highest knot.
@@ -392,10 +397,22 @@ fn demand(times_ns: &[u64], track: &Track) -> Demand {
     let stands = track.knots.first().map_or(Position::ZERO, |first| first.position);
     let mut way = Reach::at(stands);
     let mut peaks = Peaks { lowest: lowest_point as u32, highest: highest_point as u32, ..Peaks::default() };
+    let (mut step, mut velocity): (f64, Option<f64>) = (0.0, None);
     for (before, (knots, times)) in std::iter::zip(track.knots.windows(2), times_ns.windows(2)).enumerate() {
-        let segment = Spline::new(&knots[0], &knots[1], times[1].saturating_sub(times[0])).reach();
+        let spline = Spline::new(&knots[0], &knots[1], times[1].saturating_sub(times[0]));
+        let segment = spline.reach();
         peaks.note(&way, &segment, before as u32 + 1);
         way = way.union(segment);
+        let (begin, end) = spline.end_velocities();
+        let change = (begin - velocity.unwrap_or(begin)).abs();
+        if change > step {
+            (step, peaks.step) = (change, before as u32);
+        }
+        velocity = Some(end);
+    }
+    // A trajectory ends at rest.
+    if let Some(last) = velocity.map(f64::abs).filter(|last| *last > step) {
+        (step, peaks.step) = (last, track.knots.len().saturating_sub(1) as u32);
     }
     let end = track.knots.last().map(|last| last.position);
     let is_zero = |rate: Option<f64>| rate.is_none_or(|rate| rate == 0.0);
@@ -403,7 +420,7 @@ fn demand(times_ns: &[u64], track: &Track) -> Demand {
     let moves = track.knots.iter().rposition(|knot| !holds(knot));
     let last = track.knots.len().saturating_sub(1);
     let stands = moves.map_or(0, |moves| (moves + 1).min(last)) as u32;
-    Demand { way, peaks, lowest, highest, stands }
+    Demand { way, peaks, step, lowest, highest, stands }
 }
 
 #[cfg(test)]

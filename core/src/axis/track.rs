@@ -203,6 +203,35 @@ impl Axis {
         reaches.flat_map(|(reach, peaks)| self.excesses(run, &run.stretch.real_reach(reach), &peaks)).flatten()
     }
 
+    /// The largest step of velocity of that track, where it is more than the axis can do in a cycle: the way by which the axis will lag at
+    /// least (inc), and the refusal of a trajectory that must not lag.
+    pub fn track_step(&self, cycle: u64, run: &Run, track: usize) -> Option<(f64, Refusal)> {
+        let trajectory = &run.trajectory;
+        let demand = trajectory.demand(track)?;
+        let motion = self.takes_over(cycle, run, track);
+        let begin = Begin { motion, time_ns: run.begin_ns, shift: Position::ZERO };
+        let first = trajectory
+            .first_spline(track, &begin)
+            .map_or((motion.velocity, motion.velocity), |spline| spline.end_velocities());
+        let point = trajectory.point_ahead(run.begin_ns);
+        let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
+        // After the last point it rests.
+        let next = trajectory.given(track, time_ns).map_or(0.0, |motion| motion.velocity);
+        let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
+        let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
+        let (step, point) = steps.into_iter().max_by(|one, other| one.0.total_cmp(&other.0))?;
+        let (step, rate) =
+            (step / run.stretch.factor(), self.parameters.max_acceleration.min(self.parameters.deceleration_limit()));
+        let most = rate * self.cycle_s();
+        // What rounding makes of velocities is none.
+        if step.is_nan() || step <= most {
+            return None;
+        }
+        let refusal = Refusal::new(Code::TRAJECTORY_STEP, self.object());
+        let refusal = refusal.with(Number::Velocity(step), Number::Velocity(most));
+        Some((step * step / (2.0 * rate), Refusal { place: Some(place(trajectory, point)), ..refusal }))
+    }
+
     /// What that track asks for, by the trajectory's time: from its first point on, and from the axis to the first point ahead.
     fn reaches(&self, cycle: u64, run: &Run, track: usize) -> [Option<(Reach, Peaks)>; 2] {
         let shift = self.shift(cycle, run, track);

@@ -644,6 +644,14 @@ codes! {
         remedy: "Plan a shorter one, or raise max_duration.",
     }
 
+    /// Straight segments of a trajectory ask for a step of velocity.
+    TRAJECTORY_STEP = 10262, NoError {
+        says: "the velocity of the trajectory steps by {asked}; an axis can do {limit} in a cycle",
+        cause: "Points without velocities make straight segments, whose velocity steps from one to the next. The axis lags behind and catches up \
+            within its limits, and may come late; with trajectory_limits.on_excess refuse the trajectory is refused.",
+        remedy: "Give velocities in the points.",
+    }
+
     /// The time of a trajectory is stretched, so that it stays within the limits of its axes.
     TRAJECTORY_STRETCHED = 10260, NoError {
         says: "the time of the trajectory is stretched",

@@ -13,7 +13,7 @@ use crate::code::Code;
 use crate::command::Command;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
-use crate::trajectory::{Stretch, Trajectory};
+use crate::trajectory::{OnExcess, Stretch, Trajectory};
 use std::sync::Arc;
 
 /// Most times that the stretch of a trajectory is computed.
@@ -62,6 +62,7 @@ impl Machine {
         let run = self.run_of(command.sequence, trajectory);
         self.check_run(&run)?;
         let (run, excess) = self.stretched(run)?;
+        let step = self.largest_step(&run)?;
         // Whom it takes its axes from. A place is free after that: each of the others has an axis that this one has not.
         for of in trajectory.tracks() {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.abandon_track(cx));
@@ -76,9 +77,11 @@ impl Machine {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run, (slot, track)));
         }
         self.accept(command, Object::Machine);
-        if let Some(Refusal { object, parameter, asked, limit, place, .. }) = excess {
-            let event = Event::new(Severity::Info, Kind::Warning, object, Code::TRAJECTORY_STRETCHED);
-            self.events.push(Event { parameter, asked, limit, place, ..event.of_command(command.sequence) });
+        let notes = [(excess, Code::TRAJECTORY_STRETCHED), (step, Code::TRAJECTORY_STEP)];
+        for (note, code) in notes.into_iter().filter_map(|(note, code)| Some((note?, code))) {
+            let Refusal { object, parameter, asked, limit, place, .. } = note;
+            let event = Event::new(Severity::Info, Kind::Warning, object, code).of_command(command.sequence);
+            self.events.push(Event { parameter, asked, limit, place, ..event });
         }
         if let Some(place) = self.state.runs.get_mut(slot) {
             *place = Some(run);
@@ -141,6 +144,20 @@ impl Machine {
         }
         let refusal = first.unwrap_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine));
         Err(refusal.with_stretch(factor))
+    }
+
+    /// The step of velocity for which an axis will lag most, in a trajectory that may make its axes lag.
+    fn largest_step(&self, run: &Run) -> Result<Option<Refusal>, Refusal> {
+        let tracks = run.trajectory.tracks().iter().enumerate();
+        let steps = tracks.filter_map(|(track, of)| {
+            let axis = self.state.axes.get(usize::from(of.axis))?;
+            axis.track_step(self.state.cycle, run, track)
+        });
+        let largest = steps.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, refusal)| refusal);
+        match largest {
+            Some(refusal) if run.trajectory.limits().on_excess == OnExcess::Refuse => Err(refusal),
+            largest => Ok(largest),
+        }
     }
 
     /// Judges the trajectories that run, after all axes have moved in this cycle.

@@ -26,9 +26,14 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
             let limited = key(event);
             format!("{} {asked} exceeds {limited} {limit}", limited.trim_start_matches("max_"))
         }
+        Code::TRAJECTORY_STEP => format!("velocity steps by {asked} at {point}, the axis can do {limit} in a cycle"),
         _ => return None,
     };
     let says = match event.code {
+        Code::TRAJECTORY_STEP if event.kind == Kind::Warning => {
+            return Some(format!("{says}: it lags behind and may come late; give velocities in the points"));
+        }
+        Code::TRAJECTORY_STEP => return Some(format!("{says}; give velocities in the points")),
         Code::ABOVE_MAX_POSITION | Code::BELOW_MIN_POSITION => format!("{says} at {point}"),
         _ => format!("{says} before {point}"),
     };

@@ -172,6 +172,13 @@ impl Spline {
         self.c[2..].iter().all(|c| *c == 0.0)
     }
 
+    /// Returns its velocities at its begin and at its end, before it stands there (inc/s).
+    pub fn end_velocities(&self) -> (f64, f64) {
+        let s = self.duration_ns as f64 / 1e9;
+        let velocity = derivative(&self.c);
+        (value(&velocity, 0.0) / s, value(&velocity, 1.0) / s)
+    }
+
     /// From one knot to the other in that time, which is not 0.
     pub fn new(from: &Knot, to: &Knot, duration_ns: u64) -> Self {
         let duration_ns = duration_ns.max(1);

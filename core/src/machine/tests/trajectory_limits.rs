@@ -162,6 +162,33 @@ fn a_trajectory_that_takes_over_in_motion_is_stretched_too() {
     assert_eq!(command(&rig, "x"), 24_000.0);
 }
 
+/// 5000 inc in 200 ms and back: from 25000 to -25000 inc/s at point 0, and an axis can do 1000 inc/s in a cycle.
+#[test]
+fn straight_segments_are_reported_or_refused() {
+    let mut rig = Rig::enabled();
+    let points: [Point; 2] = [(5_000, None, None), (0, None, None)];
+    let said = |rig: &Rig, goal: u64| -> Vec<String> {
+        let is_one = |event: &&Event| event.command == goal && event.code == Code::TRAJECTORY_STEP;
+        let config = rig.machine.config();
+        rig.events.iter().filter(is_one).map(|event| text::sentence(event, config)).collect()
+    };
+    let step =
+        "x: velocity steps by 0.05 m/s (50 mm/s) at point 0 (0.2 s), the axis can do 0.001 m/s (1 mm/s) in a cycle";
+    let give = "give velocities in the points";
+    let goal = rig.give(run(&[200, 400], vec![track(Y, &[rest(10), rest(20)]), track(X, &points)], refusing(0.0)));
+    assert_eq!(rig.refusal(goal), format!("{step}; {give}"));
+    let goal = rig.give(run(&[200, 400], vec![track(X, &points)], scaling(0.0, 1.0)));
+    assert_eq!(said(&rig, goal), [format!("{step}: it lags behind and may come late; {give}")]);
+    played(&mut rig, goal, "x");
+    // One segment: 2000 inc/s to begin with, and to end with. What carries velocities has no steps.
+    let goal = rig.give(run(&[500], vec![track(X, &[(1_000, None, None)])], scaling(0.0, 1.0)));
+    assert!(said(&rig, goal)[0].starts_with("x: velocity steps by 0.002 m/s (2 mm/s) at point 0 (0.5 s)"));
+    played(&mut rig, goal, "x");
+    let goal = rig.give(run(&[500, 900], vec![track(X, &[(2_000, Some(4_000.0), None), rest(3_000)])], refusing(0.0)));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    assert!(said(&rig, goal).is_empty());
+}
+
 /// What has no meaning as limits is no trajectory.
 #[test]
 fn limits_outside_of_their_ranges_are_refused() {
