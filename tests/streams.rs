@@ -56,10 +56,15 @@ impl Demo {
 
     /// The texts of all events of a kind since the last look.
     fn events(&mut self, kind: &str) -> Vec<String> {
+        self.events_of(&[kind])
+    }
+
+    /// The texts of all events of these kinds since the last look.
+    fn events_of(&mut self, kinds: &[&str]) -> Vec<String> {
         thread::sleep(Duration::from_millis(200));
         let seen = self.listener.run("events /lineshaft");
         let messages = seen.all().iter().filter_map(|one| one.get("message"));
-        let wanted = messages.filter(|message| message["kind"] == kind);
+        let wanted = messages.filter(|message| kinds.iter().any(|kind| message["kind"] == *kind));
         wanted.filter_map(|message| message["text"].as_str().map(str::to_owned)).collect()
     }
 
@@ -176,5 +181,47 @@ fn a_stream_that_finds_no_free_axis_is_told_once() {
     assert!(!warnings.is_empty() && warnings.iter().all(|text| text.starts_with(busy)), "{warnings:?}");
     assert_eq!(demo.axis("x")["state"], "DISCRETE_MOTION", "the goal moves on");
     demo.listener.run("axes /lineshaft halt x");
+    demo.end();
+}
+
+/// x ends at -50 mm, with 1048576 inc for 10 mm. With error_reaction 0, the default of a cell, an error takes the power.
+#[test]
+fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
+    const LIMIT: i64 = -5 * 1_048_576;
+    let mut demo = Demo::start();
+    let mut hand = Peer::cyclone(&demo.domain);
+    demo.listener.run("params /lineshaft set x.error_reaction=0");
+    let to_limit = |demo: &mut Demo, hand: &mut Peer| {
+        // A publisher that is held up stops the axis on its way.
+        let is_there = (0..20).any(|_| {
+            hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 1");
+            demo.position("x") == LIMIT
+        });
+        assert!(is_there, "x is at {}", demo.position("x"));
+    };
+    let silent = "x: streamed setpoints stopped coming";
+    let told = |demo: &mut Demo| {
+        let mut told = demo.events_of(&["limit", "warning", "error"]);
+        told.retain(|text| text != silent);
+        told
+    };
+    told(&mut demo);
+    for _ in 0..2 {
+        to_limit(&mut demo, &mut hand);
+        assert_eq!(demo.stands("x"), LIMIT);
+        let axis = demo.axis("x");
+        assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(true), Some(0)), "{axis}");
+        assert_eq!(told(&mut demo), ["x: stopped at min_position -50 mm"]);
+        // 50 messages further into it, after a silence.
+        to_limit(&mut demo, &mut hand);
+        assert_eq!((demo.stands("x"), told(&mut demo)), (LIMIT, Vec::new()));
+        hand.run("stream /lineshaft jog --axis x=0.1 --seconds 0.3");
+        assert!(demo.stands("x") > LIMIT + 100_000);
+    }
+    demo.listener.run("params /lineshaft set x.jog_at_limit=error");
+    to_limit(&mut demo, &mut hand);
+    assert_eq!(demo.axis("x")["state"], "ERROR_STOP");
+    let axis = demo.axis("x");
+    assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(false), Some(10203)), "{axis}");
     demo.end();
 }

@@ -208,7 +208,8 @@ fn a_cancelled_goal_stops_the_joints() {
 fn a_new_goal_replaces_the_one_in_motion() {
     let mut bench = Bench::enabled();
     let first = bench.leave(&all(4.0, 0.4, 0.2, 1.0));
-    bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    let moving = bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
+    assert_eq!(moving["state"], "DISCRETE_MOTION", "docs/motion.md, States in motion");
     bench.cyclone.run(&all(2.0, 0.05, 0.04, 0.0));
     assert_eq!(bench.command("x"), 5 * 1_048_576);
     let seen = bench.cyclone.run(&format!("followed /lineshaft {first} --expect ABORTED"));

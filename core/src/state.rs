@@ -10,13 +10,13 @@ pub enum AxisState {
     Disabled = 0,
     /// On and at rest.
     Standstill = 1,
-    /// On the way to a position, or to rest after a halt.
+    /// On the way to a position, on a trajectory, or to rest after a halt.
     DiscreteMotion = 2,
-    /// At or on the way to a velocity.
+    /// At or on the way to a velocity: of a goal, a stream or a function slot.
     ContinuousMotion = 3,
     /// Looking for its zero.
     Homing = 4,
-    /// Coupled to a leader.
+    /// Coupled to a leader, or to the positions of a function slot.
     SynchronizedMotion = 5,
     /// Stopped by quick_stop; locked until reset_errors.
     Stopping = 6,

@@ -2,7 +2,7 @@
 //!
 //! Law      no motion passes a software limit: what has an end was checked as a whole when it was planned; everything else stops in
 //!          the cycle whose next motion would leave no way to stop, from the motion before, which could
-//! Writes   the stop at a limit, and the error that it is
+//! Writes   the stop at a limit, and the error that it is; with `jog_at_limit: stop` the stop of a stream is none
 //! Source   MACS-LIM-01 to -05, MACS-PROF-13
 
 use super::course::{self, Aim, Course};
@@ -36,6 +36,10 @@ struct Stopped {
     up: bool,
     /// From where the stop ends to the limit: what has more than that has left it.
     room: Position,
+    /// It was an error: a new attempt is error 98.
+    is_error: bool,
+    /// An event has reported that a stream ends here.
+    is_told: bool,
 }
 
 /// How an axis stands to the software limits, until it leaves them.
@@ -64,6 +68,28 @@ impl AtLimits {
     #[inline]
     pub(super) fn note_within(&mut self) {
         self.beyond = None;
+    }
+
+    /// The limit that has stopped it in a direction.
+    fn stopped_at(&self, up: bool) -> Option<Stopped> {
+        self.stopped.filter(|stopped| stopped.up == up)
+    }
+
+    /// The limit at which an event has reported that a stream ends: true for the upper one.
+    pub(super) fn told_stream(&self) -> Option<bool> {
+        self.stopped.filter(|stopped| stopped.is_told).map(|stopped| stopped.up)
+    }
+
+    /// An event reports that a stream ends at this limit, `room` from which the axis is. One that was an error stays one.
+    pub(super) fn tell_stream(&mut self, up: bool, room: Position) {
+        let new = Stopped { up, room, is_error: false, is_told: true };
+        self.stopped = Some(self.stopped_at(up).map_or(new, |stopped| Stopped { is_told: true, ..stopped }));
+    }
+
+    /// A stream leads away from the limit: the next one that leads into it is reported again.
+    pub(super) fn forget_stream(&mut self) {
+        self.stopped =
+            self.stopped.filter(|stopped| stopped.is_error).map(|stopped| Stopped { is_told: false, ..stopped });
     }
 }
 
@@ -104,14 +130,48 @@ impl Axis {
     /// Its power goes, or its command begins anew where it is: what it lacks of the stop at a limit then is no way that it has left it by
     /// (MACS-LIM-05).
     pub(super) fn note_stop_given_up(&mut self) {
-        let Some(stopped) = self.at_limits.stopped else { return };
+        let Some(stopped) = self.at_limits.stopped.filter(|stopped| stopped.is_error) else { return };
         let room = self.room(stopped.up, self.actual.position).max(stopped.room);
-        self.at_limits.stopped = Some(Stopped { room, ..stopped });
+        // From further away a stream may move it again.
+        let is_told = stopped.is_told && room == stopped.room;
+        self.at_limits.stopped = Some(Stopped { room, is_told, ..stopped });
     }
 
     fn judge_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
         let crossed = self.crossed_limit(next, is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
+        let course = self.limit_stop(cx.cycle, up);
+        self.command = course.at(cx.cycle);
+        self.generator = Generator::Plan(course);
+        let stopped = self.at_limits.stopped_at(up);
+        let is_stream = self.streams() && self.stops_streams();
+        let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
+        let limit = self.limit(up);
+        if !(is_stream && stopped.is_some_and(|stopped| stopped.is_told)) {
+            let event = Event::new(Severity::Warn, Kind::Limit, self.object(), code);
+            cx.events.push(Event { position: Position::whole(limit), ..event });
+        }
+        // It has not left it since: that is a new attempt (MACS-LIM-05).
+        let is_anew = stopped.is_some_and(|stopped| stopped.is_error);
+        let place = Number::Position(limit);
+        if is_stream {
+            // What is superimposed is in the stop.
+            self.end_overlay(cx, code, (Number::None, place));
+        } else {
+            let (raised, asked) = match is_anew {
+                true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
+                false => (code, Number::None),
+            };
+            self.reference = Reference::Stop;
+            self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
+        }
+        let room = self.room(up, course.end());
+        self.at_limits.stopped = Some(Stopped { up, room, is_error: is_anew || !is_stream, is_told: is_stream });
+        true
+    }
+
+    /// The stop at a limit, from the last motion.
+    fn limit_stop(&self, cycle: u64, up: bool) -> Course {
         let limit = Position::whole(self.limit(up));
         let ahead = is_towards(up, self.command.velocity);
         let is_within = if up { self.command.position < limit } else { self.command.position > limit };
@@ -121,6 +181,14 @@ impl Axis {
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
         // One that hardly moves yet would creep there for long: it stops where it is.
         let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
+        let began = cycle.saturating_sub(1);
+        if let Some(mut course) = self.stream_to_limit(began, before, up).filter(|_| is_within) {
+            if ahead && is_near {
+                // All of it is the stop, whatever becomes of the stream.
+                course.aim = Aim::Stop;
+            }
+            return course;
+        }
         let from = self.eased(before, limit, &limits);
         let (plan, bound) = match ahead && is_within && is_near {
             true if self.fits_in_steps(from, limit, &limits) => {
@@ -129,22 +197,7 @@ impl Axis {
             true => (self.plan_stop_at(from, limit, &limits), None),
             false => (self.plan_stop(before, &limits), None),
         };
-        let course = Course::new(plan, cx.cycle.saturating_sub(1), Aim::Stop, limits).within(bound);
-        self.command = course.at(cx.cycle);
-        self.generator = Generator::Plan(course);
-        self.reference = Reference::Stop;
-        let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
-        cx.events.push(Event { position: limit, ..Event::new(Severity::Warn, Kind::Limit, self.object(), code) });
-        let place = Number::Position(limit.floor());
-        // It has not left it since: that is a new attempt (MACS-LIM-05).
-        let is_anew = self.at_limits.stopped.is_some_and(|stopped| stopped.up == up);
-        let (raised, asked) = match is_anew {
-            true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
-            false => (code, Number::None),
-        };
-        self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
-        self.at_limits.stopped = Some(Stopped { up, room: self.room(up, course.end()) });
-        true
+        Course::new(plan, began, Aim::Stop, limits).within(bound)
     }
 
     /// The motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step: at the end of the
@@ -246,12 +299,16 @@ impl Axis {
 
     fn note_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
+        let stays = |stopped: Stopped, place| self.room(stopped.up, place) <= stopped.room + self.slack();
         self.at_limits.stopped = self.at_limits.stopped.and_then(|stopped| match &self.generator {
             // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
-            Generator::Plan(course) if self.state == AxisState::ErrorStop => {
+            Generator::Plan(course) if self.state == AxisState::ErrorStop && stopped.is_error => {
                 Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
             }
-            _ => (self.room(stopped.up, now) <= stopped.room + self.slack()).then_some(stopped),
+            Generator::Plan(course) if stopped.is_told && self.streams() && course.end_velocity() == 0.0 => {
+                stays(stopped, course.end()).then_some(stopped)
+            }
+            _ => stays(stopped, now).then_some(stopped),
         });
         let up = match () {
             () if now > Position::whole(self.limit(true)) => Some(true),
@@ -289,7 +346,7 @@ impl Axis {
     }
 
     /// From `place` to the software limit in a direction.
-    fn room(&self, up: bool, place: Position) -> Position {
+    pub(super) fn room(&self, up: bool, place: Position) -> Position {
         let limit = Position::whole(self.limit(up));
         if up { limit - place } else { place - limit }
     }

@@ -55,6 +55,7 @@ mod smooth;
 mod source;
 mod stops;
 mod stream;
+mod stream_limit;
 mod switches;
 mod track;
 mod velocity_encoder;

@@ -5,7 +5,8 @@
 //!          long and no longer stops then, and is free for the next one on its way
 //! Refuses  what it may not follow: told once by a warning with the reason, and again when that changes or the stream was silent
 //!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of. Where the newest one leads
-//!          into a limit, or backwards against REVERS, the one before is asked for no more: the axis stops
+//!          into a limit, or backwards against REVERS, the one before is asked for no more: the axis stops. With `jog_at_limit:
+//!          stop` one that leads into a software limit is reported once, until the axis leaves that limit or is led away from it
 
 use super::alarm::NO_NUMBERS;
 use super::course::Aim;
@@ -82,7 +83,13 @@ impl Axis {
 
     fn take_setpoint(&mut self, cx: &mut Context<'_>, Setpoint { velocity, duration }: Setpoint) {
         let mut told = Code::NONE;
-        let velocity = match self.check_setpoint(velocity) {
+        let checked = self.check_setpoint(velocity);
+        if self.is_held_at_limit(velocity, &checked) {
+            // What stops it goes on.
+            (self.streamed.age, self.streamed.duration) = (0, duration);
+            return;
+        }
+        let velocity = match checked {
             Ok(true) => velocity,
             Ok(false) => return,
             Err(refusal) => {
@@ -92,6 +99,7 @@ impl Axis {
                     let parameter = Some(const { Row::place(STREAM) });
                     cx.events.push(Event { parameter, ..event.with(refusal.asked, refusal.limit) });
                 }
+                self.note_refused_at_limit(velocity, &refusal);
                 let is_barred = matches!(refusal.code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN);
                 if !(is_barred && self.streams()) {
                     // One that is not followed is no sign of life.
@@ -110,7 +118,7 @@ impl Axis {
     }
 
     /// Does a setpoint move it?
-    fn streams(&self) -> bool {
+    pub(super) fn streams(&self) -> bool {
         self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream
     }
 

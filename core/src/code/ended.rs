@@ -373,15 +373,17 @@ codes! {
     /// The axis stopped at `max_position`.
     SOFTWARE_LIMIT_POSITIVE = 10202, SoftwareLimit {
         says: "",
-        cause: "A motion without a target, or a coupled one, came to max_position and was stopped there.",
-        remedy: "reset_errors, then move back.",
+        cause: "A motion without a target, or a coupled one, came to max_position and was stopped there. As an event `limit` alone: a jog or \
+            stream, which jog_at_limit stop ends without an error.",
+        remedy: "reset_errors, then move back; after a jog move back.",
     }
 
     /// The axis stopped at `min_position`.
     SOFTWARE_LIMIT_NEGATIVE = 10203, SoftwareLimit {
         says: "",
-        cause: "A motion without a target, or a coupled one, came to min_position and was stopped there.",
-        remedy: "reset_errors, then move back.",
+        cause: "A motion without a target, or a coupled one, came to min_position and was stopped there. As an event `limit` alone: a jog or \
+            stream, which jog_at_limit stop ends without an error.",
+        remedy: "reset_errors, then move back; after a jog move back.",
     }
 
     /// The drive left operation enabled by itself.

@@ -30,6 +30,7 @@ mod marks;
 mod master;
 mod meetings;
 mod moments;
+mod motion_states;
 mod moves;
 mod open_loop;
 mod order;

@@ -47,7 +47,7 @@ pub use position_loop::PositionLoop;
 pub use power_stage::PowerStage;
 pub use row::{Applies, Bare, Effect, Group, Measure, Range, Refused, Row, Storage, System, Value};
 pub use rows::ROWS;
-pub use supervision::{FOLLOWING_ERROR_CHECKS, Supervision};
+pub use supervision::{FOLLOWING_ERROR_CHECKS, JOG_AT_LIMIT, Supervision};
 pub use synchronization::{OffsetRates, Synchronization};
 pub use virtual_master::{Marker, VirtualMasterProblem};
 pub use vocabularies::Vocabularies;

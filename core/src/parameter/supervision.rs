@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 /// When the following error is looked at.
 pub const FOLLOWING_ERROR_CHECKS: &[&str] = &["every_cycle", "round_robin"];
 
+/// What ends a stream of setpoints that leads into a software limit.
+pub const JOG_AT_LIMIT: &[&str] = &["stop", "error"];
+
 /// How an axis is watched, beside its native limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Supervision {
@@ -20,4 +23,6 @@ pub struct Supervision {
     pub following_error_stops_all: i64,
     /// How long the target window may take (ns); 0: for ever.
     pub in_position_timeout: i64,
+    /// Place in [`JOG_AT_LIMIT`].
+    pub jog_at_limit: i64,
 }

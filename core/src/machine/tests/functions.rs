@@ -26,7 +26,7 @@ mod links;
 mod positions;
 mod programs;
 mod random;
-mod speeds;
+pub(super) mod speeds;
 
 /// A rotary axis: 36000 inc a turn, 90 rpm.
 const DISC: u16 = 3;
@@ -81,7 +81,7 @@ fn copy(name: &str, number: u16, source: SourceConfig, sink: SinkConfig) -> Slot
     SlotConfig { source, sink, ..slot(name, number, Type::Dcopy) }
 }
 
-fn order(slot: u16, order: Order) -> Action {
+pub(super) fn order(slot: u16, order: Order) -> Action {
     with(slot, order, &[])
 }
 
@@ -95,7 +95,7 @@ fn field(kind: Type, name: &str) -> u16 {
 }
 
 /// A machine with one gear from line to x, both on, line at 20 mm/s (20 inc a cycle).
-fn geared() -> Rig {
+pub(super) fn geared() -> Rig {
     let mut rig = Rig::of(cell(vec![gear("g", 5, Leader::AxisCommand(LINE), X)]));
     rig.enable();
     rig.give(Action::Move(at(LINE, 20_000.0)));

@@ -2,6 +2,7 @@ mod attempts;
 mod chain;
 mod coupled;
 mod stopped;
+mod streamed;
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::code::Code;

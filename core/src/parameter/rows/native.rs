@@ -1,6 +1,6 @@
 //! What every axis has, by its native names.
 
-use super::super::ESTIMATORS;
+use super::super::{ESTIMATORS, JOG_AT_LIMIT};
 use super::{
     Applies, BASE, Effect, Group, HOUR_NS, Measure, PROFILES, REAL, Range, Row, Storage, Value, int, option, real,
 };
@@ -223,6 +223,19 @@ pub(super) const ROWS: &[Row] = &[
         source: "contract section 1",
         get: |p| Value::Int(p.setpoint_timeout),
         set: |p, v| p.setpoint_timeout = int(v).unwrap_or(p.setpoint_timeout),
+        ..BASE
+    },
+    Row {
+        key: "jog_at_limit",
+        group: Group::Inputs,
+        measure: Measure::Choice(JOG_AT_LIMIT),
+        range: Range::Int(0, 1),
+        default: Value::Int(0),
+        description: "What ends a jog or a stream of setpoints that leads into min_position or max_position: stop, the axis stops at the \
+                      limit without an error and may be jogged away at once; error, it stops there with error 10202 or 10203.",
+        source: "contract section 3",
+        get: |p| Value::Int(p.supervision.jog_at_limit),
+        set: |p, v| p.supervision.jog_at_limit = int(v).unwrap_or(0),
         ..BASE
     },
     Row {

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Follows cell `l` (0.0001 rpm) by table t, 0 to 100 to 0 rpm at 0, 50 and 100 rpm, without inputs.
-fn follows() -> Rig {
+pub(in crate::machine::tests) fn follows() -> Rig {
     let mut slot = slot("wind", 0, Type::Dfkt);
     (slot.source, slot.sink) = (SourceConfig::Signal("l".into()), SinkConfig::Axis(DISC));
     slot.outputs[0] = Some(Line { object: Object::Io(1), inverted: false });

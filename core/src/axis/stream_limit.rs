@@ -1,0 +1,75 @@
+//! Streams of setpoints at a software limit.
+//!
+//! Law      with `jog_at_limit: stop` a stream that leads into a software limit ends at it, without an error. An event reports that, and no
+//!          other one does until the axis has left the limit, or a setpoint has led away from it; until then a setpoint that leads on
+//!          into the limit changes nothing
+//! Reads    the setpoint and what refuses it, the plan under way, the limit that has stopped the axis
+//! Writes   whether a stream has been reported at that limit
+//! Source   contract section 3
+
+use super::course::{self, Aim, Course};
+use super::{Axis, Generator};
+use crate::code::Code;
+use crate::event::{Number, Refusal};
+use crate::position::Position;
+use crate::profile::{Limits, Motion};
+
+impl Axis {
+    /// Whether a software limit stops a stream without an error.
+    pub(super) fn stops_streams(&self) -> bool {
+        self.parameters.supervision.jog_at_limit == 0
+    }
+
+    /// Whether a setpoint leads on into the software limit that has ended its stream. One that leads away ends that.
+    pub(super) fn is_held_at_limit(&mut self, velocity: f64, checked: &Result<bool, Refusal>) -> bool {
+        let Some(up) = self.at_limits.told_stream().filter(|_| self.stops_streams()) else { return false };
+        let is_away = if up { velocity < 0.0 } else { velocity > 0.0 };
+        match checked {
+            Ok(true) if is_away => {
+                self.at_limits.forget_stream();
+                false
+            }
+            Ok(true) if velocity == 0.0 => false,
+            Ok(true) if self.streams() => self.ends_at_limit(up, velocity),
+            Ok(true) => self.room(up, self.command.position) <= self.slack(),
+            Ok(false) => false,
+            Err(refusal) => is_software_limit(refusal) && !is_away,
+        }
+    }
+
+    /// A setpoint is refused, and that is reported: where it leads further into a software limit it is not reported again.
+    pub(super) fn note_refused_at_limit(&mut self, velocity: f64, refusal: &Refusal) {
+        if self.stops_streams() && is_software_limit(refusal) {
+            let up = velocity > 0.0;
+            self.at_limits.tell_stream(up, self.room(up, self.command.position));
+        }
+    }
+
+    /// The motion of a stream that ends at a limit, as fast as it was asked for; none where something else moves the axis, or where
+    /// that would pass the limit.
+    pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<Course> {
+        let Generator::Plan(Course { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else { return None };
+        let is_towards = if up { *asked > 0.0 } else { *asked < 0.0 };
+        if !is_towards || !self.streams() || !self.stops_streams() || self.overlay.is_some() {
+            return None;
+        }
+        let limit = Position::whole(self.limit(up));
+        let limits = Limits { velocity: asked.abs(), acceleration: limits.acceleration, ..self.stop_limits() };
+        let course = self.course(cycle, before, Aim::Target(limit), limits);
+        let (low, high) = course.extent_from(before.position);
+        let end = if up { high } else { low };
+        ((end - limit).to_f64().abs() <= course::ROUNDING).then_some(course)
+    }
+
+    /// Whether the motion under way ends at a limit, whatever velocity (inc/s) a stream asks for, or because of that one.
+    fn ends_at_limit(&self, up: bool, asked: f64) -> bool {
+        let Generator::Plan(course) = &self.generator else { return false };
+        let is_asked = course.aim == Aim::Stop || course.limits.velocity == asked.abs();
+        is_asked && course.end_velocity() == 0.0 && self.room(up, course.end()) <= Position::from_f64(course::ROUNDING)
+    }
+}
+
+/// Whether a velocity leads further into a software limit: a limit switch has no place.
+fn is_software_limit(refusal: &Refusal) -> bool {
+    refusal.code == Code::LIMIT_VIOLATION && refusal.limit != Number::None
+}
