@@ -47,6 +47,7 @@ mod shaft;
 mod store;
 mod streams;
 mod table_cli;
+mod touch_probe;
 mod trajectory;
 mod tune_cli;
 mod tune_ros;

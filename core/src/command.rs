@@ -82,13 +82,20 @@ pub enum Action {
     Move(Move),
     /// Moves one axis to a place that it has to find.
     Probe(Probe),
+    /// Arms a touch probe of one axis, which moves nothing (MC_TouchProbe).
+    TouchProbe(TouchProbe),
+    /// Disarms touch probes of one axis (MC_AbortTrigger).
+    AbortTrigger(AbortTrigger),
     /// Runs a trajectory of several axes as one goal: one `done` ends it, of the axis that made it end, or of the machine. Who
     /// gives it keeps a reference for as long as the machine may have one, so that none is freed in a cycle.
     Trajectory(Arc<Trajectory>),
     /// Gives one axis its zero.
     HomeAxis(HomeAxis),
-    /// Gives the present position of one axis, which stands, a new value; nothing moves (DEFORIGIN, SETORIGIN).
+    /// Gives the present position of one axis a new value, where nothing refers to the old one; nothing moves, and what moves goes on
+    /// (DEFORIGIN, SETORIGIN, MC_SetPosition).
     SetPosition(SetPosition),
+    /// The same by a distance (MC_SetPosition, relative).
+    ShiftPosition(ShiftPosition),
     /// Gives an entry of section `encoders` a new value for all of its users; nothing moves.
     SetEncoderPosition(SetEncoderPosition),
     /// Gives the position that one axis shows of its master a new value; nothing moves (DEFMORIGIN, SETMORIGIN).
@@ -364,6 +371,30 @@ impl Probe {
     }
 }
 
+/// A passive touch probe: records where one axis is when something latches, and moves nothing (MC_TouchProbe).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchProbe {
+    /// The axis.
+    pub axis: u16,
+    /// The input, encoder or axis that latches.
+    pub source: Object,
+    /// Which of its edges.
+    pub edge: ProbeEdge,
+    /// Records every latch until it is aborted; else the first one alone.
+    pub continuous: bool,
+    /// First and last position of the axis (inc) between which a latch is recorded, both included; none: anywhere.
+    pub window: Option<[Length; 2]>,
+}
+
+/// The end of touch probes of one axis (MC_AbortTrigger).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AbortTrigger {
+    /// The axis.
+    pub axis: u16,
+    /// What they wait for; none: all of them.
+    pub source: Option<Object>,
+}
+
 /// By which numbers a way of homing is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum HomingMethod {
@@ -392,6 +423,15 @@ pub struct SetPosition {
     pub axis: u16,
     /// What its command position is from now on (inc).
     pub position: Length,
+}
+
+/// A distance that is added to every position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShiftPosition {
+    /// The axis.
+    pub axis: u16,
+    /// What its positions are more from now on (inc), rounded to whole increments.
+    pub distance: Length,
 }
 
 /// A new value of the position of an encoder.

@@ -21,7 +21,7 @@ mod state;
 mod trajectories;
 mod virtual_master;
 
-use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, Pace};
+use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, MOST_RECORDS, Pace};
 use crate::code::Code;
 use crate::command::{Command, Commands, Setpoints};
 use crate::config::{ConfigError, IoKind, MachineConfig, SlotConfig};
@@ -163,7 +163,9 @@ impl Machine {
             // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more;
             // each slot may tell how it stands, and that it failed.
             events: EventQueue::new(
-                MAX_COMMANDS * (4 + axes.len()) + (MAX_WAITING + 16) * axes.len() + 2 * state.slots.len(),
+                MAX_COMMANDS * (4 + axes.len())
+                    + (MAX_WAITING + 16 + MOST_RECORDS) * axes.len()
+                    + 2 * state.slots.len(),
             ),
             candidates: axes.iter().map(|axis| *axis.parameters).collect(),
             latched: Vec::with_capacity(MAX_LATCHES),

@@ -61,6 +61,16 @@ impl Modulo {
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
 
+    /// Returns true if a place lies between two others, both included, on the way up from the first one within the turn; everywhere does where they
+    /// are a turn apart or more. To 2^-32 inc: places within a turn may lie half of one beside it.
+    pub fn is_between(self, first: Position, last: Position, place: Position) -> bool {
+        let denominator = i128::from(self.denominator);
+        let up = |to: Position| raw(to) * denominator - raw(first) * denominator;
+        let width = if last >= first { up(last) } else { up(last).rem_euclid(self.turn()) };
+        let way = up(place).rem_euclid(self.turn());
+        way <= width.saturating_add(denominator) || way + denominator >= self.turn()
+    }
+
     /// The place that shows as `wanted` within its turn and that `now` has come to or passed last, with its last change.
     pub fn last_passed(self, wanted: Position, now: Position, change: Position) -> Position {
         let direction = if change < Position::ZERO { Direction::Positive } else { Direction::Negative };

@@ -26,6 +26,33 @@ pub enum Object {
     Program(u16),
 }
 
+impl Object {
+    /// Objects of each section, in the numbers that events hold.
+    const SECTION: i64 = 1 << 16;
+
+    /// Returns the number of an input, encoder or axis in an event; other objects have none, -1.
+    pub(crate) fn to_number(self) -> i64 {
+        match self {
+            Self::Io(index) => index.into(),
+            Self::Encoder(index) => Self::SECTION + i64::from(index),
+            Self::Axis(index) => 2 * Self::SECTION + i64::from(index),
+            Self::Machine | Self::Memory(_) | Self::Function(_) | Self::Table(_) | Self::Program(_) => -1,
+        }
+    }
+
+    /// Returns the object of such a number.
+    pub(crate) fn from_number(number: i64) -> Option<Self> {
+        // The remainder is within 16 bits.
+        let index = number.rem_euclid(Self::SECTION) as u16;
+        match number.div_euclid(Self::SECTION) {
+            0 => Some(Self::Io(index)),
+            1 => Some(Self::Encoder(index)),
+            2 => Some(Self::Axis(index)),
+            _ => None,
+        }
+    }
+}
+
 /// The name of [`Leader::Virtual`]; no object is called `machine`.
 pub const VIRTUAL_MASTER: &str = "machine.vmaster";
 
@@ -130,6 +157,16 @@ impl FromIterator<u16> for AxisSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_may_latch_has_a_number_of_its_own() {
+        for object in [Object::Io(0), Object::Io(u16::MAX), Object::Encoder(0), Object::Axis(7), Object::Axis(u16::MAX)]
+        {
+            assert_eq!(Object::from_number(object.to_number()), Some(object));
+        }
+        assert_eq!([-1, 3 << 16, i64::MIN, i64::MAX].map(Object::from_number), [None; 4]);
+        assert_eq!(Object::from_number(Object::Machine.to_number()), None);
+    }
 
     #[test]
     fn a_set_holds_what_was_put_in() {

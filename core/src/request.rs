@@ -16,6 +16,7 @@ mod rates;
 mod saia;
 mod setpoints;
 mod synchronize;
+mod touch_probe;
 mod trajectory;
 
 pub use error::RequestError;
@@ -27,6 +28,7 @@ pub use phase::PhaseRequest;
 pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
+pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
 pub use trajectory::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
@@ -212,20 +214,8 @@ impl MachineConfig {
                 return Err(RequestError::BadChoice { field: "mode", value: request.search.mode.into(), allowed });
             }
         };
-        let edge = match request.edge {
-            0 => ProbeEdge::Rising,
-            1 => ProbeEdge::Falling,
-            2 => ProbeEdge::Both,
-            3 if self.find_latch(&request.event)? == Object::Axis(search.axis) => ProbeEdge::Index,
-            3 => {
-                let allowed = "INDEX is that of the axis itself, which event has to name";
-                return Err(RequestError::BadChoice { field: "edge", value: 3, allowed });
-            }
-            other => {
-                let allowed = "0 RISING, 1 FALLING, 2 BOTH, 3 INDEX are allowed";
-                return Err(RequestError::BadChoice { field: "edge", value: other.into(), allowed });
-            }
-        };
+        let source = self.find_latch(&request.event)?;
+        let edge = self.probe_edge(request.edge, search.axis, source)?;
         let (_, axis) = self.find_axis(&request.search.axis)?;
         Ok(Probe {
             axis: search.axis,
@@ -235,13 +225,26 @@ impl MachineConfig {
             acceleration: search.acceleration,
             deceleration: search.deceleration,
             jerk: search.jerk,
-            source: self.find_latch(&request.event)?,
+            source,
             edge,
             distance: request
                 .distance
                 .length(request.search.units, &axis.scale)
                 .map_err(|error| bad_value("distance", error))?,
         })
+    }
+
+    /// The edge of that number, of what latches for an axis.
+    fn probe_edge(&self, edge: u8, axis: u16, source: Object) -> Result<ProbeEdge, RequestError> {
+        let allowed = match edge {
+            0 => return Ok(ProbeEdge::Rising),
+            1 => return Ok(ProbeEdge::Falling),
+            2 => return Ok(ProbeEdge::Both),
+            3 if source == Object::Axis(axis) => return Ok(ProbeEdge::Index),
+            3 => "INDEX is that of the axis itself, which event has to name",
+            _ => "0 RISING, 1 FALLING, 2 BOTH, 3 INDEX are allowed",
+        };
+        Err(RequestError::BadChoice { field: "edge", value: edge.into(), allowed })
     }
 
     /// A parameter `axis.key` and a value as a change.

@@ -2,7 +2,7 @@
 //!
 //! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
 
-use crate::axis::STREAM;
+use crate::axis::{INDEX, STREAM};
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
@@ -92,6 +92,13 @@ fn scale_of(source: Object, config: &MachineConfig) -> Scale {
 
 fn latched(event: &Event, config: &MachineConfig) -> String {
     let edge = if event.asked == Number::Count(1) { "rising" } else { "falling" };
+    // A touch probe names what latched.
+    if let Number::Count(source) = event.limit {
+        let name = Object::from_number(source).map_or("its trigger", |source| config.name(source));
+        let position = number_text(Number::Position(event.position.floor()), event.source, config);
+        let what = if event.asked == Number::Count(INDEX) { "index pulse".to_owned() } else { format!("{edge} edge") };
+        return format!("touch probe: {what} of {name} at {position}, {} us before the cycle", event.age_ns / 1000);
+    }
     match event.source {
         Object::Axis(_) | Object::Encoder(_) => {
             let position = number_text(Number::Position(event.position.floor()), event.source, config);

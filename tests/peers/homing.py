@@ -75,7 +75,8 @@ def home_axis(peer, a):
 
 
 def set_position(peer, a):
-    client = peer.service(a.node, "set_position", "SetPosition", SetPositionRequest, Answer)
+    name = "set_position_relative" if a.relative else "set_position"
+    client = peer.service(a.node, name, "SetPosition", SetPositionRequest, Answer)
     units = int(a.units) if a.units.isdigit() else UNITS.index(a.units)
     told(client.call(SetPositionRequest(a.axis, a.position, units)))
 
@@ -88,3 +89,4 @@ def add_commands(command):
     p.add_argument("--leave", action="store_true", help="do not wait for the end")
     p = command("set-position", set_position, position=0.0, units="si")
     p.add_argument("--axis", required=True)
+    p.add_argument("--relative", action="store_true")

@@ -15,7 +15,7 @@ SYNC_MODES = ("velocity", "position", "marker", "cam", "cam_master_marker", "cam
 LEAVE_AT = ("now", "master_position", "position")
 DISENGAGES = ("stop", "keep_velocity", "as_goal")
 CAM_STARTS = ("absolute", "relative", "ramp_in")
-EDGES = ("rising", "falling", "both")
+EDGES = ("rising", "falling", "both", "index")
 LAYERS = ("user", "init")
 EXPORTS = ("all", "not_default", "not_cell", "not_saved")
 RECORD_COMMANDS = ("status", "start", "stop", "save")
@@ -267,6 +267,24 @@ class GearOutRequest(IdlStruct, typename="GearOutRequest"):
     at: t.uint8 = 0
     increments: t.int64 = 0
     disengage: t.uint8 = 0
+
+
+@dataclass
+class TouchProbeRequest(IdlStruct, typename="TouchProbeRequest"):
+    axis: str = ""
+    event: str = ""
+    edge: t.uint8 = 0
+    continuous: bool = False
+    units: t.uint8 = 0
+    window_only: bool = False
+    first_position: t.float64 = 0.0
+    last_position: t.float64 = 0.0
+
+
+@dataclass
+class AbortTriggerRequest(IdlStruct, typename="AbortTriggerRequest"):
+    axis: str = ""
+    event: str = ""
 
 
 @dataclass

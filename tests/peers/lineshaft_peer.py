@@ -31,9 +31,9 @@ import streams
 import trajectories
 import tune
 import watch
-from lineshaft_msgs import (ACTIONS, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
+from lineshaft_msgs import (ACTIONS, AbortTriggerRequest, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
                             AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest, RunGoal,
-                            RecordResponse, ResetRequest, SyncGoal, VocabularyRequest)
+                            RecordResponse, ResetRequest, SyncGoal, TouchProbeRequest, VocabularyRequest)
 from report import Failure, plain, show, told
 
 STREAM = rw.qos(depth=10_000)  # nothing is lost while a command waits for something else
@@ -260,6 +260,18 @@ def gear_out(peer, a):
     told(client.call(GearOutRequest(a.axis, number(a.at, LEAVE_AT), a.increments, number(a.disengage, DISENGAGES))))
 
 
+def touch_probe(peer, a):
+    client = peer.service(a.node, "touch_probe", "TouchProbe", TouchProbeRequest, Answer)
+    number = lambda given, names: names.index(given) if given in names else int(given)
+    told(client.call(TouchProbeRequest(a.axis, a.event, number(a.edge, EDGES), a.continuous, number(a.units, UNITS),
+                                       a.window_only, a.first_position, a.last_position)))
+
+
+def abort_trigger(peer, a):
+    client = peer.service(a.node, "abort_trigger", "AbortTrigger", AbortTriggerRequest, Answer)
+    told(client.call(AbortTriggerRequest(a.axis, a.event)))
+
+
 def phase(peer, a):
     client = peer.action(a.node, "phase")
     gid = send(client, PhaseGoal(a.axis, SIDES.index(a.side), a.shift, a.velocity, a.acceleration))
@@ -363,6 +375,13 @@ def parser():
     p.add_argument("--seconds", type=float, help="cancel after this time; left out: stay coupled")
     p.add_argument("--expect", choices=rw.STATUS.values(), help="how the goal ends, instead of waiting for the coupling")
     p = command("gear-out", gear_out, at="now", increments=0, disengage="stop")
+    p.add_argument("--axis", required=True)
+    p = command("touch-probe", touch_probe, edge="rising", units="si", first_position=0.0, last_position=0.0)
+    p.add_argument("--axis", required=True)
+    p.add_argument("--event", required=True)
+    p.add_argument("--continuous", action="store_true")
+    p.add_argument("--window-only", action="store_true")
+    p = command("abort-trigger", abort_trigger, event="")
     p.add_argument("--axis", required=True)
     p = command("phase", phase, shift=0.0, velocity=0.0, acceleration=0.0, expect="")
     p.add_argument("--axis", required=True)

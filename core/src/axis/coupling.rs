@@ -100,7 +100,8 @@ impl Axis {
     /// The coupling that a request asks for.
     pub(super) fn coupling_by(&self, leader: Leader, request: &Synchronize, follower: Follower) -> Coupling {
         let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
-        Coupling { leader, disengage, accuracy, follower }
+        let at_places = matches!(request.engage, Engage::InPosition { .. });
+        Coupling { leader, disengage, accuracy, at_places, follower }
     }
 
     /// What limits the slave of a request.

@@ -136,6 +136,7 @@ impl Axis {
         self.last_direction = 0.0 - self.last_direction;
         self.index.1 = -self.index.1;
         self.homing.turn_over();
+        self.touch_probes.note_new_coordinate();
         self.judge.fill(self.command.position.floor());
         self.vocabularies.notice(Notice::Turned);
     }

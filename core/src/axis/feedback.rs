@@ -373,6 +373,7 @@ impl Axis {
         let moved = std::mem::take(&mut self.sensor.moved);
         if moved != Position::ZERO {
             self.vocabularies.notice(Notice::Displaced { by: moved.floor() });
+            self.touch_probes.note_new_coordinate();
             self.moved += moved;
         }
     }

@@ -167,7 +167,7 @@ impl Axis {
         let follower = Follower::new(lead.uneven, transmission, mode, present, Position::ZERO, bounds);
         let follower = if present.velocity == 0.0 { follower.at_once() } else { follower };
         let (leader, disengage, accuracy) = (by.sink, Disengage::Stop, self.parameters.sync_accuracy);
-        let coupling = Coupling { leader, disengage, accuracy, follower };
+        let coupling = Coupling { leader, disengage, accuracy, at_places: false, follower };
         self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Function, Generator::Follow(coupling));
     }
 

@@ -5,6 +5,7 @@
 use super::course::Course;
 use crate::command::Level;
 use crate::object::Leader;
+use crate::position::Position;
 use crate::sync::Disengage;
 use crate::sync::follower::Follower;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,17 @@ impl Generator {
             Generator::Follow(_) | Generator::Track(_) => self.follower().is_some_and(Follower::is_sound),
             Generator::Open { velocity } => velocity.is_finite(),
             Generator::OutAn { value, .. } => value.abs() <= 1.0,
+        }
+    }
+
+    /// Moves the places of the motion as a whole: the coordinate is another one, and nothing moves. Not those of a cam or of a trajectory,
+    /// in whose motion no coordinate changes.
+    pub(super) fn shift(&mut self, by: Position) {
+        match self {
+            Generator::Plan(course) => course.shift(by),
+            Generator::Follow(Coupling { follower, .. }) => follower.shift(by),
+            Generator::Rest | Generator::Track(_) | Generator::Open { .. } => {}
+            Generator::OutAn { .. } | Generator::Coast { .. } => {}
         }
     }
 
@@ -74,5 +86,7 @@ pub(super) struct Coupling {
     pub disengage: Disengage,
     /// Error up to which it counts as accurate (inc), which it keeps (MACS-STO-09); negative: the error is shown with its sign.
     pub accuracy: i64,
+    /// It keeps a pair of places of leader and axis.
+    pub at_places: bool,
     pub follower: Follower,
 }

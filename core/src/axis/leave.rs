@@ -86,6 +86,11 @@ impl Axis {
         self.leaving.map_or(0, |leaving| leaving.sequence)
     }
 
+    /// Returns true if it waits for a place of the axis itself.
+    pub(super) fn leaves_at_own_place(&self) -> bool {
+        self.leaving.is_some_and(|leaving| matches!(leaving.at, LeaveAt::Axis(_)))
+    }
+
     /// Ends the wait.
     pub(super) fn end_leaving(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         if let Some(leaving) = self.leaving.take() {

@@ -64,6 +64,11 @@ impl AtLimits {
         self.stopped.is_none()
     }
 
+    /// Every place is `by` more from now on, those of the limits too.
+    pub(super) fn shift(&mut self, by: Position) {
+        self.beyond = self.beyond.map(|beyond| Beyond { inmost: beyond.inmost + by, ..beyond });
+    }
+
     /// It is within them in this cycle.
     #[inline]
     pub(super) fn note_within(&mut self) {

@@ -57,6 +57,7 @@ mod stops;
 mod stream;
 mod stream_limit;
 mod switches;
+mod touch_probe;
 mod track;
 mod velocity_encoder;
 mod vocabulary;
@@ -69,6 +70,7 @@ pub use cam::no_cam;
 pub use direction::{may_tell_sign, may_turn_loop};
 pub use feedback::Claim;
 pub use function::MovedBy;
+pub(crate) use homing::USES as COORDINATE_USES;
 pub(crate) use homing::methods as homing_methods;
 pub use in_force::InForce;
 pub use master::may_name;
@@ -80,6 +82,7 @@ pub use source::{Source, Wired, may_carry, may_read};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
+pub(crate) use touch_probe::{INDEX, MOST_RECORDS};
 pub use track::{Excess, Run, Violation};
 pub use velocity_encoder::may_find_velocity;
 pub use waiting::MAX_WAITING;
@@ -128,6 +131,7 @@ use shown::DriveShown;
 pub use shown::MISSED_CYCLES;
 use std::sync::Arc;
 use stream::Streamed;
+use touch_probe::TouchProbes;
 use velocity_encoder::VelocityFeedback;
 use waiting::Waiting;
 
@@ -287,6 +291,7 @@ pub struct Axis {
     conditioning: Conditioning,
     engagement: Option<Engagement>,
     leaving: Option<Leaving>,
+    touch_probes: TouchProbes,
     buffer: Buffer,
     waiting: Waiting,
     compensation: TakeUp,
@@ -338,6 +343,7 @@ impl Axis {
             conditioning: Conditioning::default(),
             engagement: None,
             leaving: None,
+            touch_probes: TouchProbes::default(),
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
@@ -407,6 +413,7 @@ impl Axis {
         self.supervise_current(cx);
         self.tell_switches(cx);
         self.advance(cx);
+        self.record_latches(cx);
         self.take_mark(cx);
         self.step_homing(cx);
         self.judge_errors(cx);
@@ -474,9 +481,12 @@ impl Axis {
             Action::ResetErrors(_) => return self.reset(cx, sequence),
             Action::Move(request) => self.start_move(cx, sequence, request),
             Action::Probe(request) => self.start_probe(cx, sequence, request),
+            Action::TouchProbe(request) => self.arm_touch_probe(cx, sequence, request),
+            Action::AbortTrigger(request) => self.abort_trigger(cx, sequence, request),
             Action::HomeAxis(request) => self.start_homing(cx, sequence, request.method),
             Action::OutAn(request) => self.start_out_an(cx, sequence, *request),
             Action::SetPosition(request) => self.set_position(cx, sequence, request.position),
+            Action::ShiftPosition(request) => self.shift_position(cx, sequence, request.distance),
             Action::SetMasterPosition(request) => self.set_master_position(cx, sequence, request.position),
             Action::Synchronize(request) => self.start_synchronize(cx, sequence, request),
             Action::Vocabulary(request) => self.run_request(cx, sequence, request),
@@ -525,6 +535,7 @@ impl Axis {
             && self.may_be_analog_with(&self.parameters).is_ok()
             && self.recovery.is_sound()
             && self.vocabularies.is_sound()
+            && self.touch_probes.are_sound()
             && searches
             && waits
             && self.command.is_sound()

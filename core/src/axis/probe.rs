@@ -50,18 +50,21 @@ impl Search {
     }
 }
 
+/// Returns true if the latch is an edge of that source that is waited for.
+pub(super) fn is_awaited(latch: &Latched, source: Object, edge: ProbeEdge) -> bool {
+    let is_edge = match edge {
+        ProbeEdge::Rising => latch.rising,
+        ProbeEdge::Falling => !latch.rising,
+        ProbeEdge::Both => true,
+        ProbeEdge::Index => false,
+    };
+    latch.object == source && is_edge
+}
+
 /// The first latch of the cycle that somebody waits for: the oldest.
 pub(super) fn first_latch(latches: &[Latched], source: Object, edge: ProbeEdge) -> Option<&Latched> {
-    let asked = |latch: &&Latched| {
-        latch.object == source
-            && match edge {
-                ProbeEdge::Rising => latch.rising,
-                ProbeEdge::Falling => !latch.rising,
-                ProbeEdge::Both => true,
-                ProbeEdge::Index => false,
-            }
-    };
-    latches.iter().filter(asked).reduce(|first, next| if next.age_ns > first.age_ns { next } else { first })
+    let awaited = latches.iter().filter(|latch| is_awaited(latch, source, edge));
+    awaited.reduce(|first, next| if next.age_ns > first.age_ns { next } else { first })
 }
 
 impl Axis {
@@ -127,7 +130,7 @@ impl Axis {
     }
 
     /// How long before this cycle its encoder was there (ns), on the straight line of the change of the cycle.
-    fn age_of(&self, place: Position) -> u32 {
+    pub(super) fn age_of(&self, place: Position) -> u32 {
         let change = self.actual.change.to_f64();
         let share = if change == 0.0 { 0.0 } else { (self.actual.position - place).to_f64() / change };
         // The cast saturates; an age is below a cycle.

@@ -132,6 +132,7 @@ impl Axis {
         set(PhaseSlave, real(slave));
         set(PhaseMaster, real(master));
         show_coupling(words, self.shown_coupling(leads));
+        self.publish_records(board);
         self.publish_vocabularies(board, leads);
     }
 
@@ -217,9 +218,14 @@ impl Axis {
 
     /// Shows a latched position.
     pub fn publish_latch(&self, board: &mut Board, position: Position) {
+        self.publish_latches(board, position, 1);
+    }
+
+    /// Shows the last of so many latched positions.
+    pub(super) fn publish_latches(&self, board: &mut Board, position: Position, more: u32) {
         let count = AxisSignal::LatchCount.of(self.signals);
         board.set_int(AxisSignal::LatchPosition.of(self.signals), position.floor());
         board.set_real(AxisSignal::LatchFraction.of(self.signals), position.fraction());
-        board.set_int(count, board.int(count).wrapping_add(1));
+        board.set_int(count, board.int(count).wrapping_add(more.into()));
     }
 }

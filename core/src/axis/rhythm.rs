@@ -188,6 +188,7 @@ impl Axis {
             && !self.is_conditioned()
             && self.engagement.is_none()
             && self.leaving.is_none()
+            && self.touch_probes.are_settled()
             && self.buffer.is_empty()
             && self.waiting.is_empty()
             && self.left.is_none()

@@ -313,6 +313,21 @@ codes! {
         remedy: "Couple it first; cancel a goal that waits to engage.",
     }
 
+    /// The coordinate of a window is another one.
+    COORDINATE_CHANGED = 10274, NoError {
+        says: "the axis has another coordinate: the window of the touch probe is not valid any more; arm it again",
+        cause: "Homing, a new position of a shared encoder, another source or sense, or a drive that counts anew have changed the coordinate of the axis while a touch \
+            probe with a window was armed.",
+        remedy: "Arm it again, with a window in the coordinate of now.",
+    }
+
+    /// A latch of a touch probe while the axis has no position.
+    TOUCH_PROBE_NO_POSITION = 10275, NoError {
+        says: "the position of the axis is not known: the latch is not recorded",
+        cause: "What a touch probe waits for has latched while the drive of the axis is offline or its encoder is not valid.",
+        remedy: "See why the axis has no position; the touch probe stays armed.",
+    }
+
     /// Tuning found no gains.
     NOT_TUNED = 10248, NoError {
         says: "no gains were found",

@@ -164,6 +164,44 @@ codes! {
         remedy: "Wait for its end, or halt it first.",
     }
 
+    /// The input of a probe has the level already that the edge would bring.
+    PROBE_INPUT_ACTIVE = 10270, NoError {
+        says: "probe input is already active; move the axis off it, or set probe_active_input to allow",
+        cause: "The input of probe_axis reads 1 before a search for its rising edge, or 0 before one for its falling edge. That edge cannot come: \
+            the axis would drive on to the end of the search.",
+        remedy: "Move the axis off the mark; check the wire of the sensor; name the other edge. Parameter probe_active_input: allow searches for the \
+            next edge, which comes once the input has changed back.",
+    }
+
+    /// More touch probes of one axis than there is room for.
+    TOO_MANY_TOUCH_PROBES = 10271, NoError {
+        says: "{limit} touch probes are armed, allowed {limit}; abort one with abort_trigger",
+        cause: "A touch probe was to be armed for another trigger, and the axis has as many armed as it may have.",
+        remedy: "Abort one with abort_trigger, or arm it for the trigger of one that is armed: that one gives way.",
+    }
+
+    /// The window of a touch probe ends before it begins.
+    TOUCH_PROBE_WINDOW = 10272, NoError {
+        says: "first_position {asked} exceeds last_position {limit}; only an axis with a modulo has a window across the end of its turn",
+        cause: "The window of a touch probe ends below its begin, and the axis has no turn.",
+        remedy: "Exchange first_position and last_position.",
+    }
+
+    /// abort_trigger without a touch probe.
+    TOUCH_PROBE_NOT_ARMED = 10273, NoError {
+        says: "no touch probe is armed; arm one with touch_probe",
+        cause: "abort_trigger was asked for a trigger that no touch probe of the axis waits for: it is over, or was never armed.",
+        remedy: "Nothing, if it has recorded its latch.",
+    }
+
+    /// set_position while something refers to the coordinate as it is.
+    COORDINATE_IN_USE = 10276, NoError {
+        says: "something refers to the present coordinate of the axis; wait for its end, or end it first",
+        cause: "set_position of an axis that has a goal to a target, a trajectory, a goal that waits, a superimposed motion or phase shift, a cam, a coupling at a \
+            pair of places or by marks, one that waits, a gear_out at a place of the axis, a motion of a vocabulary or a function, or a touch probe with a window.",
+        remedy: "Wait for its end, or end it: cancel, halt, abort_trigger. A velocity, streamed setpoints and a gear go on in the new coordinate.",
+    }
+
     /// Velocity, acceleration or deceleration so low that a move would not end.
     RATE_TOO_LOW = 10024, NoError {
         says: "{asked} is too low; at least {limit} is allowed",

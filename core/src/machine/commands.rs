@@ -4,10 +4,10 @@ use super::{MAX_COMMANDS, Machine, Told};
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::command::{
-    Action, Command, Commands, Engage, GearOut, MemoryValue, Phase, PhaseSide, ProbeEdge, Synchronize,
+    Action, Command, Commands, Engage, GearOut, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize,
 };
 use crate::config::IoKind;
-use crate::drive::{ForeignEmergency, NodeChange, NodeNotice};
+use crate::drive::{ForeignEmergency, Inputs, NodeChange, NodeNotice};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::function::Order;
 use crate::object::{Leader, Object};
@@ -52,6 +52,26 @@ impl Machine {
         Err(refusal.with(Number::Count(source.into()), Number::None))
     }
 
+    /// Checks that the edge of a probe can come: an input that has the level behind the edge already lets the axis drive on to the
+    /// end of the search.
+    fn check_probe_input(&self, inputs: &Inputs, request: &Probe) -> Result<(), Refusal> {
+        let Object::Io(entry) = request.source else { return Ok(()) };
+        let level = match request.edge {
+            ProbeEdge::Rising => true,
+            ProbeEdge::Falling => false,
+            ProbeEdge::Both | ProbeEdge::Index => return Ok(()),
+        };
+        let axis = self.state.axes.get(usize::from(request.axis));
+        let is_allowed = axis.is_none_or(|axis| axis.parameters.probe_active_input != 0);
+        let place = self.digital_inputs.iter().position(|input| *input == entry);
+        let is_active = place.is_some_and(|place| self.state.panel.terminal(&self.config, place, inputs) == level);
+        if is_allowed || !is_active {
+            return Ok(());
+        }
+        let refusal = Refusal::new(Code::PROBE_INPUT_ACTIVE, Object::Axis(request.axis));
+        Err(refusal.with(Number::Count(entry.into()), Number::Count(level.into())))
+    }
+
     /// True where the command is left for the axes.
     fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
         if command.action.needs_active() && !self.state.active {
@@ -79,9 +99,12 @@ impl Machine {
             | Action::ResetErrors(_)
             | Action::Move(_)
             | Action::Probe(_)
+            | Action::TouchProbe(_)
+            | Action::AbortTrigger(_)
             | Action::Trajectory(_)
             | Action::HomeAxis(_)
             | Action::SetPosition(_)
+            | Action::ShiftPosition(_)
             | Action::SetMasterPosition(_)
             | Action::Synchronize(_)
             | Action::Phase(_)
@@ -207,10 +230,22 @@ impl Machine {
                 if request.edge != ProbeEdge::Index {
                     self.check_latch(request.axis, request.source)?;
                 }
+                self.check_probe_input(told.inputs, request)?;
                 self.give(told, request.axis, command)
             }
+            Action::TouchProbe(request) => {
+                if request.edge != ProbeEdge::Index {
+                    self.check_latch(request.axis, request.source)?;
+                }
+                self.give(told, request.axis, command)
+            }
+            Action::AbortTrigger(request) => self.give(told, request.axis, command),
             Action::HomeAxis(request) => self.give(told, request.axis, command),
             Action::SetPosition(request) => {
+                self.admit_shared_zero(request.axis)?;
+                self.give(told, request.axis, command)
+            }
+            Action::ShiftPosition(request) => {
                 self.admit_shared_zero(request.axis)?;
                 self.give(told, request.axis, command)
             }

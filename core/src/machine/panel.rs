@@ -157,6 +157,13 @@ impl Panel {
         smoothed
     }
 
+    /// Returns the level at the terminal of a digital input, which its latch sees: the filter may not have passed it on yet.
+    pub(super) fn terminal(&self, config: &MachineConfig, place: usize, seen: &Inputs) -> bool {
+        let mut filters = config.global.filters.iter().zip(&self.settling);
+        let differs = filters.any(|(filter, settling)| filter.input == place && settling.since.is_some());
+        seen.digital(place) != differs
+    }
+
     /// Were these the digital inputs of the cycle before?
     pub(super) fn has_read(&self, digital: &[u64]) -> bool {
         self.has_read && self.before == digital

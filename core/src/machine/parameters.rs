@@ -126,6 +126,7 @@ impl Machine {
             return Err(Refusal::new(Code::NOT_DISABLED, Object::Axis(index as u16)));
         }
         self.accept(command, Object::Machine);
+        self.state.axes.iter_mut().for_each(|axis| axis.lose_touch_probes(&mut self.events));
         self.state.power_up_from(&self.first);
         self.power_up_virtual_master();
         self.count_change();

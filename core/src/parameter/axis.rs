@@ -62,6 +62,8 @@ pub struct AxisParameters {
     pub marks: Marks,
     /// How long a streamed setpoint holds (ns).
     pub setpoint_timeout: i64,
+    /// Place in [`PROBE_INPUTS`](super::PROBE_INPUTS).
+    pub probe_active_input: i64,
     /// How the axis gets its zero.
     pub homing: Homing,
     /// Where positions come from.
@@ -116,6 +118,7 @@ impl AxisParameters {
             sync: Synchronization::default(),
             marks: Marks::default(),
             setpoint_timeout: 0,
+            probe_active_input: 0,
             homing: Homing::default(),
             encoder: Encoders::default(),
             assigned: Assigned::default(),

@@ -59,6 +59,9 @@ use crate::object::Object;
 /// Which profile an axis uses.
 pub const PROFILES: &[&str] = &["trapezoid", "s_ramp", "jerk"];
 
+/// What a probe does whose input has the level of its edge already.
+pub const PROBE_INPUTS: &[&str] = &["refuse", "allow"];
+
 /// In [`Change::axis`]: the machine.
 pub const MACHINE: u16 = u16::MAX;
 

@@ -2,7 +2,7 @@
 
 use super::{Amount, RequestError, Units};
 use crate::command::{
-    Action, HomeAxis, HomingMethod, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition,
+    Action, HomeAxis, HomingMethod, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition,
 };
 use crate::config::MachineConfig;
 use crate::unit::Scale;
@@ -51,6 +51,19 @@ impl MachineConfig {
             }
         };
         Ok(HomeAxis { axis, method })
+    }
+
+    /// A distance that is added to the positions of an axis, as a command.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself: of encoders and masters there is only a new value.
+    pub fn resolve_shift_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
+        let (axis, config) = self.find_axis(&request.axis)?;
+        let distance = request
+            .position
+            .length(request.units, &config.scale)
+            .map_err(|error| super::bad_value("position", error))?;
+        Ok(Action::ShiftPosition(ShiftPosition { axis, distance }))
     }
 
     /// A new value of a position as a command: of an axis, of an entry of `encoders`, or of the master of an axis (`x.master`).

@@ -44,7 +44,7 @@ signal_block! {
     LimitNegative "limit.negative" Bit, None, drivable; "negative limit switch: the end of falling counts"
     LimitSoftwarePositive "limit.software_positive" Bit, None; "the command stands at max_position or beyond"
     LimitSoftwareNegative "limit.software_negative" Bit, None; "the command stands at min_position or beyond"
-    LatchPosition "latch.position" Int, Position; "last latched position, floor"
+    LatchPosition "latch.position" Int, Position; "last latched position, by the axis itself or by a touch probe, floor"
     LatchFraction "latch.fraction" Real, None; "its fraction, 0 to 1"
     LatchCount "latch.count" Int, None; "latches so far"
     OutputPosition "output.position" Int, Position; "position asked of the drive, in its counts"

@@ -2,6 +2,7 @@
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
 use super::{function, number_text, plain, row, scale_of, trajectory};
+use crate::axis::COORDINATE_USES;
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
@@ -154,6 +155,15 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::TOO_MANY_WAITING if event.kind == Kind::Done => {
             fixed("it is being done, but too many wait already to be told its end")
         }
+        Code::COORDINATE_IN_USE => {
+            let place = if let Number::Count(place) = event.asked { usize::try_from(place).ok() } else { None };
+            match place.and_then(|place| COORDINATE_USES.get(place)) {
+                Some(what) => {
+                    format!("{what} refers to the present coordinate of the axis; wait for its end, or end it first")
+                }
+                None => by_row(),
+            }
+        }
         Code::NOT_AT_STANDSTILL => not_at_standstill(event.asked),
         Code::HOMING_UNKNOWN_METHOD if event.limit == Number::None => {
             format!("scheme cia402 has no homing method {}; 1 to 14, 17 to 30, 33, 34, 35 and 37 are allowed", asked())
@@ -182,6 +192,29 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             "homing.in_drive is true, and the drive has no {}; methods of CiA 402 are allowed",
             method(event.asked)
         ),
+        Code::PROBE_INPUT_ACTIVE => match (event.asked, event.limit) {
+            (Number::Count(input), Number::Count(level)) => {
+                let name = u16::try_from(input).map_or("the input", |input| config.name(Object::Io(input)));
+                let edge = if level == 0 { "falling" } else { "rising" };
+                let remedy = "move the axis off it, or set probe_active_input to allow";
+                format!(
+                    "probe input is already active: {name} is {level}, allowed {} before a {edge} edge; {remedy}",
+                    1 - level.clamp(0, 1)
+                )
+            }
+            _ => by_row(),
+        },
+        Code::TOUCH_PROBE_NOT_ARMED | Code::TOUCH_PROBE_NO_POSITION => match event.asked {
+            Number::Count(source) => {
+                let name = Object::from_number(source).map_or("that trigger", |source| config.name(source));
+                if event.code == Code::TOUCH_PROBE_NOT_ARMED {
+                    format!("no touch probe is armed for {name}; arm one with touch_probe")
+                } else {
+                    format!("the position of the axis is not known: the latch of {name} is not recorded")
+                }
+            }
+            _ => by_row(),
+        },
         Code::LATCH_NOT_OFFERED => match event.asked {
             Number::Count(axis) => {
                 let name = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));

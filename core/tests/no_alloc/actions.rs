@@ -2,9 +2,9 @@
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
+    AbortTrigger, Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
     MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, RunFunction,
-    SetEncoderPosition, SetMasterPosition, SetPosition, Synchronize,
+    SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
@@ -115,7 +115,11 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             }
             11 => {
                 let position = Length::whole(numbers.below(20_000) as i64);
-                Action::SetPosition(SetPosition { axis: numbers.below(8) as u16, position })
+                let axis = numbers.below(8) as u16;
+                match position.nearest % 3 {
+                    0 => Action::ShiftPosition(ShiftPosition { axis, distance: position }),
+                    _ => Action::SetPosition(SetPosition { axis, position }),
+                }
             }
             0 => Action::SaveParameters(set),
             1 => Action::ResetParameters { axes: set, layer: Layer::User },
@@ -198,6 +202,14 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
         12 => Action::set_output((number.unsigned_abs() % 36) as u16, (number % 3) as f64),
         13..=16 => select(axis, numbers),
         17 | 18 => Action::vocabulary(saia(axis, numbers)),
+        19 if number % 3 == 0 => Action::TouchProbe(TouchProbe {
+            axis,
+            source: Object::Axis(number.rem_euclid(8) as u16),
+            edge: ProbeEdge::Rising,
+            continuous: number % 2 == 0,
+            window: (number % 4 == 0).then(|| [-50_000, 50_000].map(Length::whole)),
+        }),
+        19 if number % 6 == 1 => Action::AbortTrigger(AbortTrigger { axis, source: None }),
         19 => Action::Probe(Probe {
             axis,
             relative: true,

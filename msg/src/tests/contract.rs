@@ -14,7 +14,7 @@ use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
 /// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
-const OWN_INTERFACES: [(&str, &str); 35] = [
+const OWN_INTERFACES: [(&str, &str); 37] = [
     (
         "msg/AxisState",
         "uint8 DISABLED=0 STANDSTILL=1 DISCRETE_MOTION=2 CONTINUOUS_MOTION=3 HOMING=4
@@ -323,6 +323,27 @@ const OWN_INTERFACES: [(&str, &str); 35] = [
         uint8 at
         int64 increments
         uint8 disengage
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/TouchProbe",
+        "uint8 RISING=0 FALLING=1 BOTH=2 INDEX=3
+        uint8 SI=0 AXIS_UNIT=1 INCREMENTS=2
+        string axis event
+        uint8 edge
+        bool continuous
+        uint8 units
+        bool window_only
+        float64 first_position last_position
+        ---
+        bool success
+        string message",
+    ),
+    (
+        "srv/AbortTrigger",
+        "string axis event
         ---
         bool success
         string message",

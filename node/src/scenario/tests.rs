@@ -1,6 +1,7 @@
 //! Scenarios by their reports, and their errors by exact text.
 
 mod contract;
+mod coordinate;
 mod drives;
 mod events;
 mod expectations;
@@ -12,6 +13,7 @@ mod recorded;
 mod saved;
 mod shares;
 mod steps;
+mod touch_probe;
 mod traces;
 mod trajectory;
 mod verbs;

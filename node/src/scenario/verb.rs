@@ -25,6 +25,7 @@ mod recorded;
 mod saia;
 mod setpoints;
 mod synchronize;
+mod touch_probe;
 mod trajectory;
 mod vocabulary;
 mod wf;
@@ -35,7 +36,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 32] = [
+const VERBS: [&str; 34] = [
     "enable",
     "disable",
     "halt",
@@ -46,6 +47,8 @@ const VERBS: [&str; 32] = [
     "abort",
     "move_axis",
     "probe_axis",
+    "touch_probe",
+    "abort_trigger",
     "home_axis",
     "set_position",
     "synchronize",
@@ -207,6 +210,8 @@ impl Reader<'_> {
                 let (deed, id) = self.probe_axis(arguments);
                 add(deed, id);
             }
+            "touch_probe" => add(self.touch_probe(arguments), None),
+            "abort_trigger" => add(self.abort_trigger(arguments), None),
             "home_axis" => {
                 let (deed, id) = self.home_axis(arguments);
                 add(deed, id);

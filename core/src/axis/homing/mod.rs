@@ -10,6 +10,7 @@
 //! Source   MACS-HOME, CiA 402-2 methods, contract section 7
 
 mod in_drive;
+mod in_use;
 pub(crate) mod methods;
 mod origin;
 mod search;
@@ -24,6 +25,7 @@ use crate::position::Position;
 use crate::profile::Limits;
 use crate::vocabulary::{Notice, Travel};
 use in_drive::InDrive;
+pub(crate) use in_use::USES;
 use search::Search;
 use serde::{Deserialize, Serialize};
 
@@ -416,6 +418,7 @@ impl Axis {
     pub(super) fn note_new_coordinate(&mut self) {
         self.vocabularies.notice(Notice::Jumped);
         self.sensor.index_known = false;
+        self.touch_probes.note_new_coordinate();
         if !self.homing.is_in_drive() {
             self.homing.forget();
             self.homing.broken = self.homing.is_running();

@@ -15,17 +15,31 @@ impl Axis {
         sequence: u64,
         position: Length,
     ) -> Result<(), Refusal> {
-        if self.is_on() && !self.stands_idle() {
-            return Err(self.not_at_standstill());
-        }
-        self.check_zero_moves()?;
         let by = position.nearest.saturating_sub(self.command.position.nearest());
-        if !Position::whole(position.nearest).is_legal() {
-            let asked = Number::Position(position.nearest);
+        self.set_coordinate(cx, sequence, (position.nearest, by))
+    }
+
+    /// Every position is `distance` more from now on (MC_SetPosition, relative).
+    pub(in super::super) fn shift_position(
+        &mut self,
+        cx: &mut Context<'_>,
+        sequence: u64,
+        distance: Length,
+    ) -> Result<(), Refusal> {
+        let place = self.command.position.nearest().saturating_add(distance.nearest);
+        self.set_coordinate(cx, sequence, (place, distance.nearest))
+    }
+
+    /// The command position is `place`, which is `by` more, from now on.
+    fn set_coordinate(&mut self, cx: &mut Context<'_>, sequence: u64, (place, by): (i64, i64)) -> Result<(), Refusal> {
+        self.check_coordinate_free()?;
+        self.check_zero_moves()?;
+        if !Position::whole(place).is_legal() {
+            let asked = Number::Position(place);
             return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(asked, Number::None));
         }
         if let Some(limit) = self.limit_out_of_range(by) {
-            let asked = Number::Position(position.nearest);
+            let asked = Number::Position(place);
             return Err(self.refuse(Code::POSITION_OUT_OF_RANGE).with(asked, Number::Position(limit)));
         }
         let event = Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE);
@@ -92,6 +106,9 @@ impl Axis {
         self.actual.position += shift;
         self.index.1 += shift;
         self.judge.shift(by);
+        self.generator.shift(shift);
+        self.at_limits.shift(shift);
+        self.touch_probes.note_new_coordinate();
         self.vocabularies.notice(Notice::Shifted { by });
         self.moved += shift;
     }

@@ -52,7 +52,8 @@ impl Axis {
         let mode = SyncMode::Position;
         let follower = Follower::new(lead.uneven, transmission, mode, self.command, Position::ZERO, bounds);
         let follower = follower.with_past(past, tables);
-        Ok(Coupling { leader, disengage: Disengage::Stop, accuracy: p.sync_accuracy, follower })
+        let (disengage, accuracy) = (Disengage::Stop, p.sync_accuracy);
+        Ok(Coupling { leader, disengage, accuracy, at_places: false, follower })
     }
 
     /// Nothing lets the axis go on in the cycle of a stop that locks.

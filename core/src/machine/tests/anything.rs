@@ -7,8 +7,8 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, Move, MoveMode, OutAn, Phase,
-    PhaseShift, PhaseSide, Probe, ProbeEdge, SetPosition, Synchronize,
+    AbortTrigger, Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, Move, MoveMode,
+    OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -303,6 +303,20 @@ fn probing() -> impl Strategy<Value = Action> {
     )
 }
 
+/// Armed and aborted for what latches, of which there is more than room, with and without a window.
+fn touch_probing() -> impl Strategy<Value = Action> {
+    let edge = prop::sample::select(vec![ProbeEdge::Rising, ProbeEdge::Falling, ProbeEdge::Both, ProbeEdge::Index]);
+    let source = || prop_oneof![(0_u16..3).prop_map(Object::Axis), (0_u16..5).prop_map(Object::Io)];
+    let window = prop::option::of([-60_000_i64..60_000, -60_000_i64..60_000]);
+    let arm = (axis(), source(), edge, any::<bool>(), window).prop_map(|(axis, source, edge, continuous, window)| {
+        let window = window.map(|places| places.map(Length::whole));
+        Action::TouchProbe(TouchProbe { axis, source, edge, continuous, window })
+    });
+    let abort = (axis(), prop::option::of(source()))
+        .prop_map(|(axis, source)| Action::AbortTrigger(AbortTrigger { axis, source }));
+    prop_oneof![3 => arm, 1 => abort]
+}
+
 /// Over some of the axes, from whatever they do; most of them are not too fast.
 fn following() -> impl Strategy<Value = Action> {
     let rate = |most: f64| prop::option::weighted(0.7, prop_oneof![Just(0.0), -most..most]);
@@ -347,7 +361,9 @@ fn homing() -> impl Strategy<Value = Action> {
     let home = (axis(), method).prop_map(|(axis, method)| Action::HomeAxis(HomeAxis { axis, method }));
     let set = (axis(), -60_000_i64..60_000)
         .prop_map(|(axis, place)| Action::SetPosition(SetPosition { axis, position: Length::whole(place) }));
-    prop_oneof![3 => home, 1 => set]
+    let shift = (axis(), -60_000_i64..60_000)
+        .prop_map(|(axis, way)| Action::ShiftPosition(ShiftPosition { axis, distance: Length::whole(way) }));
+    prop_oneof![6 => home, 2 => set, 1 => shift]
 }
 
 fn telling() -> impl Strategy<Value = Action> {
@@ -411,6 +427,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         1 => command(loading().boxed()),
         3 => command(following().boxed()),
         2 => command(probing().boxed()),
+        2 => command(touch_probing().boxed()),
         2 => command(homing().boxed()),
         2 => (1_u16..3, any::<bool>(), 0_u32..1_000_000)
             .prop_map(|(source, rising, age)| Happening::Latch(source, rising, age)),
@@ -445,7 +462,8 @@ fn ends(action: &Action) -> usize {
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
         Action::Vocabulary(_) | Action::OutAn(_) => 0,
-        Action::SetPosition(_) | Action::LoadTable { .. } | Action::LoadProgram { .. } => 0,
+        Action::AbortTrigger(_) | Action::SetPosition(_) | Action::ShiftPosition(_) => 0,
+        Action::LoadTable { .. } | Action::LoadProgram { .. } => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
         Action::DeleteParameters(_) | Action::PowerCycle | Action::Activate => 0,
@@ -615,6 +633,9 @@ proptest! {
         rig.give(Action::Halt(AxisSet::first(3)));
         rig.run(6_000);
         locks.are_kept(&rig)?;
+        for axis in 0..3 {
+            rig.give(Action::AbortTrigger(AbortTrigger { axis, source: None }));
+        }
         for (number, action) in &given {
             let of = |kind| rig.events.iter().filter(|event| event.command == *number && event.kind == kind).count();
             let (accepted, refused, told) = (of(Kind::Accepted), of(Kind::Refused), of(Kind::Warning));

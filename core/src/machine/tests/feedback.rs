@@ -71,6 +71,17 @@ fn zero(axis: u16, position: i64) -> Action {
     Action::SetPosition(SetPosition { axis, position: Length::whole(position) })
 }
 
+/// x at a velocity (inc/s), on an encoder that y, which is off, reads too.
+pub(super) fn moving_zero() -> (Rig, f64) {
+    let mut rig = Rig::of(shared_config());
+    rig.run(2);
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(40);
+    rig.give(Action::Move(super::rig::at(X, 20_000.0)));
+    rig.run(200);
+    (rig, 20_000.0)
+}
+
 fn error(rig: &Rig) -> i64 {
     rig.int("x.error")
 }

@@ -339,6 +339,8 @@ const AT_ONCE: &[&str] = &[
     "error_reaction",
     "errcond",
     "setpoint_timeout",
+    // tests/probe.rs
+    "probe_active_input",
     "mencoder",
     // machine/tests/homing.rs
     "homing.required",

@@ -3,8 +3,8 @@
 use super::rig::{LINE, Rig, X, Y, config, to};
 use crate::code::Code;
 use crate::command::{Action, BufferMode, Move, MoveMode, Probe, ProbeEdge};
-use crate::config::{IoConfig, IoKind};
-use crate::drive::{Capabilities, Edge, Latch};
+use crate::config::{FilterConfig, IoConfig, IoKind};
+use crate::drive::{Capabilities, Edge, Inputs, Latch};
 use crate::event::{Event, Kind};
 use crate::object::{AxisSet, Object};
 use crate::parameter::{Change, Row, Value};
@@ -83,6 +83,10 @@ fn run_to_rest(rig: &mut Rig) -> (f64, f64) {
         }
     }
     panic!("it never stands");
+}
+
+fn mark_is_high(inputs: &mut Inputs) {
+    inputs.set_digital(0, true);
 }
 
 fn set(rig: &mut Rig, key: &str, value: i64) {
@@ -210,6 +214,9 @@ fn each_edge_is_taken_by_who_asks_for_it() {
         (Both, Edge::Falling, true),
     ] {
         let mut rig = rig();
+        if edge == Falling {
+            rig.tamper = mark_is_high;
+        }
         let goal = rig.give(Action::Probe(Probe { edge, ..probe(0) }));
         rig.run(50);
         latch(&mut rig, MARK, given, 1);
@@ -401,4 +408,121 @@ fn a_probe_needs_an_axis_that_can_move() {
     assert!(rig.refusal(nowhere).ends_with("the request is not understood"));
     let goal = found(&mut rig, probe(i64::MAX));
     assert_eq!(rig.done(goal)[0].code, Code::POSITION_OUT_OF_RANGE);
+}
+
+/// What is refused changes nothing: the axis stands, and what moves it goes on.
+#[test]
+fn a_probe_whose_input_is_active_is_refused_before_motion() {
+    let mut rig = rig();
+    rig.tamper = mark_is_high;
+    let refused = rig.give(Action::Probe(probe(0)));
+    let remedy = "move the axis off it, or set probe_active_input to allow";
+    assert_eq!(
+        rig.refusal(refused),
+        format!("x: probe input is already active: mark is 1, allowed 0 before a rising edge; {remedy}")
+    );
+    rig.run(200);
+    assert_eq!((rig.state("x"), position(&rig), rig.real("x.command.velocity")), ("STANDSTILL", 0.0, 0.0));
+
+    let goal = rig.give(Action::Move(Move { velocity: 50_000.0, ..to(X, 20_000) }));
+    rig.run(20);
+    let refused = rig.give(Action::Probe(probe(0)));
+    assert!(rig.refusal(refused).starts_with("x: probe input is already active: mark is 1"));
+    run_to_rest(&mut rig);
+    assert_eq!(ends(&rig, goal), [(Code::NONE, 20_000)], "the goal before it goes on");
+
+    rig.tamper = |_| {};
+    let accepted = rig.give(Action::Probe(probe(0)));
+    assert!(rig.was_accepted(accepted), "the axis has left the mark");
+}
+
+/// The level behind the edge is the active one: 1 for a rising edge, 0 for a falling one. Whichever comes first always comes.
+#[test]
+fn the_edge_says_which_level_of_the_input_is_active() {
+    use ProbeEdge::{Both, Falling, Rising};
+    for (edge, level, sentence) in [
+        (Rising, true, Some("mark is 1, allowed 0 before a rising edge")),
+        (Rising, false, None),
+        (Falling, false, Some("mark is 0, allowed 1 before a falling edge")),
+        (Falling, true, None),
+        (Both, true, None),
+        (Both, false, None),
+    ] {
+        let mut rig = rig();
+        rig.tamper = if level { mark_is_high } else { |_| {} };
+        let goal = rig.give(Action::Probe(Probe { edge, ..probe(0) }));
+        assert_eq!(rig.answer(goal).is_ok(), sentence.is_none(), "{edge:?} {level}");
+        if let Some(sentence) = sentence {
+            assert!(rig.refusal(goal).contains(sentence), "{}", rig.refusal(goal));
+        }
+    }
+    // Another input, and what has no level: the drive of the axis and its index.
+    let mut rig = rig();
+    rig.tamper = mark_is_high;
+    for source in [OTHER, Object::Encoder(0), Object::Axis(X)] {
+        let goal = rig.give(Action::Probe(Probe { source, ..probe(0) }));
+        assert!(rig.was_accepted(goal), "{source:?}");
+    }
+    let index = rig.give(Action::Probe(Probe { source: Object::Axis(X), edge: ProbeEdge::Index, ..probe(0) }));
+    assert!(rig.was_accepted(index));
+}
+
+/// Its latch was there before the goal, so that the goal never takes it.
+#[test]
+fn an_edge_in_the_cycle_of_the_probe_leaves_its_input_active() {
+    let mut rig = rig();
+    latch(&mut rig, MARK, Edge::Rising, 1);
+    rig.tamper = mark_is_high;
+    let goal = rig.give(Action::Probe(probe(0)));
+    assert!(rig.refusal(goal).starts_with("x: probe input is already active"));
+}
+
+#[test]
+fn an_active_input_may_be_allowed_and_the_next_edge_counts() {
+    let mut rig = rig();
+    set(&mut rig, "probe_active_input", 1);
+    rig.tamper = mark_is_high;
+    let goal = rig.give(Action::Probe(probe(1_000)));
+    assert!(rig.was_accepted(goal));
+    rig.run(50);
+    rig.tamper = |_| {};
+    rig.run(50);
+    rig.tamper = mark_is_high;
+    latch(&mut rig, MARK, Edge::Rising, 350_000);
+    rig.run(1);
+    assert_eq!(marks(&rig, goal)[0].position, Position::from_f64(3_732.5));
+    set(&mut rig, "probe_active_input", 0);
+    run_to_rest(&mut rig);
+    // 3732.5 + 1000, rounded half away from zero.
+    assert_eq!(ends(&rig, goal), [(Code::NONE, 4_733)], "the search under way goes on");
+    let next = rig.give(Action::Probe(probe(0)));
+    assert_eq!(rig.answer(next).unwrap_err().code, Code::PROBE_INPUT_ACTIVE);
+}
+
+/// Latches are those of the terminal. A filter of 5 ms shows its level 5 cycles later.
+#[test]
+fn a_filter_does_not_hide_that_an_input_is_active() {
+    let filtered = || {
+        let mut config = crate::config::MachineConfig {
+            io: vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }],
+            ..config(0)
+        };
+        config.global.filters = vec![FilterConfig { input: 0, time_ns: 5_000_000 }];
+        let mut rig = Rig::of(config);
+        rig.enable();
+        rig
+    };
+    let mut rig = filtered();
+    rig.tamper = mark_is_high;
+    rig.run(2);
+    assert_eq!(rig.int("mark"), 0, "the filter holds it back");
+    let goal = rig.give(Action::Probe(probe(0)));
+    assert!(rig.refusal(goal).contains("mark is 1"));
+    rig.run(10);
+    assert_eq!(rig.int("mark"), 1);
+    rig.tamper = |_| {};
+    rig.run(1);
+    assert_eq!(rig.int("mark"), 1, "the filter holds it back");
+    let goal = rig.give(Action::Probe(probe(0)));
+    assert!(rig.was_accepted(goal));
 }

@@ -12,7 +12,7 @@ mod supervision;
 mod virtual_master;
 mod wf;
 
-use super::{Applies, Bare, Effect, Group, Measure, PROFILES, Range, Row, Storage, System, Value};
+use super::{Applies, Bare, Effect, Group, Measure, PROBE_INPUTS, PROFILES, Range, Row, Storage, System, Value};
 
 const POSITION: Range = Range::Int(-((1 << 62) - 1), (1 << 62) - 1);
 const MLONG: i64 = (1 << 30) - 1;

@@ -2,7 +2,8 @@
 
 use super::super::{ESTIMATORS, JOG_AT_LIMIT};
 use super::{
-    Applies, BASE, Effect, Group, HOUR_NS, Measure, PROFILES, REAL, Range, Row, Storage, Value, int, option, real,
+    Applies, BASE, Effect, Group, HOUR_NS, Measure, PROBE_INPUTS, PROFILES, REAL, Range, Row, Storage, Value, int,
+    option, real,
 };
 use crate::regulator::KV;
 
@@ -236,6 +237,18 @@ pub(super) const ROWS: &[Row] = &[
         source: "contract section 3",
         get: |p| Value::Int(p.supervision.jog_at_limit),
         set: |p, v| p.supervision.jog_at_limit = int(v).unwrap_or(0),
+        ..BASE
+    },
+    Row {
+        key: "probe_active_input",
+        group: Group::Inputs,
+        measure: Measure::Choice(PROBE_INPUTS),
+        range: Range::Int(0, 1),
+        default: Value::Int(0),
+        description: "What probe_axis does where its input has the level of the edge already: refuse it before motion, or allow the search for the next edge.",
+        source: "PLCopen MC_TouchProbe",
+        get: |p| Value::Int(p.probe_active_input),
+        set: |p, v| p.probe_active_input = int(v).unwrap_or(p.probe_active_input),
         ..BASE
     },
     Row {

@@ -41,6 +41,7 @@ mod streams;
 mod synchronize;
 pub mod table;
 mod time;
+mod touch_probe;
 mod trajectory;
 mod tune;
 mod urdf;
@@ -102,6 +103,7 @@ impl Surface {
         home::start(&node, &hub, &mut tasks)?;
         set_position::start(&node, &hub, &mut tasks)?;
         gear_out::start(&node, &hub, &mut tasks)?;
+        touch_probe::start(&node, &hub, &mut tasks)?;
         sdo::start(&node, &hub, &mut tasks)?;
         set_values::start(&node, &hub, &mut tasks)?;
         functions::start(&node, &hub, &mut tasks)?;

@@ -7,12 +7,12 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 };
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
-    AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, GearOutRequest,
-    GearOutResponse, ImportParametersRequest, ImportParametersResponse, LoadProgramRequest, LoadProgramResponse,
-    LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse, ResetParametersRequest,
-    ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse, SetMemoryRequest,
-    SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest, SetPositionResponse, VocabularyRequest,
-    VocabularyResponse,
+    AbortTriggerRequest, AbortTriggerResponse, AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest,
+    CommandFunctionResponse, GearOutRequest, GearOutResponse, ImportParametersRequest, ImportParametersResponse,
+    LoadProgramRequest, LoadProgramResponse, LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse,
+    ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
+    SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest,
+    SetPositionResponse, TouchProbeRequest, TouchProbeResponse, VocabularyRequest, VocabularyResponse,
 };
 
 /// An answer to requests of type `Q`.
@@ -32,6 +32,7 @@ macro_rules! with_a_message {
 }
 
 with_a_message! {
+    AbortTriggerRequest, AbortTriggerResponse;
     AxesCommandRequest, AxesCommandResponse;
     GearOutRequest, GearOutResponse;
     ImportParametersRequest, ImportParametersResponse;
@@ -42,6 +43,7 @@ with_a_message! {
     SetMemoryRequest, SetMemoryResponse;
     SetOutputRequest, SetOutputResponse;
     SetPositionRequest, SetPositionResponse;
+    TouchProbeRequest, TouchProbeResponse;
     TriggerRequest, TriggerResponse;
     VocabularyRequest, VocabularyResponse;
 }

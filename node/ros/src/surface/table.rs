@@ -25,8 +25,8 @@ use lineshaft_msgs::foreign::std_srvs::srv::Trigger;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use lineshaft_msgs::msg::{AxisStates, CycleStatistics, Event, FunctionStates, Setpoints, ShaftStates};
 use lineshaft_msgs::srv::{
-    AxesCommand, CommandFunction, ExportParameters, GearOut, GetTable, ImportParameters, LoadProgram, LoadTable,
-    Record, ResetParameters, SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, Vocabulary,
+    AbortTrigger, AxesCommand, CommandFunction, ExportParameters, GearOut, GetTable, ImportParameters, LoadProgram,
+    LoadTable, Record, ResetParameters, SdoRead, SdoWrite, SetMemory, SetOutput, SetPosition, TouchProbe, Vocabulary,
 };
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
@@ -235,14 +235,28 @@ pub(super) const HOME: Served<AxesCommand> = Served::new(
 pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
     "~/set_position",
     Qos::SERVICE,
-    "the present position of an axis that stands gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves; see [homing.md](homing.md) and [encoders.md](encoders.md)",
+    "the present position of an axis gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves, and a motion that refers to no place goes on; see [homing.md](homing.md#a-new-position) and [encoders.md](encoders.md)",
 ).in_time();
+pub(super) const SET_POSITION_RELATIVE: Served<SetPosition> = Served::new(
+    "~/set_position_relative",
+    Qos::SERVICE,
+    "the same of an axis by a distance: all of its positions are `position` more from then on (MC_SetPosition with Relative)",
+)
+.in_time();
 pub(super) const GEAR_OUT: Served<GearOut> = Served::new(
     "~/gear_out",
     Qos::SERVICE,
     "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#leaving)",
 )
 .in_time();
+pub(super) const TOUCH_PROBE: Served<TouchProbe> = Served::new(
+    "~/touch_probe",
+    Qos::SERVICE,
+    "records where an axis is when an input, an encoder or a drive latches, once or until it is aborted, within a window if that is asked for; moves nothing; each record is an event `latch` of the axis; see [motion.md](motion.md#touch-probe-without-a-motion)",
+)
+.in_time();
+pub(super) const ABORT_TRIGGER: Served<AbortTrigger> =
+    Served::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all").in_time();
 pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     "~/set_output",
     Qos::SERVICE,
@@ -499,7 +513,10 @@ pub const ROWS: &[Row] = &[
     RESET_ERRORS.0,
     HOME.0,
     SET_POSITION.0,
+    SET_POSITION_RELATIVE.0,
     GEAR_OUT.0,
+    TOUCH_PROBE.0,
+    ABORT_TRIGGER.0,
     SET_OUTPUT.0,
     SET_MEMORY.0,
     COMMAND_FUNCTION.0,

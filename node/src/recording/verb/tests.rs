@@ -6,9 +6,9 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, MasterPosition,
-    MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition,
-    SetMasterPosition, SetPosition, Setpoint, Synchronize as Coupling,
+    AbortTrigger, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
+    MasterPosition, MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition,
+    SetMasterPosition, SetPosition, Setpoint, ShiftPosition, Synchronize as Coupling, TouchProbe,
 };
 use lineshaft_core::function::Order;
 use lineshaft_core::machine::Machine;
@@ -202,6 +202,23 @@ fn probes_name_what_latches() {
     );
 }
 
+#[test]
+fn touch_probes_name_what_latches_and_their_window() {
+    let desk = Desk::new();
+    let once = TouchProbe { axis: 1, source: Object::Io(0), edge: ProbeEdge::Rising, continuous: false, window: None };
+    desk.is(&Action::TouchProbe(once), r#"{"touch_probe":{"axis":"turret","event":"mark"}}"#);
+    let window = Some([Length::default(), Length { nearest: -7, rest: Position::from_f64(0.25) }]);
+    let full = TouchProbe { axis: 0, source: Object::Encoder(0), edge: ProbeEdge::Both, continuous: true, window };
+    desk.is(
+        &Action::TouchProbe(full),
+        r#"{"touch_probe":{"axis":"x","event":"belt","edge":"both","continuous":true,"first_position":"0 inc","last_position":"-6.75 inc"}}"#,
+    );
+    let none = AbortTrigger { axis: 0, source: None };
+    desk.is(&Action::AbortTrigger(none), r#"{"abort_trigger":{"axis":"x"}}"#);
+    let of_mark = AbortTrigger { source: Some(Object::Io(0)), ..none };
+    desk.is(&Action::AbortTrigger(of_mark), r#"{"abort_trigger":{"axis":"x","event":"mark"}}"#);
+}
+
 /// To x, in mode position.
 fn coupling(axis: u16) -> Coupling {
     Coupling {
@@ -378,6 +395,8 @@ fn the_other_verbs_word_for_word() {
         let zero = Action::SetPosition(SetPosition { axis: 0, position });
         desk.is(&zero, &format!(r#"{{"set_position":{{"axis":"x","position":"{text} inc"}}}}"#));
     }
+    let zero = Action::ShiftPosition(ShiftPosition { axis: 1, distance: quarter });
+    desk.is(&zero, r#"{"set_position":{"axis":"turret","relative":true,"position":"-6.75 inc"}}"#);
     let zero = Action::SetEncoderPosition(SetEncoderPosition { encoder: 0, position: quarter });
     desk.is(&zero, r#"{"set_position":{"axis":"belt","position":"-6.75 inc"}}"#);
     for (position, text) in [
@@ -476,6 +495,11 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","mode":4}}"#, "mode is 4; 0 ABSOLUTE, 1 RELATIVE are"),
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","edge":4}}"#, "edge is 4; 0 RISING, 1 FALLING, 2 BOTH"),
         (r#"{"probe_axis":{"id":"17","axis":"x","event":"mark","distance":"1 s"}}"#, "distance: `1 s` is a time"),
+        (r#"{"touch_probe":{"axis":"x"}}"#, "missing key `event` in touch_probe"),
+        (r#"{"touch_probe":{"axis":"x","event":"start"}}"#, "`start` does not latch; mark, belt can"),
+        (r#"{"touch_probe":{"axis":"x","event":"mark","first_position":"1 s"}}"#, "first_position: `1 s` is a time"),
+        (r#"{"abort_trigger":{"axis":"x","event":"start"}}"#, "`start` does not latch; mark, belt can"),
+        (r#"{"set_position":{"axis":"belt","relative":true}}"#, "no axis is called `belt`"),
         (r#"{"move_axis":{"id":"m","axis":"x"}}"#, "id is `m`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"-1"}}"#, "id is `-1`; the sequence number of a command is expected"),
         (r#"{"cancel":{"id":"18446744073709551616"}}"#, "id is `18446744073709551616`; the sequence number"),
@@ -531,6 +555,7 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::Probe(search(Object::Io(1))),
         Action::Probe(search(Object::Io(99))),
         Action::Probe(search(Object::Axis(0))),
+        Action::AbortTrigger(AbortTrigger { axis: 0, source: Some(Object::Machine) }),
         Action::set_memory(99, 1.0),
         Action::set_memory(2, f64::NAN),
         Action::set_memory(2, f64::INFINITY),

@@ -5,7 +5,7 @@ use crate::program;
 use lineshaft_core::command::{
     Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt, Level,
     MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
-    Synchronize as Coupling,
+    Synchronize as Coupling, TouchProbe,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::function::Order;
@@ -66,9 +66,28 @@ enum Verb<'a> {
     Abort(Nothing),
     MoveAxis(MoveAxis<'a>),
     ProbeAxis(ProbeAxis<'a>),
+    TouchProbe {
+        axis: &'a str,
+        event: &'a str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        edge: Option<&'static str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        continuous: Option<bool>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        first_position: Option<String>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        last_position: Option<String>,
+    },
+    AbortTrigger {
+        axis: &'a str,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        event: Option<&'a str>,
+    },
     HomeAxis(HomeAxis<'a>),
     SetPosition {
         axis: Cow<'a, str>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        relative: Option<bool>,
         #[serde(skip_serializing_if = "Option::is_none")]
         units: Option<&'static str>,
         position: Scalar,
@@ -303,8 +322,19 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
         Action::Abort => Verb::Abort(Nothing {}),
         Action::Move(request) => Verb::MoveAxis(move_axis(id, request, config)),
         Action::Probe(request) => Verb::ProbeAxis(probe_axis(id, request, config)),
+        Action::TouchProbe(request) => touch_probe(request, config),
+        Action::AbortTrigger(request) => Verb::AbortTrigger {
+            axis: axis(request.axis, config),
+            event: request.source.map(|source| latching(source, config)),
+        },
         Action::HomeAxis(request) => Verb::HomeAxis(home_axis(id, request, config)),
         Action::SetPosition(request) => set_position(axis(request.axis, config).into(), request.position),
+        Action::ShiftPosition(request) => Verb::SetPosition {
+            axis: axis(request.axis, config).into(),
+            relative: Some(true),
+            units: None,
+            position: Scalar::Text(length(request.distance)),
+        },
         Action::SetEncoderPosition(request) => {
             let encoder = config.encoders.get(usize::from(request.encoder));
             set_position(encoder.map_or(NAMELESS, |encoder| &encoder.name).into(), request.position)
@@ -314,7 +344,8 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
             match request.position {
                 MasterPosition::Increments(position) => set_position(name, position),
                 MasterPosition::Shown(value) => {
-                    Verb::SetPosition { axis: name, units: Some("axis_unit"), position: Scalar::Real(value) }
+                    let position = Scalar::Real(value);
+                    Verb::SetPosition { axis: name, relative: None, units: Some("axis_unit"), position }
                 }
             }
         }
@@ -397,7 +428,7 @@ fn set_values(slot: u16, values: &[(u16, i64)], config: &MachineConfig) -> Entri
 }
 
 fn set_position(axis: Cow<'_, str>, position: Length) -> Verb<'_> {
-    Verb::SetPosition { axis, units: None, position: Scalar::Text(length(position)) }
+    Verb::SetPosition { axis, relative: None, units: None, position: Scalar::Text(length(position)) }
 }
 
 pub(super) fn axis(index: u16, config: &MachineConfig) -> &str {
@@ -461,13 +492,29 @@ fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> Pro
     ProbeAxis {
         search: move_axis(id, &request.search(), config),
         event: latching(request.source, config),
-        edge: match request.edge {
-            ProbeEdge::Rising => None,
-            ProbeEdge::Falling => Some("falling"),
-            ProbeEdge::Both => Some("both"),
-            ProbeEdge::Index => Some("index"),
-        },
+        edge: edge(request.edge),
         distance: length(request.distance),
+    }
+}
+
+fn edge(edge: ProbeEdge) -> Option<&'static str> {
+    match edge {
+        ProbeEdge::Rising => None,
+        ProbeEdge::Falling => Some("falling"),
+        ProbeEdge::Both => Some("both"),
+        ProbeEdge::Index => Some("index"),
+    }
+}
+
+fn touch_probe<'a>(request: &TouchProbe, config: &'a MachineConfig) -> Verb<'a> {
+    let [first_position, last_position] = [0, 1].map(|end| request.window.map(|window| length(window[end])));
+    Verb::TouchProbe {
+        axis: axis(request.axis, config),
+        event: latching(request.source, config),
+        edge: edge(request.edge),
+        continuous: request.continuous.then_some(true),
+        first_position,
+        last_position,
     }
 }
 

@@ -43,6 +43,28 @@ fn without_a_mark_it_fails_and_by_id_it_can_be_cancelled() {
     );
 }
 
+/// A mark that lies under the sensor already: the axis does not drive on to 100 mm. With the parameter it searches for the next one.
+#[test]
+fn an_active_input_refuses_the_probe_before_motion_unless_that_is_allowed() {
+    let sentence = "x: probe input is already active: mark is 1, allowed 0 before a rising edge";
+    passes(&format!(
+        "scenario: s\ncycles: 2000\n\
+         drive: [{{signal: mark, at: 0, values: [1], then: {{hold: 399}}}}]\n\
+         steps:\n\
+         - {{at: 0, do: {{enable: {{axes: [x]}}}}}}\n\
+         - {{name: go, at: 100, do: {{probe_axis: {{axis: x, position: 100 mm, event: mark}}}}, refused: {{code: PROBE_INPUT_ACTIVE, text: \"{sentence}\"}}}}\n\
+         - {{at: 200, do: {{set_parameters: {{x.probe_active_input: allow}}}}}}\n\
+         - {{at: 300, do: {{probe_axis: {{axis: x, position: 100 mm, event: mark}}}}}}\n\
+         - {{at: 500, do: {{inject: {{latch: {{input: mark}}}}}}}}\n\
+         expect:\n\
+         - {{signal: x.command.position, from: 0, to: 300, is: 0}}\n\
+         - {{signal: x.state, from: 50, to: 299, is: STANDSTILL}}\n\
+         - {{parameter: x.probe_active_input, at: 199, is: refuse}}\n\
+         - {{event: {{kind: mark, source: x}}, at: 500, count: 1}}\n\
+         - {{event: {{kind: done, source: x, code: 0}}, from: 500, to: end, count: 1}}\n"
+    ));
+}
+
 #[test]
 fn what_is_wrong_with_it_is_told_at_its_place() {
     let wrong = |arguments: &str| problem("steps", &format!("{{at: 1, do: {arguments}}}"));

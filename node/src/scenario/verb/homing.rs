@@ -34,6 +34,7 @@ impl Reader<'_> {
         let given = map.optional("position");
         let read = |value| amount(value, 0, scale.as_ref(), units == Some(2));
         let position = given.as_ref().map_or(Some(Amount::default()), read);
+        let relative = map.optional("relative").map_or(Some(false), |value| value.boolean());
         map.finish();
         let units = match Units::from_number(units?) {
             Ok(units) => units,
@@ -41,7 +42,10 @@ impl Reader<'_> {
         };
         let axis = axis?;
         let request = SetPositionRequest { axis: axis.text()?.to_owned(), position: position?, units };
-        let result = self.names.config.resolve_set_position(&request);
+        let result = match relative? {
+            true => self.names.config.resolve_shift_position(&request),
+            false => self.names.config.resolve_set_position(&request),
+        };
         let at = match &result {
             Err(RequestError::UnknownAxis { .. }) => &axis,
             Err(RequestError::BadValue { .. }) => given.as_ref().unwrap_or(value),

@@ -6,7 +6,7 @@ use lineshaft_core::command::Action;
 use lineshaft_core::request::{MoveRequest, ProbeRequest, Units};
 
 const MODES: [(&str, u8); 2] = [("absolute", 0), ("relative", 1)];
-const EDGES: [(&str, u8); 4] = [("rising", 0), ("falling", 1), ("both", 2), ("index", 3)];
+pub(super) const EDGES: [(&str, u8); 4] = [("rising", 0), ("falling", 1), ("both", 2), ("index", 3)];
 
 impl Reader<'_> {
     pub(super) fn probe_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {

@@ -3,8 +3,9 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    CamRequest, GearOutRequest, HomeRequest, MoveRequest, OutAnRequest, PhaseRequest, PointRequest, ProbeRequest,
-    Rates, SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest, TrajectoryRequest, Units, factor,
+    AbortTriggerRequest, CamRequest, GearOutRequest, HomeRequest, MoveRequest, OutAnRequest, PhaseRequest,
+    PointRequest, ProbeRequest, Rates, SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest,
+    TouchProbeRequest, TrajectoryRequest, Units, factor,
 };
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
@@ -424,6 +425,32 @@ proptest! {
     fn every_probe_that_a_request_makes(request in probe_request()) {
         if let Ok(request) = DESK.config.resolve_probe(&request) {
             comes_back(&Action::Probe(request))?;
+        }
+    }
+
+    #[test]
+    fn every_touch_probe_that_a_request_makes(
+        axis in axis(), event in prop::sample::select(vec!["mark", "belt"]), edge in 0..3_u8, continuous in any::<bool>(),
+        window_only in any::<bool>(), first_position in amount(0), last_position in amount(0), is_aborted in any::<bool>(),
+    ) {
+        let event = event.to_owned();
+        let abort = AbortTriggerRequest { axis: axis.clone(), event: if is_aborted { event.clone() } else { String::new() } };
+        if let Ok(request) = DESK.config.resolve_abort_trigger(&abort) {
+            comes_back(&Action::AbortTrigger(request))?;
+        }
+        let units = Units::Increments;
+        let request =
+            TouchProbeRequest { axis, event, edge, continuous, units, window_only, first_position, last_position };
+        if let Ok(request) = DESK.config.resolve_touch_probe(&request) {
+            comes_back(&Action::TouchProbe(request))?;
+        }
+    }
+
+    #[test]
+    fn every_shift_of_a_position_that_a_request_makes(axis in axis(), position in amount(0)) {
+        let request = SetPositionRequest { axis, position, units: Units::Increments };
+        if let Ok(action) = DESK.config.resolve_shift_position(&request) {
+            comes_back(&action)?;
         }
     }
 

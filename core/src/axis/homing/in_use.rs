@@ -1,0 +1,89 @@
+//! What refers to the coordinate of an axis that moves, so that set_position has to wait for it.
+//!
+//! Law      a motion without a place goes on in a new coordinate: at a velocity, by setpoints, on a gear of velocities or of changes.
+//!          Everything that was asked for with a place of the axis keeps its coordinate
+//! Refuses  the first of them, by its name
+//! Source   PLCopen part 1 (MC_SetPosition)
+
+use super::super::{Axis, AxisState, Generator, Reference};
+use crate::code::Code;
+use crate::event::{Number, Refusal};
+use crate::sync::Transmission;
+use crate::vocabulary::Owner;
+
+/// What keeps the coordinate of an axis, in the words of the refusal.
+pub(crate) const USES: [&str; 12] = [
+    "a goal to a target",
+    "a trajectory",
+    "a goal that waits",
+    "a superimposed motion or phase shift",
+    "a coupling that waits to engage",
+    "a gear_out that waits for a place of the axis",
+    "a cam",
+    "a coupling at a pair of places",
+    "a coupling by marks",
+    "the motion of a vocabulary",
+    "a function",
+    "a touch probe with a window",
+];
+
+/// Place of a use in [`USES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    Target,
+    Trajectory,
+    Waiting,
+    Superimposed,
+    Engaging,
+    Leaving,
+    Cam,
+    Places,
+    Marks,
+    Vocabulary,
+    Function,
+    Window,
+}
+
+impl Axis {
+    /// Returns an error where something refers to the coordinate of the axis as it is.
+    pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
+        let moves = self.is_on() && !self.stands_idle();
+        let used = self.touch_probes.have_window().then_some(Use::Window);
+        let used = if moves { self.use_in_motion()?.or(used) } else { used };
+        match used {
+            None => Ok(()),
+            Some(used) => Err(self.refuse(Code::COORDINATE_IN_USE).with(Number::Count(used as i64), Number::None)),
+        }
+    }
+
+    /// What of the motion under way, or of what waits for it, refers to the coordinate.
+    ///
+    /// # Errors
+    /// The axis stops, homes, or moves in another way that ends by itself.
+    fn use_in_motion(&self) -> Result<Option<Use>, Refusal> {
+        let goal = self.goal.as_ref().filter(|goal| goal.ending.is_none());
+        let runs = matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion);
+        Ok(Some(match &self.generator {
+            _ if goal.is_some_and(|goal| goal.track.is_some()) => Use::Trajectory,
+            _ if self.homing.is_running() => return Err(self.not_at_standstill()),
+            _ if !self.buffer.is_empty() => Use::Waiting,
+            _ if goal.is_some_and(|goal| goal.target.is_some()) => Use::Target,
+            _ if self.owner != Owner::Native => Use::Vocabulary,
+            _ if !runs || self.is_open_loop() => return Err(self.not_at_standstill()),
+            _ if self.reference == Reference::Function => Use::Function,
+            _ if self.overlay.is_some() => Use::Superimposed,
+            _ if self.engagement.is_some() => Use::Engaging,
+            _ if self.leaves_at_own_place() => Use::Leaving,
+            Generator::Follow(coupling) if coupling.follower.mode().has_marks() => Use::Marks,
+            Generator::Follow(coupling) if coupling.at_places => Use::Places,
+            Generator::Follow(coupling) => match coupling.follower.transmission() {
+                Transmission::Gear(_) => return Ok(None),
+                Transmission::Approach(_) => Use::Places,
+                Transmission::Cam(_) => Use::Cam,
+            },
+            Generator::Track(_) => Use::Trajectory,
+            Generator::Rest | Generator::Plan(_) | Generator::OutAn { .. } => return Ok(None),
+            Generator::Open { .. } | Generator::Coast { .. } => return Err(self.not_at_standstill()),
+        }))
+    }
+}

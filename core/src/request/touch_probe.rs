@@ -1,0 +1,77 @@
+//! Passive touch probes, in names and units.
+//!
+//! Law      the window is in the units of the axis, as a target of `move_axis` is
+//! Reads    the names of the cell
+//! Refuses  names of what does not latch, numbers without a meaning, places of a window that is not asked for
+//! Source   contract section 7, PLCopen (MC_TouchProbe, MC_AbortTrigger)
+
+use super::{Amount, RequestError, Units, bad_value};
+use crate::command::{AbortTrigger, TouchProbe};
+use crate::config::MachineConfig;
+use crate::position::Length;
+
+/// A passive touch probe, with names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TouchProbeRequest {
+    /// Axis.
+    pub axis: String,
+    /// What latches.
+    pub event: String,
+    /// 0 rising, 1 falling, 2 both, 3 the index of the axis itself.
+    pub edge: u8,
+    /// Records every latch until it is aborted.
+    pub continuous: bool,
+    /// Units of bare numbers.
+    pub units: Units,
+    /// Records only between first and last position.
+    pub window_only: bool,
+    /// First position of the window.
+    pub first_position: Amount,
+    /// Last position of the window.
+    pub last_position: Amount,
+}
+
+/// The end of touch probes, by names.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AbortTriggerRequest {
+    /// Axis.
+    pub axis: String,
+    /// What they wait for; empty: all of the axis.
+    pub event: String,
+}
+
+impl MachineConfig {
+    /// A passive touch probe as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_touch_probe(&self, request: &TouchProbeRequest) -> Result<TouchProbe, RequestError> {
+        let (index, axis) = self.find_axis(&request.axis)?;
+        let source = self.find_latch(&request.event)?;
+        let edge = self.probe_edge(request.edge, index, source)?;
+        let place =
+            |field, amount: &Amount| amount.length(request.units, &axis.scale).map_err(|error| bad_value(field, error));
+        let first = place("first_position", &request.first_position)?;
+        let last = place("last_position", &request.last_position)?;
+        let is_given = [first, last] != [Length::default(); 2];
+        if is_given && !request.window_only {
+            return Err(RequestError::BadChoice {
+                field: "window_only",
+                value: 0,
+                allowed: "without it first_position and last_position must be 0",
+            });
+        }
+        let window = request.window_only.then_some([first, last]);
+        Ok(TouchProbe { axis: index, source, edge, continuous: request.continuous, window })
+    }
+
+    /// The end of touch probes as a command's content.
+    ///
+    /// # Errors
+    /// What is wrong in the request itself.
+    pub fn resolve_abort_trigger(&self, request: &AbortTriggerRequest) -> Result<AbortTrigger, RequestError> {
+        let (axis, _) = self.find_axis(&request.axis)?;
+        let source = if request.event.is_empty() { None } else { Some(self.find_latch(&request.event)?) };
+        Ok(AbortTrigger { axis, source })
+    }
+}
