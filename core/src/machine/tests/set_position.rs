@@ -15,7 +15,7 @@ use crate::parameter::Value;
 use crate::position::{Length, Position};
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::table::{Form, Table};
-use crate::trajectory::{Knot, Tolerance, Track, Trajectory};
+use crate::trajectory::{Knot, Track, Trajectory};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -200,8 +200,7 @@ fn knot(position: i64) -> Knot {
 }
 
 fn trajectory() -> Action {
-    let (path, goal) = (Tolerance::default(), Tolerance::default());
-    let track = Track { axis: X, knots: [knot(10_000)].into(), path, goal };
+    let track = Track { axis: X, knots: [knot(10_000)].into(), ..Track::default() };
     let times = [400_000_000].into();
     Action::Trajectory(Arc::new(Trajectory::new(0, times, [track].into(), None).expect("a sound one")))
 }

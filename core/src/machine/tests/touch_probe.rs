@@ -13,7 +13,7 @@ use crate::object::{AxisSet, Leader, Object};
 use crate::position::{Length, Position};
 use crate::sim::Index;
 use crate::sync::SyncMode;
-use crate::trajectory::{Knot, Tolerance, Track, Trajectory};
+use crate::trajectory::{Knot, Track, Trajectory};
 use proptest::prelude::*;
 use std::sync::Arc;
 
@@ -138,9 +138,8 @@ fn a_touch_probe_changes_no_motion() {
 /// Half a cycle before a cycle the axis was half-way between where it was seen in it and in the one before, whatever moves it.
 #[test]
 fn whatever_moves_the_axis_its_place_at_the_latch_is_recorded() {
-    let (path, goal) = (Tolerance::default(), Tolerance::default());
     let knot = Knot { position: Position::whole(10_000), velocity: Some(0.0), acceleration: None };
-    let track = Track { axis: X, knots: [knot].into(), path, goal };
+    let track = Track { axis: X, knots: [knot].into(), ..Track::default() };
     let trajectory = Trajectory::new(0, [400_000_000].into(), [track].into(), None).expect("a sound one");
     let line = Action::Move(Move { acceleration: 1e6, ..at(LINE, 30_000.0) });
     let gear = |mode| Action::Synchronize(Synchronize { mode, ..couple(X, Leader::AxisCommand(LINE), 355, 113) });
@@ -499,7 +498,7 @@ proptest! {
     ) {
         prop_assume!(numerator >= denominator);
         let turn = Modulo::new(numerator, denominator).unwrap();
-        let whole = Position::from_raw((i128::from(numerator) * i128::from(turns) << 32) / i128::from(denominator));
+        let whole = Position::from_raw(((i128::from(numerator) * i128::from(turns)) << 32) / i128::from(denominator));
         let first = Position::whole(offset);
         prop_assert!(turn.is_between(first, first, first + whole));
     }
