@@ -639,8 +639,9 @@ proptest! {
         for (number, action) in &given {
             let of = |kind| rig.events.iter().filter(|event| event.command == *number && event.kind == kind).count();
             let (accepted, refused, told) = (of(Kind::Accepted), of(Kind::Refused), of(Kind::Warning));
-            // SAIA may accept a verb and tell what of it failed.
-            let noted = if matches!(action, Action::Vocabulary(vocabulary::Request::Saia(_))) { 0 } else { told };
+            // SAIA may accept a verb and tell what of it failed; a trajectory is accepted with what was made of it.
+            let is_more = matches!(action, Action::Vocabulary(vocabulary::Request::Saia(_)) | Action::Trajectory(_));
+            let noted = if is_more { 0 } else { told };
             prop_assert_eq!(accepted + refused + noted, 1, "answers of {:?}", action);
             prop_assert_eq!(noted == 1, matches!(action, Action::Note { .. }), "a warning answers notes only");
             let expected = if refused == 1 { 0 } else { ends(action) };
