@@ -243,7 +243,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         marks += machine.events().iter().filter(|event| event.kind == Kind::Mark).count();
     }
     assert!(events > 20_000, "a run in which little happens proves little: {events} events");
-    assert!(marks > 10, "{marks} marks were found");
+    assert!(marks > 5, "{marks} marks were found");
     assert!(runs > 10, "{runs} trajectories ran");
     assert!(moved.iter().all(|cycles| *cycles > 500), "cycles in which each axis moved: {moved:?}");
     tally.is_whole();

@@ -40,7 +40,7 @@ fn at_750_degrees(turn: (i64, i64)) -> Rig {
     rig
 }
 
-/// Proves: GRP-TRAJ-10
+/// GRP-TRAJ-10
 #[test]
 fn points_of_an_endless_joint_are_moved_by_the_same_whole_turns() {
     let mut rig = at_750_degrees((3_600, 1));
@@ -87,7 +87,7 @@ fn a_turn_that_is_no_whole_number_of_increments_leaves_no_error() {
     assert_eq!((rig.done(goal)[0].code, rig.int("x.command.position")), (Code::NONE, 6_767));
 }
 
-/// Proves: GRP-TRAJ-11
+/// GRP-TRAJ-11
 #[test]
 fn a_first_point_at_time_0_begins_within_the_start_tolerance() {
     let mut rig = Rig::enabled();
