@@ -116,7 +116,7 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             11 => {
                 let position = Length::whole(numbers.below(20_000) as i64);
                 let axis = numbers.below(8) as u16;
-                match position.nearest % 3 {
+                match position.nearest % 2 {
                     0 => Action::ShiftPosition(ShiftPosition { axis, distance: position }),
                     _ => Action::SetPosition(SetPosition { axis, position }),
                 }
