@@ -137,7 +137,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
     let mut hand = Peer::cyclone(&demo.domain);
     let start = demo.position("x");
     for (message, part) in [
-        ("jog --axis x=0.01 --axis w=0.01", "no axis is called `w`"),
+        ("jog --axis x=0.01 --axis w=0.01", "joint_names has the joint `w`"),
         ("jog --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
         ("jog --axis x=nan", "velocity of x"),
         ("jog --axis x=-inf", "velocity of x"),
@@ -191,14 +191,15 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     demo.listener.run("params /lineshaft set x.error_reaction=0");
-    let to_limit = |demo: &mut Demo, hand: &mut Peer| {
+    let jog_until = |demo: &mut Demo, hand: &mut Peer, is_there: fn(&Value) -> bool| {
         // A publisher that is held up stops the axis on its way.
-        let is_there = (0..20).any(|_| {
+        let ends = (0..20).any(|_| {
             hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 1");
-            demo.position("x") == LIMIT
+            is_there(&demo.axis("x"))
         });
-        assert!(is_there, "x is at {}", demo.position("x"));
+        assert!(ends, "{}", demo.axis("x"));
     };
+    let is_at_limit = |x: &Value| x["command_increments"] == LIMIT;
     let silent = "x: streamed setpoints stopped coming";
     let told = |demo: &mut Demo| {
         let mut told = demo.events_of(&["limit", "warning", "error"]);
@@ -207,20 +208,19 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     };
     told(&mut demo);
     for _ in 0..2 {
-        to_limit(&mut demo, &mut hand);
+        jog_until(&mut demo, &mut hand, is_at_limit);
         assert_eq!(demo.stands("x"), LIMIT);
         let axis = demo.axis("x");
         assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(true), Some(0)), "{axis}");
         assert_eq!(told(&mut demo), ["x: stopped at min_position -50 mm"]);
         // 50 messages further into it, after a silence.
-        to_limit(&mut demo, &mut hand);
+        jog_until(&mut demo, &mut hand, is_at_limit);
         assert_eq!((demo.stands("x"), told(&mut demo)), (LIMIT, Vec::new()));
         hand.run("stream /lineshaft jog --axis x=0.1 --seconds 0.3");
         assert!(demo.stands("x") > LIMIT + 100_000);
     }
     demo.listener.run("params /lineshaft set x.jog_at_limit=error");
-    to_limit(&mut demo, &mut hand);
-    assert_eq!(demo.axis("x")["state"], "ERROR_STOP");
+    jog_until(&mut demo, &mut hand, |x| x["state"] == "ERROR_STOP");
     let axis = demo.axis("x");
     assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(false), Some(10203)), "{axis}");
     demo.end();

@@ -145,18 +145,16 @@ fn an_axis_that_moves_gets_another_position_where_nothing_refers_to_the_old_one(
     let mut node = Node::start(&[]);
     let goal = node.cyclone.run("move /lineshaft --axis x --mode velocity --velocity 0.02")["goal"].clone();
     node.cyclone.until_axis("x", "is at its velocity", |x| x["in_velocity"] == true);
+    let place = |x: &Value| x["command_increments"].as_i64().expect("increments");
     node.cyclone.run("set-position /lineshaft --axis x --position 100");
-    let x = node.axis("x");
-    let place = x["command_increments"].as_i64().expect("increments");
-    // 20 inc a cycle since then: a state in a minute at the latest.
-    assert!((100_000_000..101_200_000).contains(&place), "{x}");
+    let x = node.cyclone.until_axis("x", "has its new position", |x| place(x) >= 100_000_000);
     assert_eq!((&x["state"], &x["command_velocity"]), (&json!("CONTINUOUS_MOTION"), &json!(0.02)), "{x}");
     node.cyclone.run("set-position /lineshaft --axis x --position -100 --relative");
-    let x = node.axis("x");
-    let place = x["command_increments"].as_i64().expect("increments");
-    assert!((0..2_400_000).contains(&place) && x["following_error_increments"] == 0, "{x}");
+    let x = node.cyclone.until_axis("x", "has its old position", |x| place(x) < 100_000_000);
+    // 20 inc a cycle from the first request on, for a minute at most.
+    assert!((0..2_400_000).contains(&place(&x)) && x["following_error_increments"] == 0, "{x}");
     node.refuses("set-position /lineshaft --axis mark --position 1 --relative", "no axis is called `mark`");
-    node.cyclone.run("touch-probe /lineshaft --axis x --event mark --last-position 1 --window-only");
+    node.cyclone.run("touch-probe /lineshaft --axis x --event mark --continuous --last-position 1 --window-only");
     node.refuses(
         "set-position /lineshaft --axis x --position 0",
         "x: a touch probe with a window refers to the present coordinate of the axis; wait for its end, or end it first",

@@ -97,13 +97,16 @@ def prove_itself():
             raise Failure(f"the check of {parts} finds {found}")
 
 
-def rtps_check(peer, a):
-    """Checks the traffic of this domain for some seconds."""
+def rtps_watch(peer, a):
+    """Watches the traffic of this domain, for rtps-check."""
     prove_itself()
-    sniffer = Sniffer(int(os.environ["ROS_DOMAIN_ID"]))
-    time.sleep(a.seconds)
+    peer.sniffer = Sniffer(int(os.environ["ROS_DOMAIN_ID"]))
+
+
+def rtps_check(peer, a):
+    """Checks the traffic since rtps-watch."""
     check = Check()
-    for datagram in sniffer.stop():
+    for datagram in peer.sniffer.stop():
         check.take(*datagram)
     nodes = sum(prefix.startswith(RUSTDDS) for prefix in check.seen)
     show(nodes=nodes, others=len(check.seen) - nodes, late=check.late, latest_s=check.latest,
@@ -113,4 +116,5 @@ def rtps_check(peer, a):
 
 
 def add_commands(command):
-    command("rtps-check", rtps_check, node=False, seconds=15.0)
+    command("rtps-watch", rtps_watch, node=False)
+    command("rtps-check", rtps_check, node=False)

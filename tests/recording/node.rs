@@ -80,9 +80,11 @@ fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
     demo.peer.run(&random_goals(7, 20));
     demo.end();
     let files = demo.bench.bag_files("bag");
-    assert!((3..=6).contains(&files.len()), "{files:?}");
     let bag = demo.bench.path("bag");
     let seen = bag_check(["rosbags", &bag]);
+    // Of 1 ms each; those that were missed count, too.
+    let whole = count(&seen, &["counts", "/lineshaft/inputs"]) as usize / 2000;
+    assert!(whole >= 3 && (whole..=whole + 2).contains(&files.len()), "{files:?} for {whole} times 2 s");
     let parts: u64 =
         files.iter().map(|file| count(&bag_check(["mcap".as_ref(), file.as_os_str()]), &["messages"])).sum();
     assert_eq!(count(&seen, &["messages"]), parts);
