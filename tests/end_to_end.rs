@@ -30,6 +30,7 @@ mod joints;
 mod lifecycle;
 mod loops;
 mod motion;
+mod moveit;
 mod on_cam;
 mod outputs;
 mod packages;

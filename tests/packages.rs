@@ -33,15 +33,18 @@ fn the_package_is_called_and_versioned_like_the_program() {
     assert!(tags("node", "exec_depend").contains(&"lineshaft_msgs".to_owned()));
 }
 
-/// Packages of Python that the launch file imports, and those whose nodes it starts.
+/// The launch files, as CMake installs them.
+const LAUNCH_FILES: [&str; 2] = ["launch-configs/demo.launch.py", "launch-configs/arm6/arm6.launch.py"];
+
+/// Packages of Python that the launch files import, and those whose nodes they start.
 #[test]
-fn what_the_launch_file_needs_is_a_dependency() {
-    let launch = read("launch-configs/demo.launch.py");
+fn what_the_launch_files_need_is_a_dependency() {
+    let launch = LAUNCH_FILES.map(read).concat();
     let imported = launch.lines().filter_map(|line| line.strip_prefix("from ")?.split([' ', '.']).next());
-    let started = launch.lines().filter_map(|line| line.trim().strip_prefix("package=\"")?.strip_suffix("\","));
+    let started = launch.split("package=\"").skip(1).filter_map(|rest| rest.split('"').next());
     let own = ["pathlib", "lineshaft"];
     let needed: BTreeSet<_> = imported.chain(started).filter(|name| !own.contains(name)).map(str::to_owned).collect();
-    assert!(needed.len() > 3, "{needed:?}");
+    assert!(needed.contains("rviz2") && needed.len() > 4, "{needed:?}");
     let given: BTreeSet<_> = tags("node", "exec_depend").into_iter().collect();
     assert!(needed.is_subset(&given), "{needed:?} of {given:?}");
 }
@@ -52,7 +55,7 @@ fn what_cmake_installs_is_there() {
     let installs: Vec<_> = cmake.lines().filter(|line| line.starts_with("install(")).collect();
     let files: Vec<_> =
         installs.iter().filter_map(|line| line.split_once("\"${WORKSPACE}/")?.1.split('"').next()).collect();
-    assert_eq!(files, ["launch-configs/demo.launch.py", "launch-configs", "LICENSE"]);
+    assert_eq!(files, [&LAUNCH_FILES[..], &["launch-configs", "LICENSE"]].concat());
     for file in files {
         assert!(root().join(file).exists(), "{file}");
     }
@@ -97,21 +100,29 @@ fn colcon_finds_two_packages() {
     assert_eq!(packages, [Path::new("msg"), Path::new("node")]);
 }
 
-/// Runs the launch file as if it were installed.
-fn launch(share: &Path, arguments: &[&str]) -> Output {
+/// Runs a launch file as if it were installed.
+fn launch_file(file: &str, share: &Path, arguments: &[&str]) -> Output {
     let _machine = crate::support::machine::share();
     Command::new("python3")
         .arg(root().join("tests/launch/stand_in.py"))
-        .arg(root().join("launch-configs/demo.launch.py"))
+        .arg(root().join(file))
         .arg(share)
         .args(arguments)
         .output()
         .expect("the tests need python3")
 }
 
+/// Runs that of the demo.
+fn launch(share: &Path, arguments: &[&str]) -> Output {
+    launch_file(LAUNCH_FILES[0], share, arguments)
+}
+
 /// The nodes that it starts.
 fn nodes(share: &Path, arguments: &[&str]) -> Vec<serde_json::Value> {
-    let output = launch(share, arguments);
+    nodes_of(launch(share, arguments))
+}
+
+fn nodes_of(output: Output) -> Vec<serde_json::Value> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("what the stand-in prints")
 }
@@ -154,4 +165,39 @@ fn robot_state_publisher_gets_the_demo_or_the_given_urdf() {
     let urdf = format!("urdf:={}", own.display());
     let all = nodes(folder.path(), &["robot_state_publisher:=true", &urdf]);
     assert_eq!(all[1]["parameters"]["robot_description"], "<robot name='own'/>");
+}
+
+#[test]
+fn the_arm_is_launched_with_its_cell_its_urdf_and_rviz() {
+    let folder = tempfile::tempdir().unwrap();
+    let installed = folder.path().join("lineshaft/launch-configs/arm6");
+    fs::create_dir_all(&installed).unwrap();
+    let urdf = read("launch-configs/arm6/arm6.urdf");
+    fs::write(installed.join("arm6.urdf"), &urdf).unwrap();
+    let own = folder.path().join("own.urdf");
+    fs::write(&own, "<robot name='own'/>").unwrap();
+    let run = |arguments: &[&str]| nodes_of(launch_file(LAUNCH_FILES[1], folder.path(), arguments));
+
+    let all = run(&[]);
+    let share = installed.display();
+    let lines: Vec<String> = all.iter().map(|node| command(node).join(" ")).collect();
+    assert_eq!(
+        lines,
+        [
+            format!("lineshaft/lineshaft run {share}/arm6.yaml --sim --ros-args"),
+            "robot_state_publisher/robot_state_publisher --ros-args".to_owned(),
+            format!("rviz2/rviz2 -d {share}/arm6.rviz --ros-args"),
+        ]
+    );
+    assert_eq!(all[1]["parameters"]["robot_description"], urdf);
+    let urdf = format!("urdf:={}", own.display());
+    let all = run(&["cell:=/c.yaml", &urdf, "sim:=false", "rviz:=false", "record:=/r"]);
+    assert_eq!(command(&all[0]).join(" "), "lineshaft/lineshaft run /c.yaml --record /r --ros-args");
+    assert_eq!((all.len(), &all[1]["parameters"]["robot_description"]), (2, &"<robot name='own'/>".into()));
+    for file in ["arm6.yaml", "arm6.rviz", "joint_limits.yaml", "moveit_controllers.yaml"] {
+        assert!(root().join("launch-configs/arm6").join(file).exists(), "{file}");
+    }
+    // The frame and the topic that RViz shows.
+    let rviz = read("launch-configs/arm6/arm6.rviz");
+    assert!(rviz.contains("Fixed Frame: base_link") && rviz.contains("Value: /robot_description"), "{rviz}");
 }

@@ -121,6 +121,11 @@ fn function_slots_and_cams_play_their_examples() {
     }
 }
 
+#[test]
+fn arm_plays_its_plan() {
+    assert_eq!(plays_in("launch-configs/arm6", ".scenario.yaml", "launch-configs/arm6/arm6.yaml"), 1);
+}
+
 /// A cell whose drives and terminals hang on a CAN bus that this machine has not: `run` says so and ends, `run --sim` rehearses it with its
 /// switches, its brake and its load, up to the end of a scenario.
 #[test]

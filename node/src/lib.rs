@@ -2,12 +2,14 @@
 #![forbid(unsafe_code)]
 
 pub mod cell;
+pub mod cell_file;
 pub mod cli;
 pub mod document;
 pub mod errors;
 pub mod functions;
 pub mod graph;
 pub mod interfaces;
+pub mod limits;
 #[cfg(test)]
 mod page;
 pub mod parameters;

@@ -5,6 +5,7 @@ mod can;
 mod check;
 mod functions;
 mod interfaces;
+mod limits;
 mod logging;
 mod params;
 mod plot;
@@ -95,6 +96,9 @@ enum Command {
     /// List the parameters there are, or those of a cell
     #[command(after_help = PARAMS_HELP)]
     Params(ParamsArgs),
+    /// Write the limits of joints as MoveIt's joint_limits.yaml, or read such a file into a cell
+    #[command(after_help = LIMITS_HELP)]
+    Limits(LimitsArgs),
     /// List the types of function slots, or all that is said of one
     #[command(after_help = FUNCTIONS_HELP)]
     Functions(FunctionsArgs),
@@ -160,6 +164,21 @@ Examples:
   lineshaft params cell.yaml --import parameters.yaml
 
 Exit codes: 0 good, 2 bad usage, no such parameter, or a file with errors.";
+
+const LIMITS_HELP: &str = "\
+Written are position, velocity, acceleration and jerk of each axis with a drive, in SI units, to standard output. max_acceleration is the \
+lower of max_acceleration and max_deceleration of the axis.
+
+--from changes the cell file: values only, comments and order stay. Each change is printed. has_..: false gives no limit, so the cell keeps its \
+own. max_deceleration follows max_acceleration where the cell leaves it out or has a lower one. Values that a node has saved \
+(docs/storage.md) hide those of the cell.
+
+Examples:
+  lineshaft limits cell.yaml > joint_limits.yaml
+  lineshaft limits cell.yaml --group arm > joint_limits.yaml
+  lineshaft limits cell.yaml --from joint_limits.yaml
+
+Exit codes: 0 good, 2 bad usage, no such group, or a file with errors; the cell is what it was then.";
 
 const FUNCTIONS_HELP: &str = "\
 docs/functions.md explains the types. `sak` is the factor of the field of that name, with which a function cancels the following error \
@@ -463,6 +482,18 @@ struct ParamsArgs {
 }
 
 #[derive(Debug, Args)]
+struct LimitsArgs {
+    /// The cell
+    cell: PathBuf,
+    /// Only the joints of one group; left out: all axes with a drive
+    #[arg(long, value_name = "NAME")]
+    group: Option<String>,
+    /// Read this joint_limits.yaml into the cell, which is changed in its place
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 struct InterfacesArgs {
     /// A topic, a service, an action, or a type as `MoveAxis`: all that is said about it; left out: the list
     name: Option<String>,
@@ -576,6 +607,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
+        Some(Command::Limits(args)) => limits::limits(&args),
         Some(Command::Functions(args)) => functions::functions(&args),
         Some(Command::Interfaces(args)) => interfaces::interfaces(&args),
         Some(Command::Plot(args)) => plot::plot(&args),

@@ -5,11 +5,10 @@ mod real;
 use self::real::{RealError, try_real};
 use super::{Exit, TuneArgs, complain, say, store};
 use crate::cell::{Cell, CellBackend};
+use crate::cell_file::EditError;
 use crate::document::Problems;
 use crate::recording::plot::{Problem, Target};
-use crate::tune::{
-    ApplyError, Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_simulated, write_plot,
-};
+use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_simulated, write_plot};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::unit::{Quantity, Scale};
 use lineshaft_ros::layer::NodeName;
@@ -39,7 +38,7 @@ enum TuneError {
     #[error("{0}")]
     Plot(#[from] Problem),
     #[error("{error}\nthe lines for {axis} by hand:\n{lines}")]
-    Apply { axis: String, error: ApplyError, lines: String },
+    Apply { axis: String, error: EditError, lines: String },
 }
 
 impl TuneError {

@@ -47,8 +47,10 @@ pub const MAX_BYTES: usize = 4 << 20;
 pub const MAX_DEPTH: usize = 64;
 /// Most values in a document.
 pub const MAX_VALUES: usize = 250_000;
-/// The same of a command in a recording: the longest trajectory and the longest table have a place in it.
-const RECORDED: Most = Most { bytes: 32 << 20, values: 4_000_000 };
+/// What a file of people may hold.
+const USUAL: Most = Most { bytes: MAX_BYTES, values: MAX_VALUES };
+/// The same of a command in a recording, and of a planned trajectory: the longest trajectory and the longest table have a place in it.
+const LONG: Most = Most { bytes: 32 << 20, values: 4_000_000 };
 
 /// How much a document may hold.
 #[derive(Clone, Copy, Debug)]
@@ -68,9 +70,18 @@ pub struct Document {
 impl Document {
     /// Reads a file. What is wrong with it is in [`Document::problems`].
     pub fn read(path: &Path) -> Self {
+        Self::read_within(path, USUAL)
+    }
+
+    /// As [`Document::read`], for a planned trajectory, which may be longer.
+    pub fn read_long(path: &Path) -> Self {
+        Self::read_within(path, LONG)
+    }
+
+    fn read_within(path: &Path, most: Most) -> Self {
         let name = path.display().to_string();
         let mut bytes = Vec::new();
-        let read = open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
+        let read = open_file(path).and_then(|file| file.take(most.bytes as u64 + 1).read_to_end(&mut bytes));
         let failed = |place, sentence: String| {
             let problems = Problems::new(&name);
             problems.push(place, sentence, None);
@@ -80,8 +91,8 @@ impl Document {
             return failed(Place::START, format!("cannot read the file: {error}"));
         }
         match String::from_utf8(bytes) {
-            Ok(text) => Self::parse(&name, text),
-            Err(error) if error.as_bytes().len() > MAX_BYTES => failed(Place::START, too_long(MAX_BYTES)),
+            Ok(text) => Self::parse_within(&name, text, most),
+            Err(error) if error.as_bytes().len() > most.bytes => failed(Place::START, too_long(most.bytes)),
             Err(error) => {
                 let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
                 failed(Place::after(&String::from_utf8_lossy(valid)), "the file is not UTF-8 text".to_owned())
@@ -91,12 +102,12 @@ impl Document {
 
     /// Parses a text; `name` stands for the file in problems.
     pub fn parse(name: &str, text: impl Into<String>) -> Self {
-        Self::parse_within(name, text.into(), Most { bytes: MAX_BYTES, values: MAX_VALUES })
+        Self::parse_within(name, text.into(), USUAL)
     }
 
     /// As [`Document::parse`], for a command in a recording, which may be longer.
     pub fn parse_recorded(name: &str, text: impl Into<String>) -> Self {
-        Self::parse_within(name, text.into(), RECORDED)
+        Self::parse_within(name, text.into(), LONG)
     }
 
     fn parse_within(name: &str, text: String, most: Most) -> Self {

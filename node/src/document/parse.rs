@@ -23,7 +23,7 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
         most_values,
         repeated: 0,
     };
-    let mut documents = 0;
+    let (mut documents, mut start) = (0, Place::START);
     while let Some(event) = parser.next_event() {
         let (event, place) = match event {
             Ok((event, span)) => (event, place(span.start)),
@@ -39,10 +39,15 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
         };
         if matches!(event, Event::DocumentStart(_)) {
             documents += 1;
-            if documents > 1 {
-                problems.push(place, "a second document starts here; a file holds one", None);
+            start = place;
+        }
+        if documents > 1 {
+            // `ros2 topic echo` ends each message with the sign of a new document: an empty one is none.
+            if is_node(&event) {
+                problems.push(start, "a second document starts here; a file holds one", None);
                 break;
             }
+            continue;
         }
         if let Err(sentence) = builder.event(event, place) {
             problems.push(place, sentence, None);
@@ -52,6 +57,15 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
     Some(
         builder.root.unwrap_or(Node { place: Place::START, kind: Kind::Scalar { text: String::new(), quoted: false } }),
     )
+}
+
+/// Is it part of a value, and not of an empty one?
+fn is_node(event: &Event<'_>) -> bool {
+    match event {
+        Event::Scalar(text, style, ..) => !text.is_empty() || *style != ScalarStyle::Plain,
+        Event::SequenceStart(..) | Event::MappingStart(..) | Event::Alias(..) => true,
+        _ => false,
+    }
 }
 
 fn too_deep() -> String {

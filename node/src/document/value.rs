@@ -62,6 +62,11 @@ impl<'d> Value<'d> {
         self.problems.push(self.node.place, sentence, hint);
     }
 
+    /// Notes the problems of a file that the value names.
+    pub fn add_problems(&self, problems: Problems) {
+        self.problems.append(problems);
+    }
+
     /// Empty, `~` or `null`?
     pub fn is_null(&self) -> bool {
         self.node.is_null()

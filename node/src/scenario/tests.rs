@@ -7,6 +7,7 @@ mod events;
 mod expectations;
 mod files;
 mod moments;
+mod plan;
 mod probe;
 mod problems;
 mod recorded;

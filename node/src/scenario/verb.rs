@@ -20,6 +20,7 @@ mod homing;
 mod out_an;
 mod output;
 mod phase;
+mod plan;
 mod probe;
 mod recorded;
 mod saia;

@@ -18,7 +18,7 @@ mod test_axes;
 mod text;
 mod trial;
 
-pub use apply::{ApplyError, apply, by_hand, edited};
+pub use apply::{apply, by_hand, settings};
 pub use findings::{Answer, Findings, Gain, Subject};
 pub use plot::{draw_plot, write_plot};
 pub use setting::{Bounds, Setting, Unfit};

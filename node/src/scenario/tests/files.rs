@@ -126,6 +126,11 @@ fn examples_of_function_slots_cams_and_shafts_pass() {
 }
 
 #[test]
+fn arm_follows_its_plan() {
+    assert!(passes("arm6/arm6.yaml", "arm6/arm6.scenario.yaml") >= 2);
+}
+
+#[test]
 fn no_scenario_is_forgotten_here() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/scenarios");
     let mut names: Vec<_> =

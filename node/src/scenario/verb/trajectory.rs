@@ -1,8 +1,9 @@
 //! Verb `follow_joint_trajectory` (contract section 7, by the fields of control_msgs).
 
+use super::plan::Plan;
 use super::{Deed, Reader, UNITS, amount, number};
 use crate::cell::trajectory_limits;
-use crate::document::{Allowed, Map, Value};
+use crate::document::{Allowed, Document, Map, Value};
 use crate::scenario::names::Names;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
@@ -24,48 +25,98 @@ struct Numbers<'j, 'd> {
     in_increments: bool,
 }
 
+/// What moves, and how; points are none where one of them is wrong, which is told.
+struct Given<'d> {
+    joints: Vec<Joint<'d>>,
+    units: u8,
+    points: Option<Vec<PointRequest<Amount>>>,
+}
+
+/// The other keys, none where one is wrong: their values are read once the joints are known.
+struct Beside<'d> {
+    start: Option<i64>,
+    goal_time: Option<Option<u64>>,
+    /// Of the path, the goal and the start.
+    tolerances: [Option<Value<'d>>; 3],
+    limits: Option<TrajectoryLimits>,
+    wraps: Option<bool>,
+    max_duration: Option<Option<u64>>,
+}
+
 impl Reader<'_> {
     pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
-        let joints = map.required("joints").and_then(|joints| self.joints(&joints));
-        let units = number(&mut map, "units", &UNITS);
-        let start = map.optional("start").map_or(Some(0), |start| nanoseconds(&start, &Allowed::Any));
-        let (points, goal_time) = (map.required("points"), optional_time(&mut map, "goal_time"));
-        let [path, goal] = ["path_tolerance", "goal_tolerance"].map(|key| map.optional(key));
-        let start_tolerance = map.optional("start_tolerance");
-        let wraps = map.optional("angle_wraparound").map_or(Some(false), |value| value.boolean());
-        let max_duration = optional_time(&mut map, "max_duration");
-        let limits = map.optional("trajectory_limits");
-        let limits = limits.map_or(Some(TrajectoryLimits::default()), |value| trajectory_limits(&value));
+        let file = map.optional("file");
+        let given = if let Some(file) = &file { refuse_beside(file, &mut map) } else { self.given(&mut map) };
+        let beside = Beside::read(&mut map);
         map.finish();
-        let deed = (|| {
-            let (joints, units) = (joints?, units?);
-            let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };
-            let units = match Units::from_number(units) {
-                Ok(units) => units,
-                Err(error) => return self.settle(value, Err(error)),
-            };
-            let points = points?.list()?.iter().map(|point| numbers.point(point)).collect::<Vec<_>>();
-            let [path, goal, start_tolerance] =
-                [path, goal, start_tolerance].map(|value| numbers.tolerances(value.as_ref()));
-            let request = TrajectoryRequest {
-                axes: joints.iter().map(|joint| joint.axis.clone()).collect(),
-                units,
-                start_ns: start?,
-                points: points.into_iter().collect::<Option<_>>()?,
-                path: path?,
-                goal: goal?,
-                goal_time_ns: goal_time?,
-                start: start_tolerance?,
-                limits: limits?,
-                angle_wraparound: wraps?,
-                max_duration_ns: max_duration?,
-            };
-            let trajectory = self.names.config.resolve_trajectory(&request);
-            self.settle(value, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
-        })();
+        let deed = match &file {
+            None => given.and_then(|given| self.trajectory(given, beside, |_| value)),
+            Some(file) => self.plan(file, beside),
+        };
         (deed, id.flatten())
+    }
+
+    /// A trajectory whose points stand in a file.
+    fn plan(&self, file: &Value<'_>, beside: Beside<'_>) -> Option<Deed> {
+        let Some(folder) = self.names.folder else {
+            file.refuse("file is for scenarios; points are expected here", None);
+            return None;
+        };
+        let document = Document::read_long(&folder.join(file.text()?));
+        let deed = document.root("the trajectory").and_then(|root| {
+            let plan = Plan::read(&root)?;
+            let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
+            self.trajectory(given, beside, |sentence| plan.place_of(sentence))
+        });
+        let is_good = document.problems().is_empty();
+        file.add_problems(document.into_problems());
+        deed.filter(|_| is_good)
+    }
+
+    /// Joints, units and points that stand in the verb.
+    fn given<'d>(&self, map: &mut Map<'d>) -> Option<Given<'d>> {
+        let joints = map.required("joints").and_then(|joints| self.joints(&joints));
+        let units = number(map, "units", &UNITS);
+        let points = map.required("points");
+        let (joints, units) = (joints?, units?);
+        let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };
+        let points = points?.list()?.iter().map(|point| numbers.point(point)).collect::<Vec<_>>();
+        let points = points.into_iter().collect();
+        Some(Given { joints, units, points })
+    }
+
+    /// The command; what is wrong with the request is told at the place that its sentence has.
+    fn trajectory<'v, 'd: 'v>(
+        &self,
+        given: Given<'_>,
+        beside: Beside<'_>,
+        place: impl Fn(&str) -> &'v Value<'d>,
+    ) -> Option<Deed> {
+        let Given { joints, units, points } = given;
+        let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };
+        let units = match Units::from_number(units) {
+            Ok(units) => units,
+            Err(error) => return self.settle(place(""), Err(error)),
+        };
+        let [path, goal, start_tolerance] = beside.tolerances.map(|value| numbers.tolerances(value.as_ref()));
+        let request = TrajectoryRequest {
+            axes: joints.iter().map(|joint| joint.axis.clone()).collect(),
+            units,
+            start_ns: beside.start?,
+            points: points?,
+            path: path?,
+            goal: goal?,
+            goal_time_ns: beside.goal_time?,
+            start: start_tolerance?,
+            limits: beside.limits?,
+            angle_wraparound: beside.wraps?,
+            max_duration_ns: beside.max_duration?,
+        };
+        let trajectory = self.names.config.resolve_trajectory(&request);
+        let at = trajectory.as_ref().err().map_or_else(|| place(""), |error| place(&error.to_string()));
+        self.settle(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
     }
 
     fn joints<'d>(&self, value: &Value<'d>) -> Option<Vec<Joint<'d>>> {
@@ -78,6 +129,21 @@ impl Reader<'_> {
             Joint { name, axis, scale }
         };
         Some(names.into_iter().map(joint).collect())
+    }
+}
+
+impl<'d> Beside<'d> {
+    fn read(map: &mut Map<'d>) -> Self {
+        Self {
+            start: map.optional("start").map_or(Some(0), |start| nanoseconds(&start, &Allowed::Any)),
+            goal_time: optional_time(map, "goal_time"),
+            tolerances: ["path_tolerance", "goal_tolerance", "start_tolerance"].map(|key| map.optional(key)),
+            limits: map
+                .optional("trajectory_limits")
+                .map_or(Some(TrajectoryLimits::default()), |value| trajectory_limits(&value)),
+            wraps: map.optional("angle_wraparound").map_or(Some(false), |value| value.boolean()),
+            max_duration: optional_time(map, "max_duration"),
+        }
     }
 }
 
@@ -145,6 +211,17 @@ impl Numbers<'_, '_> {
         map.finish();
         Some(ToleranceRequest { position: position?, velocity: velocity?, acceleration: acceleration? })
     }
+}
+
+/// Refuses what the file says, beside it.
+fn refuse_beside<'d>(file: &Value<'d>, map: &mut Map<'d>) -> Option<Given<'d>> {
+    for key in ["joints", "units", "points"] {
+        if let Some(value) = map.optional(key) {
+            let file = excerpt(file.peek().unwrap_or_default());
+            value.refuse(format!("{key} stands beside file `{file}`, which has it"), Some("leave it out".to_owned()));
+        }
+    }
+    None
 }
 
 /// A time that may be left out.

@@ -1,7 +1,8 @@
 //! Axes of cells, tried and tuned as `lineshaft tune` does it, and moved with the gains that were found.
 
-use super::super::{Bounds, Ended, Findings, Setting, Subject, Trial, Unfit, edited, try_simulated};
+use super::super::{Bounds, Ended, Findings, Setting, Subject, Trial, Unfit, settings, try_simulated};
 use crate::cell::Cell;
+use crate::cell_file::{Edited, edited};
 use crate::scenario::{Options, Scenario, simulate};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Commands, Source};
@@ -51,8 +52,8 @@ fn found(text: &str, bounds: Bounds) -> Findings {
 
 /// Three turns with the gains in the cell; the largest following error on the way, and what is left at the end (inc), are bounded.
 fn moves(text: &str, findings: &Findings, most: i64, left: i64) {
-    let (text, _) = edited(Path::new("cell.yaml"), text, "x", &findings.gains).expect("a cell with these gains");
-    let cell = Cell::parse("cell.yaml", text).expect("a cell");
+    let gains = settings("x", &findings.gains).expect("gains of a cell");
+    let Edited { cell, .. } = edited(Path::new("cell.yaml"), text, &gains).expect("a cell with these gains");
     let scenario = format!(
         "scenario: move\nfor: 4 s\nsteps:\n  - {{at: 0, do: {{enable: {{axes: [x]}}}}}}\n  - {{name: move, at: 0.5 s, do: {{move_axis: {{axis: x, \
          mode: relative, position: 3 rev, velocity: 10 rev/s, acceleration: 40 rev/s^2, deceleration: 40 rev/s^2}}}}}}\nexpect:\n  \

@@ -1,6 +1,7 @@
 //! Cells that are edited.
 
 use super::*;
+use crate::tune::{Gain, by_hand, settings};
 use proptest::prelude::*;
 
 const CELL: &str = "\
@@ -33,8 +34,10 @@ fn gain(key: &'static str, new: f64) -> Gain {
     Gain { key, old: None, new }
 }
 
-fn edit(text: &str, axis: &str, gains: &[Gain]) -> Result<(String, Vec<Gain>), ApplyError> {
-    edited(Path::new("cell.yaml"), text, axis, gains)
+fn edit(text: &str, axis: &str, gains: &[Gain]) -> Result<(String, Vec<Setting>), EditError> {
+    let Edited { text, cell, written } = edited(Path::new("cell.yaml"), text, &settings(axis, gains)?)?;
+    assert_eq!(cell.text, text);
+    Ok((text, written))
 }
 
 #[track_caller]
@@ -126,14 +129,15 @@ fn what_no_cell_takes_is_refused() {
         CELL,
         "y",
         &[gain("kder", 5.0)],
-        "cell.yaml would not say these gains and the rest as before; nothing is written",
+        "with these values the cell has errors; nothing is written\n\
+         cell.yaml:23:119: kder is for axes with interface velocity, torque or voltage and regulator pid, leave it out\n",
     );
 }
 
 #[test]
 fn cells_are_compared_by_what_they_say() {
     let cell = |text: &str| Cell::parse("c", text).unwrap();
-    let same = |text: String| is_same(cell(&text), cell(CELL));
+    let same = |text: String| is_same(&cell(&text), &cell(CELL));
     assert!(same(CELL.replace("# A cell with remarks.", "# Another remark.")));
     assert!(same(CELL.replace("3000 rpm", "50 rev/s")));
     assert!(!same(CELL.replace("kprop: 30", "kprop: 31")));
@@ -150,14 +154,14 @@ fn a_file_is_replaced_whole_with_its_permissions_through_a_link() {
     fs::write(&path, &text).unwrap();
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
     symlink("cell.yaml", &link).unwrap();
-    assert_eq!(apply(&link, &text, "x", &GAINS).unwrap().len(), 2);
+    assert_eq!(apply(&link, &text, &settings("x", &GAINS).unwrap()).unwrap().written.len(), 2);
     let expected = text.replace("kprop: 30 ", "kprop: 131 ").replace("1000\r\n", "1000\r\n    kder: 772\r\n");
     assert_eq!(fs::read_to_string(&path).unwrap(), expected);
     assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     // Once more there is nothing to do.
-    assert_eq!(apply(&path, &expected, "x", &GAINS), Ok(Vec::new()));
+    assert_eq!(crate::tune::apply(&path, &expected, "x", &GAINS), Ok(Vec::new()));
 }
 
 #[test]
@@ -166,15 +170,15 @@ fn a_file_that_has_changed_meanwhile_stays() {
     let path = folder.path().join("cell.yaml");
     fs::write(&path, "new").unwrap();
     let refused = replace(&path, "old", "edited").unwrap_err();
-    assert!(matches!(refused, ApplyError::Changed { .. }));
+    assert!(matches!(refused, EditError::Changed { .. }));
     assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     fs::write(&path, CELL).unwrap();
-    let since = apply(&path, &CELL.replace("3000 rpm", "2000 rpm"), "x", &GAINS).unwrap_err();
-    assert!(matches!(since, ApplyError::Changed { .. }), "since the trial");
+    let since = apply(&path, &CELL.replace("3000 rpm", "2000 rpm"), &settings("x", &GAINS).unwrap()).unwrap_err();
+    assert!(matches!(since, EditError::Changed { .. }), "since the trial");
     assert_eq!(fs::read_to_string(&path).unwrap(), CELL);
-    let missing = apply(&folder.path().join("none.yaml"), CELL, "x", &GAINS).unwrap_err();
-    assert!(matches!(missing, ApplyError::Cell { .. }));
+    let missing = apply(&folder.path().join("none.yaml"), CELL, &settings("x", &GAINS).unwrap()).unwrap_err();
+    assert!(matches!(missing, EditError::Cell { .. }));
 }
 
 proptest! {
