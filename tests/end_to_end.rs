@@ -47,6 +47,7 @@ mod scale;
 mod shaft;
 mod store;
 mod streams;
+mod system_clock;
 mod table_cli;
 mod touch_probe;
 mod trajectory;

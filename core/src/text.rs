@@ -200,6 +200,24 @@ mod tests {
         assert_eq!(text(Code::FLIGHT_FAILED, 2), sentence);
     }
 
+    #[test]
+    fn step_of_the_system_clock_is_reported_with_direction_and_size() {
+        let text = |step_ns| {
+            let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::CLOCK_STEPPED);
+            sentence(&event.with(Number::Count(step_ns), Number::None), &MachineConfig::default())
+        };
+        for (step_ns, size) in [
+            (3_600_000_499_999, "forward by 3600.000 s"),
+            (4_999_500_000, "forward by 5.000 s"),
+            (-3_600_000_000_000, "back by 3600.000 s"),
+            (-200_400_000, "back by 0.200 s"),
+            (i64::MAX, "forward by 9223372036.855 s"),
+            (i64::MIN, "back by 9223372036.855 s"),
+        ] {
+            assert_eq!(text(step_ns), format!("machine: the system clock was set {size}; stamps follow"));
+        }
+    }
+
     /// Of values by another name, what was set is told, and what follows from it.
     #[test]
     fn what_follows_from_a_value_is_told_with_it() {

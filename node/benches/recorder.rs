@@ -5,6 +5,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lineshaft::cell::Cell;
+use lineshaft::recording::CycleTime;
 use lineshaft::recording::bag::{Bag, BagOptions, Subject};
 use lineshaft::recording::encoder::Encoder;
 use lineshaft::run::bridge::Handle;
@@ -93,7 +94,8 @@ impl Rig {
         if let Some(frames) = frames {
             frames.before(&self.machine);
             self.machine.cycle(&self.inputs, Commands::queue(commands), &mut self.outputs);
-            frames.send(self.inputs.cycle * 1_000_000, &self.inputs, &self.machine, None, std::iter::empty());
+            let time = CycleTime::same(self.inputs.cycle * 1_000_000);
+            frames.send(time, &self.inputs, &self.machine, None, std::iter::empty());
         } else {
             self.machine.cycle(&self.inputs, Commands::queue(commands), &mut self.outputs);
         }

@@ -3,6 +3,7 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
+use lineshaft::recording::CycleTime;
 use lineshaft::run::frames::{Taken, frames};
 use lineshaft::run::histogram::Histogram;
 use lineshaft::run::lanes::lanes;
@@ -54,7 +55,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
             sender.before(&machine);
             machine.cycle(&inputs, lanes.commands(), &mut outputs);
             let (stream, commands) = lanes.drain();
-            sender.send(cycle, &inputs, &machine, stream, commands);
+            sender.send(CycleTime::same(cycle), &inputs, &machine, stream, commands);
             lateness.record(cycle * cycle);
         });
         assert_eq!(violation_count(), 0, "in cycle {cycle}");

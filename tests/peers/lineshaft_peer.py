@@ -13,6 +13,7 @@ import sys
 import time
 
 import checks
+import clock
 import conformance
 import functions
 import goals
@@ -409,6 +410,7 @@ def parser():
     trajectories.add_commands(command)
     rtps_check.add_commands(command)
     tune.add_commands(command)
+    clock.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)
     p = command("burst", hammer.burst, count=200)

@@ -48,8 +48,13 @@ impl Index<&str> for Observations {
 impl Peer {
     /// The Eclipse Cyclone DDS peer, with all commands of `lineshaft_peer.py`.
     pub(crate) fn cyclone(domain: &Domain) -> Self {
+        Self::cyclone_with(domain, Vec::new())
+    }
+
+    /// The same with variables of its own.
+    pub(crate) fn cyclone_with(domain: &Domain, variables: Vec<(&str, String)>) -> Self {
         let mut command = Command::new(setup::python());
-        command.arg("-B").arg(setup::sources().join("lineshaft_peer.py"));
+        command.arg("-B").arg(setup::sources().join("lineshaft_peer.py")).envs(variables);
         Self::start("the Cyclone DDS peer", command, domain)
     }
 

@@ -54,6 +54,36 @@ pub(crate) fn fastdds_peer() -> &'static Path {
     })
 }
 
+/// The library that shows processes another system clock, built from the source in the Python package `libfaketime`.
+///
+/// Panics with a sentence on what to install when it cannot be built.
+pub(crate) fn fake_clock() -> &'static Path {
+    static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let requirements = read(&sources().join("requirements.txt"));
+        let where_is = "import sysconfig; print(sysconfig.get_path('purelib'))";
+        let packages =
+            require(run(Command::new(python()).args(["-c", where_is])), "The Python of the tests does not work");
+        let source = Path::new(packages.trim()).join("libfaketime/vendor/libfaketime/src");
+        made("fake-clock", &requirements, |folder| {
+            fs::create_dir_all(folder).unwrap_or_else(|e| panic!("{} cannot be made: {e}", folder.display()));
+            // As its Makefile does.
+            let mut compiler = Command::new("gcc");
+            compiler.current_dir(&source).args(["-std=gnu99", "-O1", "-w", "-fPIC", "-shared"]);
+            compiler.args(["-DFAKE_INTERNAL_CALLS", "-DPREFIX=\"\"", "-DLIBDIRNAME=\"\""]);
+            compiler
+                .args(["libfaketime.c", "-Wl,--version-script=libfaketime.map", "-o"])
+                .arg(folder.join("libfaketime.so"));
+            compiler.args(["-lpthread", "-ldl", "-lm", "-lrt"]);
+            require(
+                run(&mut compiler),
+                "libfaketime does not build with this system's C compiler (Debian: apt-get install gcc)",
+            );
+        })
+        .join("libfaketime.so")
+    })
+}
+
 /// The folder `name` as `make` leaves it. `from` is all that it depends on, and is kept beside it.
 fn made(name: &str, from: &str, make: impl FnOnce(&Path)) -> PathBuf {
     let peers = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("it is inside the target folder").join("peers");

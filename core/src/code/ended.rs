@@ -292,6 +292,13 @@ codes! {
         remedy: "Look the code up in the manual of that device. No axis has an error by it.",
     }
 
+    /// The system clock was set, and stamps follow it.
+    CLOCK_STEPPED = 10372, NoError {
+        says: "the system clock was set; stamps follow",
+        cause: "The system clock was set by more than 50 ms: by NTP or a user, or the host was suspended. Stamps of messages follow it after this event. Motion does not.",
+        remedy: "Nothing, if that was meant. On a host without a real-time clock start the node after the time is synchronized.",
+    }
+
     /// A newer command took the axis over.
     REPLACED = 10101, NoError {
         says: "a newer command took the axis over",

@@ -71,9 +71,16 @@ pub const DRIVE_FAULT: Row = Row {
 
 impl Code {
     /// What the recorder has to say: cycles that are missing, the number of the system's error (0 where it is not known); what a backend
-    /// has, of nodes of its bus: [`NodeNotice`](crate::drive::NodeNotice), [`ForeignEmergency`](crate::drive::ForeignEmergency).
-    pub const NOTES: [Code; 5] =
-        [Code::RECORD_LOST, Code::RECORD_FAILED, Code::FLIGHT_FAILED, Code::NODE_CHANGED, Code::FOREIGN_EMERGENCY];
+    /// has, of nodes of its bus: [`NodeNotice`](crate::drive::NodeNotice), [`ForeignEmergency`](crate::drive::ForeignEmergency); by how
+    /// much the system clock was set (ns).
+    pub const NOTES: [Code; 6] = [
+        Code::RECORD_LOST,
+        Code::RECORD_FAILED,
+        Code::FLIGHT_FAILED,
+        Code::NODE_CHANGED,
+        Code::FOREIGN_EMERGENCY,
+        Code::CLOCK_STEPPED,
+    ];
 
     /// First code of drive faults: 0x10000 + object 603Fh.
     pub const DRIVE_FAULT: u32 = 0x1_0000;

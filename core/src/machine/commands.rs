@@ -189,7 +189,7 @@ impl Machine {
         };
         let severity = match code {
             _ if is_over => Severity::Info,
-            Code::RECORD_LOST | Code::NODE_CHANGED | Code::FOREIGN_EMERGENCY => Severity::Warn,
+            Code::RECORD_LOST | Code::NODE_CHANGED | Code::FOREIGN_EMERGENCY | Code::CLOCK_STEPPED => Severity::Warn,
             _ => Severity::Error,
         };
         (severity, axis.map_or(Object::Machine, Object::Axis))

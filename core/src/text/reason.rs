@@ -237,6 +237,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             }
             None => by_row(),
         },
+        Code::CLOCK_STEPPED => told(event).map_or_else(by_row, clock_step),
         Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),
         Code::SOFTWARE_LIMIT_NEGATIVE => format!("stopped at min_position {}", limit_of(event, config)),
         Code::ENCODER_JUMP if event.limit == Number::None => format!("the leader jumped by {} in one cycle", asked()),
@@ -386,6 +387,13 @@ fn emergency(event: &Event) -> String {
 /// The number of a note.
 fn told(event: &Event) -> Option<i64> {
     if let Number::Count(number) = event.asked { Some(number) } else { None }
+}
+
+/// A step of the system clock (ns), in seconds rounded to milliseconds.
+fn clock_step(step_ns: i64) -> String {
+    let direction = if step_ns < 0 { "back" } else { "forward" };
+    let ms = step_ns.unsigned_abs().saturating_add(500_000) / 1_000_000;
+    format!("the system clock was set {direction} by {}.{:03} s; stamps follow", ms / 1000, ms % 1000)
 }
 
 /// An error code, and what the standards say of it.

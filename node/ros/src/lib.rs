@@ -9,6 +9,7 @@ pub mod fuzz;
 pub mod layer;
 pub mod line_limit;
 mod link;
+pub mod offset;
 pub mod side;
 pub mod silence;
 pub mod surface;

@@ -136,6 +136,7 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
         loggers,
         side,
         request_timeout: cell.ros.request_timeout,
+        host_clock: None,
     })
 }
 
@@ -239,6 +240,7 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
     let host: Arc<dyn Host> = prepared.handle.clone();
     let is_lost = Arc::<AtomicBool>::default();
     options.side.loss_timeout = cell.ros.loss_timeout;
+    options.host_clock = Some(prepared.clock.clone());
     options.side.on_loss = on_loss(prepared.handle.clone(), cell.ros.on_loss, Arc::clone(&is_lost));
     let name = options.names.node().clone();
     let surface = Node::with(options, environment).map_err(CreateError::from).and_then(|node| {

@@ -3,6 +3,8 @@
 //! Law      the same cycles give the same bytes; a file begins only at a key cycle, and stands for itself
 //! Refuses  a place that is taken; after an error of the disk, everything: what was flushed before it stays readable
 //!
+//! Log times of a bag begin with the system time of its first cycle and then follow the monotonic clock, in all of its files.
+//!
 //! A bag in a folder goes on in a new file at a key cycle whose state was kept, once the present one is too large or too
 //! long. What is missing is counted: cycle numbers tell it, or who gives the cycles does.
 
@@ -11,8 +13,8 @@ mod file;
 mod place;
 mod topics;
 
-use super::Encoded;
 use super::metadata::{FileInformation, Metadata, TopicInformation};
+use super::{CycleTime, Encoded};
 use crate::cell::Cell;
 use crate::parameters::parameters_text;
 use crate::store::store_text;
@@ -127,6 +129,8 @@ pub struct Bag {
     file: Option<BagFile>,
     /// Cycle that comes next, in a file that has begun.
     next: Option<u64>,
+    /// What is added to log times (ns), so that those of the bag begin with the system time; `None` before its first cycle.
+    shift_ns: Option<i64>,
     /// Where the present file can be replayed from its beginning on.
     is_start_known: bool,
     /// Of the present file.
@@ -153,6 +157,9 @@ impl Lost {
 
 /// Attachment with the CSV files of tables and the modules of programs.
 pub(crate) const TABLES: &str = "tables.json";
+
+/// Key of the record `lineshaft`: how far stamps are ahead of log times in the first cycle of the file (ns). Without it they are equal.
+pub(crate) const STAMPS_AHEAD: &str = "stamps_ahead_ns";
 
 impl Subject {
     /// A machine of that cell before its cycle 0, shown as `node`.
@@ -212,6 +219,7 @@ impl Bag {
             ended: Vec::new(),
             file: None,
             next: None,
+            shift_ns: None,
             is_start_known: false,
             lost: Lost::default(),
             lost_before: 0,
@@ -247,7 +255,14 @@ impl Bag {
             self.begin_file(Some(encoded))?;
         }
         self.next = Some(encoded.cycle.saturating_add(1));
-        self.on_file(|file| file.write(encoded))
+        let log_ns = self.time(encoded).log_ns;
+        self.on_file(|file| file.write(encoded, log_ns))
+    }
+
+    /// Time of a cycle in this bag.
+    fn time(&self, encoded: &Encoded) -> CycleTime {
+        let shift_ns = self.shift_ns.unwrap_or(encoded.time.ahead_ns());
+        CycleTime { log_ns: encoded.time.log_ns.saturating_add_signed(shift_ns), ..encoded.time }
     }
 
     /// Notes cycles that were lost on their way here.
@@ -308,8 +323,9 @@ impl Bag {
         let Some(file) = self.file.as_ref().filter(|_| self.place.is_folder() && encoded.state.is_some()) else {
             return false;
         };
-        let start = file.counts().span.map_or(encoded.stamp_ns, |(first, _)| first);
-        let duration = encoded.stamp_ns.saturating_sub(start);
+        let log_ns = self.time(encoded).log_ns;
+        let start = file.counts().span.map_or(log_ns, |(first, _)| first);
+        let duration = log_ns.saturating_sub(start);
         self.options.max_size.is_some_and(|most| file.size() >= most)
             || self.options.max_duration_ns.is_some_and(|most| duration >= most)
     }
@@ -332,6 +348,10 @@ impl Bag {
 
     /// Writes what stands before the first cycle; without a cycle, the bag stays empty.
     fn begin_file(&mut self, first: Option<&Encoded>) -> Result<(), BagError> {
+        if let Some(first) = first {
+            self.shift_ns.get_or_insert(first.time.ahead_ns());
+        }
+        let time = first.map_or(CycleTime::default(), |first| self.time(first));
         let state = first.filter(|first| first.cycle > 0).and_then(|first| first.state.as_deref());
         self.is_start_known = state.is_some() || first.is_some_and(|first| first.cycle == 0);
         let subject = &self.subject;
@@ -348,11 +368,17 @@ impl Bag {
             ("cycle_ns", subject.cycle_ns.to_string()),
             ("node", subject.node.to_string()),
         ];
+        let ahead = (time.ahead_ns() != 0).then(|| (STAMPS_AHEAD.to_owned(), time.ahead_ns().to_string()));
         let programs = subject.programs.iter().map(|(name, hash)| (format!("program_sha256.{name}"), hash.clone()));
         let opening = Opening {
-            stamp_ns: first.map_or(0, |first| first.stamp_ns),
+            log_ns: time.log_ns,
             attachments,
-            record: record.map(|(key, value)| (key.to_owned(), value)).into_iter().chain(programs).collect(),
+            record: record
+                .map(|(key, value)| (key.to_owned(), value))
+                .into_iter()
+                .chain(programs)
+                .chain(ahead)
+                .collect(),
         };
         let topics = std::mem::take(&mut self.topics);
         let begun = self.on_file(|file| file.begin(opening, &topics));

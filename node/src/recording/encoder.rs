@@ -62,7 +62,8 @@ impl Encoder {
     pub fn encode(&mut self, cycle: &Cycle<'_>) -> Encoded {
         let number = cycle.inputs.cycle;
         let is_key = number.is_multiple_of(key_cycles(self.config.cycle_ns));
-        let mut encoded = Encoded { cycle: number, stamp_ns: cycle.stamp_ns, is_key, ..Encoded::default() };
+        let stamp_ns = cycle.time.stamp_ns;
+        let mut encoded = Encoded { cycle: number, time: cycle.time, is_key, ..Encoded::default() };
         encoded.bytes.reserve(self.size + self.size / 4);
         for command in cycle.commands {
             let message = AppliedCommand {
@@ -83,15 +84,15 @@ impl Encoder {
         let inputs_crc = encoded.messages().last().map_or(0, |(_, message)| crc32fast::hash(message));
         for event in cycle.events {
             let text = sentence(event, cycle.commands, &self.config);
-            encoded.push(Topic::Events, &messages::event(event, cycle.stamp_ns, &self.config, text));
+            encoded.push(Topic::Events, &messages::event(event, stamp_ns, &self.config, text));
         }
         self.note_changes(cycle, is_key, inputs_crc);
         encoded.push(Topic::Signals, &self.changed);
         if self.axis_states.is_due(number) {
-            encoded.push(Topic::AxisStates, &messages::axis_states(&self.views, cycle.board, number, cycle.stamp_ns));
+            encoded.push(Topic::AxisStates, &messages::axis_states(&self.views, cycle.board, number, stamp_ns));
         }
         if self.joint_states.is_due(number) {
-            let message = messages::joint_states(&self.views, &self.joint_names, cycle.board, cycle.stamp_ns);
+            let message = messages::joint_states(&self.views, &self.joint_names, cycle.board, stamp_ns);
             encoded.push(Topic::JointStates, &message);
         }
         self.size = encoded.size();
@@ -137,7 +138,7 @@ impl Encoded {
             *to = *from;
         }
         let message = Frame {
-            header: messages::header(self.stamp_ns.saturating_add_signed(offset_ns)),
+            header: messages::header(self.time.stamp_ns.saturating_add_signed(offset_ns)),
             id: frame.id().get().into(),
             is_rtr: frame.is_remote(),
             dlc: frame.length(),

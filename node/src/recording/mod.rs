@@ -43,11 +43,37 @@ pub(crate) fn attached_files(run: &run::Run) -> Result<Option<String>, run::RunE
     Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
+/// The system clock was set where its time changes by more than this (ns); a smaller difference is followed smoothly.
+pub const CLOCK_STEP_NS: u64 = 50_000_000;
+
+/// t_k of a cycle, since the Unix epoch or since the start of a simulation.
+///
+/// Both times are equal until the system clock is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CycleTime {
+    /// Log time (ns). It never goes back.
+    pub log_ns: u64,
+    /// System time (ns), as stamps of messages show it.
+    pub stamp_ns: u64,
+}
+
+impl CycleTime {
+    /// A cycle whose log time is its system time (ns).
+    pub fn same(ns: u64) -> Self {
+        Self { log_ns: ns, stamp_ns: ns }
+    }
+
+    /// How far the stamp is ahead of the log time (ns).
+    pub fn ahead_ns(self) -> i64 {
+        self.stamp_ns.wrapping_sub(self.log_ns).cast_signed()
+    }
+}
+
 /// What one cycle took and did.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle<'a> {
-    /// t_k (ns): since the Unix epoch, or since the start of a simulation.
-    pub stamp_ns: u64,
+    /// t_k.
+    pub time: CycleTime,
     /// As the machine took them; tells k.
     pub inputs: &'a Inputs,
     /// In the order in which they applied.
@@ -104,8 +130,8 @@ impl Way {
 pub struct Encoded {
     /// k
     pub cycle: u64,
-    /// t_k (ns).
-    pub stamp_ns: u64,
+    /// t_k.
+    pub time: CycleTime,
     /// The message on ~/signals holds all signals: a file may begin here.
     pub is_key: bool,
     /// The state of the machine before this cycle, where it was kept; only key cycles have it.

@@ -1,7 +1,7 @@
 //! A recorded run of the demo cell, for tests.
 
 use super::encoder::Encoder;
-use super::{Cycle, Encoded};
+use super::{Cycle, CycleTime, Encoded};
 use crate::cell::Cell;
 use crate::scenario::{Player, Scenario};
 use lineshaft_core::drive::{Backend, Inputs};
@@ -56,10 +56,10 @@ pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) ->
         plant.write(&outputs);
         player.after(&machine);
         let commands: Vec<_> = player.commands().iter().cloned().collect();
-        let stamp_ns = start_ns + cycle * cell.machine.cycle_ns;
+        let time = CycleTime::same(start_ns + cycle * cell.machine.cycle_ns);
         let (events, board) = (machine.events(), machine.board());
         let what =
-            Cycle { stamp_ns, inputs: &inputs, commands: &commands, stream: player.commands().stream, events, board };
+            Cycle { time, inputs: &inputs, commands: &commands, stream: player.commands().stream, events, board };
         let parameters = (is_key && cycle > 0).then(|| format!("parameters before {cycle}"));
         recorded.encoded.push(Encoded { state, parameters, ..encoder.encode(&what) });
         recorded.inputs.push(inputs.clone());

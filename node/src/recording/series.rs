@@ -1,8 +1,8 @@
 //! The signals of a run over time, for plots and comparisons.
 //!
 //! Law      a point where a value changes, and one before it where the old value held until then: a line through the points is
-//!          the signal, but for its gaps, in which nothing is known; times are the stamps of the messages, not when they were
-//!          received
+//!          the signal, but for its gaps, in which nothing is known; times are those of the cycles in a bag of this program (log
+//!          times), and of any other recorder the stamps of the messages, not when they were received
 //! Reads    ~/signals with the attached cell: every signal of the board in every cycle. Without them joint_states and
 //!          axis_states of any recorder, found by type. In both cases the events as marks
 //! Refuses  messages that do not decode, patterns that match nothing, more points than memory should hold
@@ -181,7 +181,8 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
     let cell = run.attachment("cell.yaml")?;
     let attached = super::attached_files(run)?;
     let files: Vec<String> = run.files().iter().map(|file| file.name.clone()).collect();
-    let (mut budget, mut topics, mut board, mut events) = (Budget::default(), Topics::default(), None, Vec::new());
+    let (mut budget, mut topics, mut board, mut events) = (Budget::default(), Topics::of(run), None, Vec::new());
+    let by_log_time = is_of_this_program(run);
     while let Some(message) = run.next_message()? {
         let file = &files[message.file];
         match (message.kind, &cell) {
@@ -202,7 +203,10 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
             }
             (Event::NAME, _) => {
                 let event: Event = decode(&message, file)?;
-                let time = stamp(&event.header.stamp).map_err(|reason| refused(&message, file, reason))?;
+                let time = match by_log_time {
+                    true => message.log_time.saturating_sub(event.age_ns.into()),
+                    false => stamp(&event.header.stamp).map_err(|reason| refused(&message, file, reason))?,
+                };
                 budget.spend(2 + event.text.len() as u64 / 16).ok_or(SeriesError::TooMany)?;
                 events.push((time, event));
             }
@@ -302,6 +306,11 @@ fn since(time: u64, start: u64) -> f64 {
 /// A time for a sentence.
 pub(crate) fn seconds(time: u64) -> String {
     format!("{}.{:09} s", time / 1_000_000_000, time % 1_000_000_000)
+}
+
+/// Whether this program recorded a run: then log times are those of the cycles.
+fn is_of_this_program(run: &Run) -> bool {
+    run.metadata("lineshaft").is_some()
 }
 
 /// A stamp (ns).

@@ -2,7 +2,7 @@
 
 use super::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use super::encoder::Encoder;
-use super::{Cycle, key_cycles};
+use super::{Cycle, CycleTime, key_cycles};
 use crate::cell::Cell;
 use lineshaft_core::command::{Command, Commands};
 use lineshaft_core::drive::Inputs;
@@ -49,7 +49,7 @@ impl SimulationRecorder {
         self.commands.clear();
         self.commands.extend(commands.iter().cloned());
         let cycle = Cycle {
-            stamp_ns: inputs.cycle.saturating_mul(self.cycle_ns),
+            time: CycleTime::same(inputs.cycle.saturating_mul(self.cycle_ns)),
             inputs,
             commands: &self.commands,
             stream: commands.stream,

@@ -1,5 +1,7 @@
-//! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for.
+//! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for, and watches the
+//! system clock.
 
+use super::clock::ClockWatch;
 use super::frames::Spent;
 use super::gate::Gate;
 use super::keeper::Orders;
@@ -16,7 +18,7 @@ use crate::parameters::{export_text, read_changes};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::event::{Kind, Severity};
+use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::signal::Directory;
@@ -32,7 +34,7 @@ use lineshaft_ros::surface::host::{
 };
 use lineshaft_ros::surface::{JointNames, StateSender, is_told};
 use rtrb::Consumer;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use std::time::Duration;
@@ -66,6 +68,8 @@ pub struct Handle {
     /// Which axes have a real drive, in file order.
     pub(super) real: Vec<bool>,
     begins_active: bool,
+    /// Command of the newest [`Code::CLOCK_STEPPED`] whose event was published.
+    clock_stepped: AtomicU64,
 }
 
 /// The signals of the newest cycle, taken when they are asked for.
@@ -117,6 +121,7 @@ impl Handle {
             real: Vec::new(),
             trials,
             begins_active: true,
+            clock_stepped: AtomicU64::new(0),
             robot_description: None,
             joint_names,
         }
@@ -185,6 +190,16 @@ impl Handle {
         self.commander.numbers()
     }
 
+    /// What the machine is made of.
+    pub(super) fn machine_config(&self) -> &MachineConfig {
+        &self.config
+    }
+
+    /// Whether the event of this command, a note of [`Code::CLOCK_STEPPED`], was published.
+    pub(super) fn has_published(&self, sequence: u64) -> bool {
+        self.clock_stepped.load(Ordering::Acquire) == sequence
+    }
+
     /// Hands a command over, in the name of `source`.
     ///
     /// # Errors
@@ -207,6 +222,12 @@ impl Handle {
 }
 
 impl Host for Handle {
+    fn published(&self, event: &Event) {
+        if event.code == Code::CLOCK_STEPPED {
+            self.clock_stepped.store(event.command, Ordering::Release);
+        }
+    }
+
     fn robot_description(&self) -> Option<&str> {
         self.robot_description.as_deref()
     }
@@ -351,6 +372,8 @@ pub struct Bridge {
     told: u64,
     /// Samples that were left out, likewise.
     told_samples: u64,
+    /// Makes stamps follow the system clock.
+    clock: Option<ClockWatch>,
     lines: LineLimit<Line>,
 }
 
@@ -376,8 +399,14 @@ impl Bridge {
             taken: Vec::new(),
             told: 0,
             told_samples: 0,
+            clock: None,
             lines: LineLimit::default(),
         }
+    }
+
+    /// The same, which makes stamps follow the system clock.
+    pub fn with_clock(self, clock: ClockWatch) -> Self {
+        Self { clock: Some(clock), ..self }
     }
 
     /// Works until `stop` is set, and once more after it.
@@ -429,6 +458,9 @@ impl Bridge {
         for event in self.taken.drain(..) {
             log(&event, handle, &self.lines);
             self.listeners.retain(|listener| listener.send(event).is_ok());
+        }
+        if let Some(clock) = &mut self.clock {
+            clock.look(handle);
         }
         let lost = self.statistics.events_lost.load(Ordering::Relaxed);
         if lost > self.told {

@@ -27,7 +27,7 @@ impl Decoder {
         self.unpacker.inputs.latch.extend_from_slice(&extras.latches);
         let stream = stream(&extras.setpoints, self.config.axes.len());
         let mut encoded = self.encoder.encode(&Cycle {
-            stamp_ns: head.stamp_ns,
+            time: head.time,
             inputs: &self.unpacker.inputs,
             commands: &extras.commands,
             stream: stream.as_ref(),

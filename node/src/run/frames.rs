@@ -5,7 +5,7 @@
 //! skipped and counted as lost.
 
 use crate::recording::packed::{Packer, Unpacker};
-use crate::recording::{Way, key_cycles};
+use crate::recording::{CycleTime, Way, key_cycles};
 use lineshaft_core::command::{Command, Setpoint, Setpoints, Source};
 use lineshaft_core::drive::{Inputs, Latch};
 use lineshaft_core::event::Event;
@@ -34,8 +34,8 @@ const EXTRAS: usize = 1 << 14;
 pub struct Head {
     /// k
     pub cycle: u64,
-    /// t_k: nanoseconds since the Unix epoch.
-    pub stamp_ns: u64,
+    /// t_k.
+    pub time: CycleTime,
     /// Number of packed bytes.
     pub length: usize,
     /// Whether it can be unpacked without the cycles before it.
@@ -218,7 +218,7 @@ impl FrameSender {
     /// Sends the cycle that has just run. `commands` are those that applied; they are freed by the receiver.
     pub fn send(
         &mut self,
-        stamp_ns: u64,
+        time: CycleTime,
         inputs: &Inputs,
         machine: &Machine,
         stream: Option<&Setpoints>,
@@ -234,7 +234,7 @@ impl FrameSender {
         let state = if is_key { self.state.take() } else { None };
         // There is room for both. The bytes go first: they are there when the head is.
         let _ = self.bytes.push_entire_slice(packed);
-        drop(self.heads.push(Head { cycle, stamp_ns, length: packed.len(), is_key, state }));
+        drop(self.heads.push(Head { cycle, time, length: packed.len(), is_key, state }));
     }
 
     fn is_full(&self) -> bool {
@@ -366,7 +366,7 @@ mod tests {
         // Every second cycle has something new.
         let stream = Some(&stream).filter(|_| inputs.cycle.is_multiple_of(2));
         machine.cycle(&inputs, Commands { stream, ..Commands::queue(&commands) }, &mut outputs);
-        sender.send(7 * inputs.cycle, &inputs, machine, stream, commands.into_iter());
+        sender.send(CycleTime::same(7 * inputs.cycle), &inputs, machine, stream, commands.into_iter());
         inputs
     }
 
@@ -379,7 +379,10 @@ mod tests {
             let before = postcard::to_allocvec(machine.state()).unwrap();
             let mut inputs = run(&mut machine, &mut sender);
             let head = receiver.take(&mut taken).unwrap();
-            assert_eq!((head.cycle, head.stamp_ns, head.is_key), (cycle, 7 * cycle, cycle.is_multiple_of(1000)));
+            assert_eq!(
+                (head.cycle, head.time, head.is_key),
+                (cycle, CycleTime::same(7 * cycle), cycle.is_multiple_of(1000))
+            );
             unpacker.unpack(head.cycle, &taken.bytes, head.is_key);
             assert_eq!(taken.extras.latches, inputs.latch);
             inputs.latch.clear();

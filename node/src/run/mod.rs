@@ -6,6 +6,7 @@
 
 pub mod backends;
 pub mod bridge;
+pub mod clock;
 pub mod decoder;
 pub mod flight;
 pub mod frames;

@@ -1,6 +1,7 @@
 //! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
 
 use super::backends::Backends;
+use super::clock::CycleClock;
 use super::frames::FrameSender;
 use super::gate::Gate;
 use super::histogram::{Counts, Histogram};
@@ -9,6 +10,7 @@ use super::realtime::{self, Processor};
 use super::samples::SampleSender;
 use super::trials::TrialSlot;
 use super::wake::Wake;
+use crate::recording::CycleTime;
 use crate::scenario::{Player, Report};
 use lineshaft_core::command::Commands;
 use lineshaft_core::drive::{Inputs, Outputs};
@@ -162,6 +164,8 @@ pub struct CycleThread {
     pub stop: Arc<AtomicBool>,
     /// How it does.
     pub statistics: Arc<Statistics>,
+    /// The times of its cycles.
+    pub clock: CycleClock,
     /// Where it runs.
     pub processor: Processor,
 }
@@ -195,29 +199,29 @@ impl CycleThread {
     }
 
     /// Runs cycles until the gate closes or the program ends. Their time begins anew, none of them before `earliest`; returns
-    /// when the next one may be (ns since the Unix epoch).
+    /// when the next one may be (ns of the monotonic clock).
     fn cycles(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, earliest: u64) -> u64 {
         let cycle_ns = self.machine.config().cycle_ns;
-        let start = nanoseconds(ClockId::Monotonic);
-        let wall_start = nanoseconds(ClockId::Realtime).max(earliest);
-        let mut deadline = start;
+        let mut deadline = nanoseconds(ClockId::Monotonic).max(earliest);
         let mut missed = 0;
         // What was given before the gate closed still has its cycle, so that everybody gets an answer.
         while !self.stop.load(Ordering::Relaxed) && (self.gate.is_wanted() || !self.lanes.are_empty()) {
             sleep_until(deadline);
             let woken = nanoseconds(ClockId::Monotonic);
             inputs.begin(self.machine.next_cycle(), missed);
-            self.one(inputs, outputs, wall_start.saturating_add(deadline - start));
+            let time = self.clock.at(deadline, cycle_ns);
+            self.one(inputs, outputs, time);
             let done = nanoseconds(ClockId::Monotonic);
             self.statistics.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
             deadline += cycle_ns;
             missed = self.skip_missed(&mut deadline, done, cycle_ns);
         }
         self.trials.0.give_up();
-        wall_start.saturating_add(deadline - start)
+        deadline
     }
 
-    fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, stamp_ns: u64) {
+    fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, time: CycleTime) {
+        let stamp_ns = time.stamp_ns;
         let (trials, numbers) = &mut self.trials;
         let is_tried = trials.is_busy();
         let mut room = self.lanes.take_stops();
@@ -257,7 +261,7 @@ impl CycleThread {
             }
         }
         let (stream, commands) = self.lanes.drain();
-        self.frames.send(stamp_ns, inputs, &self.machine, stream, commands);
+        self.frames.send(time, inputs, &self.machine, stream, commands);
         if is_sampled || is_set || !self.machine.events().is_empty() {
             self.wake.wake();
         }

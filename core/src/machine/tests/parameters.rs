@@ -110,6 +110,7 @@ fn a_note_is_answered_by_its_warning_alone() {
         (Code::RECORD_LOST, 12, Severity::Warn),
         (Code::RECORD_FAILED, 28, Severity::Error),
         (Code::FLIGHT_FAILED, 2, Severity::Error),
+        (Code::CLOCK_STEPPED, -3_600_000_000_001, Severity::Warn),
     ] {
         let sequence = rig.give(Action::Note { code, number });
         let answers: Vec<_> = rig.events.iter().filter(|event| event.command == sequence).collect();

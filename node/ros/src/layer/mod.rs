@@ -23,7 +23,7 @@ pub use self::action::{
     ActionEvent, ActionOptions, ActionServer, CancelRequest, Cancels, GoalHandle, GoalId, GoalRequest, Status,
 };
 pub use self::arguments::{ArgumentError, Given, Names, Overrides, RosArguments};
-pub use self::clock::{Clock, now};
+pub use self::clock::{Clock, HostClock, now};
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};
 pub use self::file::open_file;

@@ -12,7 +12,7 @@ use tokio::sync::watch;
 
 use super::action::{ActionOptions, ActionServer};
 use super::arguments::{Names, Overrides};
-use super::clock::Clock;
+use super::clock::{Clock, HostClock};
 use super::endpoint::{Context, CreateError};
 use super::environment::Environment;
 use super::loggers::Loggers;
@@ -62,6 +62,8 @@ pub struct NodeOptions {
     pub side: SideOptions,
     /// How old a request may be that is carried out; default 2 s.
     pub request_timeout: Duration,
+    /// The system's time for stamps; none: the system clock itself.
+    pub host_clock: Option<HostClock>,
 }
 
 /// Default of [`NodeOptions::request_timeout`].
@@ -78,6 +80,7 @@ impl NodeOptions {
             loggers: Loggers::default(),
             side: SideOptions::default(),
             request_timeout: REQUEST_TIMEOUT,
+            host_clock: None,
         }
     }
 }
@@ -136,7 +139,7 @@ impl Node {
     /// # Panics
     /// Likewise.
     pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, LinkError> {
-        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout } = options;
+        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock } = options;
         let runtime = Handle::current();
         let link = Link::start(Settings {
             side: side.side,
@@ -150,7 +153,7 @@ impl Node {
             growth: Growth::default(),
         })?;
         let (open, closed) = watch::channel(());
-        let (names, clock) = (Arc::new(names), Clock::default());
+        let (names, clock) = (Arc::new(names), Clock::of(host_clock));
         let context = Context {
             opener: link.opener(),
             runtime,

@@ -2,7 +2,8 @@
 //!
 //! Law      a side works while it answers probes, which pass through its DDS library, within `loss_timeout` (2 s). A side that does not is
 //!          killed, the loss is reported at once, and the registry initializes the next side.
-//!          A side that exceeds a memory limit hands over to a new side. Both sides run until the new one has matched as many
+//!          A side that exceeds a memory limit hands over to a new side, and so does one whose system clock was set back: its library
+//!          withholds best-effort samples until the clock shows the earlier time again, announcements of participants among them. Both sides run until the new one has matched as many
 //!          readers. No sample is lost, and no loss is reported
 //! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it permanently
 
@@ -22,6 +23,7 @@ use super::qos::Qos;
 use super::registry::{Orders, Reader, Registry, Writer};
 use super::running::{Running, SideEvent, SideLines, WATCH};
 use super::start::Side;
+use crate::offset::{SET_BACK_NS, SetBack};
 
 /// Number of sides in a row that never answered a probe, after which no other side is started.
 const TRIES: u32 = 5;
@@ -105,6 +107,9 @@ impl Link {
             lines: Arc::default(),
             leaving: None,
             matched: None,
+            set_back: SetBack::new(),
+            next_set_back: SetBack::new(),
+            tried: None,
         };
         let thread = std::thread::Builder::new().name("ros link".to_owned());
         let thread = thread.spawn(move || supervisor.run()).map_err(|error| LinkError(error.to_string()))?;
@@ -161,6 +166,11 @@ struct Supervisor {
     leaving: Option<JoinHandle<()>>,
     /// Time since which the next side has matched all readers.
     matched: Option<Instant>,
+    /// Whether the system clock was set back for the present side, and for the newest one.
+    set_back: SetBack,
+    next_set_back: SetBack,
+    /// When the present side last began to hand over.
+    tried: Option<Instant>,
 }
 
 /// How a side ended.
@@ -207,6 +217,7 @@ impl Supervisor {
     fn live(&mut self) -> io::Result<End> {
         let left = self.settings.participants.as_deref().map(participants::dead).unwrap_or_default();
         let dead = left.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect();
+        (self.set_back, self.tried) = (SetBack::new(), None);
         let mut side = self.start(Registry::begin, dead, None)?;
         let (mut next, mut checked) = (None, Instant::now());
         let failure = loop {
@@ -220,8 +231,13 @@ impl Supervisor {
                 SideEvent::Failed(_) if self.is_closed.load(Ordering::Acquire) => break None,
                 SideEvent::Failed(reason) => break Some(reason),
             }
+            let (back_ns, _) = (self.set_back.by_ns(), self.next_set_back.by_ns());
+            let was_tried = self.tried.is_some_and(|tried| tried.elapsed() < self.settings.growth.check);
             if let Some(starting) = next.take() {
                 next = self.watch_next(&mut side, starting);
+            } else if side.has_answered && back_ns > SET_BACK_NS && !was_tried {
+                tracing::info!("the ROS side hands over to a new one, because time went back for its DDS library");
+                next = self.begin_next(&side);
             } else if side.has_answered && checked.elapsed() >= self.settings.growth.check {
                 next = self.check_memory(&side);
                 checked = Instant::now();
@@ -259,8 +275,14 @@ impl Supervisor {
     /// Starts the next side if this one exceeds its memory limit.
     fn check_memory(&mut self, side: &Running) -> Option<Running> {
         let memory = side.memory().filter(|memory| *memory > self.settings.growth.memory)?;
-        self.wait_for_previous();
         tracing::info!("the ROS side uses {} MiB, and hands over to a new one", memory >> 20);
+        self.begin_next(side)
+    }
+
+    /// Starts the next side.
+    fn begin_next(&mut self, side: &Running) -> Option<Running> {
+        self.wait_for_previous();
+        (self.next_set_back, self.tried) = (SetBack::new(), Some(Instant::now()));
         let prefix = side.joined.as_ref().map(|who| who.prefix);
         match self.start(Registry::begin_next, self.dead.clone(), prefix) {
             Ok(next) => Some(next),
@@ -303,6 +325,8 @@ impl Supervisor {
         }
         self.matched = None;
         self.registry.hand_over();
+        self.set_back = std::mem::replace(&mut self.next_set_back, SetBack::new());
+        self.tried = None;
         tracing::info!("the new ROS side is in charge, {} ms after its start", next.age().as_millis());
         let previous = std::mem::replace(side, next);
         let registry = Arc::clone(&self.registry);

@@ -2,7 +2,8 @@
 //!
 //! Law      at each probe, its event loop must take a sample and send it (`Barrier`). Every 5 s a simulated participant announces
 //!          itself on the discovery socket of the library, and is disposed again. Both threads of the library have to handle an
-//!          announcement before the library reports it. If the library does not report them, both datagrams are sent up to three times,
+//!          announcement before the library reports it. While the library cannot, because the system clock was set back and another side
+//!          is about to take over, announcements are left out for at most [`SUCCESSION`]. If the library does not report them, both datagrams are sent up to three times,
 //!          because a datagram may get lost
 
 use std::sync::Mutex;
@@ -15,12 +16,15 @@ use super::dds::{Barrier, DdsError, Participant};
 use super::member::Shared;
 use super::spdp::{self, BARE, Played};
 use crate::link::guid::Prefix;
+use crate::offset::{SET_BACK_NS, SetBack};
 
 /// Time between two announcements. At each of them the library announces itself to all participants.
 const ANNOUNCEMENTS: Duration = Duration::from_secs(5);
 /// Time after which an announcement is repeated, and the maximum number of attempts.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TRIES: u32 = 3;
+/// Maximum time for which the discovery of the library may be deaf after the system clock was set back.
+const SUCCESSION: Duration = Duration::from_secs(30);
 /// Lease of the simulated participant in seconds; longer than it ever exists.
 const LEASE_S: i32 = 600;
 
@@ -37,6 +41,20 @@ pub(super) struct Probe {
 struct Turn {
     next: Instant,
     sequence: i64,
+    set_back: SetBack,
+    /// When it was noticed that the clock was set back.
+    deaf: Option<Instant>,
+}
+
+impl Turn {
+    /// Whether the library is deaf, because the clock was set back, and may be.
+    fn is_excused(&mut self) -> bool {
+        if self.set_back.by_ns() <= SET_BACK_NS {
+            self.deaf = None;
+            return false;
+        }
+        self.deaf.get_or_insert_with(Instant::now).elapsed() < SUCCESSION
+    }
 }
 
 impl Probe {
@@ -45,7 +63,7 @@ impl Probe {
         let mut player = own;
         // The same vendor ID; no other participant has this prefix.
         player.0[2..].iter_mut().for_each(|byte| *byte ^= 0x5a);
-        let turn = Mutex::new(Turn { next: Instant::now(), sequence: 1 });
+        let turn = Mutex::new(Turn { next: Instant::now(), sequence: 1, set_back: SetBack::new(), deaf: None });
         Ok(Self { barrier: participant.barrier()?, player, seen: watch::Sender::default(), turn })
     }
 
@@ -77,7 +95,7 @@ impl Probe {
     async fn discovers(&self, shared: &Shared) -> bool {
         let mut sequence = {
             let mut turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-            if Instant::now() < turn.next {
+            if Instant::now() < turn.next || turn.is_excused() {
                 return true;
             }
             turn.next = Instant::now() + ANNOUNCEMENTS;

@@ -316,6 +316,9 @@ pub trait Host: Send + Sync + 'static {
         Vec::new()
     }
 
+    /// Learns that an event was published on ~/events.
+    fn published(&self, _event: &Event) {}
+
     /// The newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;
 

@@ -150,7 +150,7 @@ impl Hub {
 
     /// The time that stamps of requests are compared with: nanoseconds since the Unix epoch.
     pub(super) fn now_ns(&self) -> i64 {
-        i64::try_from(self.clock.now_ns()).unwrap_or(i64::MAX)
+        i64::try_from(self.clock.request_ns()).unwrap_or(i64::MAX)
     }
 
     /// Tells of a request that was refused before it became a command: on `/rosout`, and as an event.
@@ -196,6 +196,7 @@ impl Hub {
                     tracing::warn!("{error} ({failed} so far)");
                 }
             }
+            self.host.published(&event.event);
         }
     }
 

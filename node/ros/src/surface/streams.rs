@@ -44,7 +44,7 @@ async fn follow<M: Message>(
     let mut refusals = Refusals::default();
     while let Some(message) = topic.next().await {
         let asked = read(message, hub.host.joint_names(), hub.host.config());
-        let set = asked.and_then(|asked| resolve(&asked, &*hub.host, hub.clock.now()));
+        let set = asked.and_then(|asked| resolve(&asked, &*hub.host, hub.clock.request_time()));
         let taken = set.and_then(|set| hub.host.stream(&set).map_err(|busy| busy.to_string()));
         if let Err(sentence) = taken
             && let Some(more) = refusals.say(Instant::now())

@@ -7,6 +7,7 @@ use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
 use crate::run::backends::Backends;
 use crate::run::bridge::{Bridge, Handle};
+use crate::run::clock::{ClockWatch, CycleClock};
 use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
 use crate::run::frames::{FrameReceiver, frames};
@@ -31,7 +32,7 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
 use lineshaft_core::signal::axis::AxisSignal;
-use lineshaft_ros::layer::NodeName;
+use lineshaft_ros::layer::{HostClock, NodeName};
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::{StateReceiver, states};
 use rtrb::RingBuffer;
@@ -192,6 +193,8 @@ pub(in crate::cli) struct Prepared {
     asked: Receiver<Asked>,
     pub buses: Vec<BusFrames>,
     report: Option<Receiver<Report>>,
+    /// What stamps show.
+    pub clock: HostClock,
 }
 
 /// What the bridge will pass on to the surface.
@@ -269,6 +272,8 @@ impl Prepared {
             Arc::clone(&statistics),
             wake.clone(),
         );
+        let clock = HostClock::default();
+        let bridge = bridge.with_clock(ClockWatch::new(clock.clone()));
         let cycle = CycleThread {
             machine,
             backends,
@@ -285,16 +290,17 @@ impl Prepared {
             gate,
             stop: Arc::default(),
             statistics,
+            clock: CycleClock::new(clock.clone()),
             processor: given.processor,
         };
         let heard = Heard { events: events_heard, states: states_heard };
         let frames = frames_out;
-        (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report }, heard)
+        (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock }, heard)
     }
 
     /// Runs it.
     pub(in crate::cli) fn start(self, recording: Recording) -> Running {
-        let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report } = self;
+        let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock: _ } = self;
         let Recording { subject, bag, flight } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
         let statistics = Arc::clone(&cycle.statistics);

@@ -27,7 +27,7 @@ pub(super) struct Counts {
     /// For each topic of the file, in their order.
     pub messages: Vec<u64>,
     pub cycles: u64,
-    /// Least and largest t_k (ns).
+    /// Least and largest log time (ns).
     pub span: Option<(u64, u64)>,
 }
 
@@ -36,10 +36,9 @@ impl Counts {
         self.messages.iter().sum()
     }
 
-    fn add(&mut self, encoded: &Encoded) {
-        let stamp = encoded.stamp_ns;
+    fn add(&mut self, log_ns: u64) {
         self.cycles += 1;
-        self.span = Some(self.span.map_or((stamp, stamp), |(first, last)| (first.min(stamp), last.max(stamp))));
+        self.span = Some(self.span.map_or((log_ns, log_ns), |(first, last)| (first.min(log_ns), last.max(log_ns))));
     }
 
     pub(super) fn information(&self, path: &Path) -> FileInformation {
@@ -51,8 +50,8 @@ impl Counts {
 
 /// What stands in a file before its first cycle.
 pub(super) struct Opening<'a> {
-    /// t_k of the first cycle (ns).
-    pub stamp_ns: u64,
+    /// Log time of the first cycle (ns).
+    pub log_ns: u64,
     /// Name, type and content of each attachment.
     pub attachments: Vec<(&'static str, &'static str, Cow<'a, [u8]>)>,
     /// The record `lineshaft`.
@@ -92,7 +91,7 @@ impl BagFile {
 
     /// Writes what stands before the first cycle.
     pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered]) -> io::Result<()> {
-        let time = opening.stamp_ns;
+        let time = opening.log_ns;
         for (name, media_type, data) in opening.attachments {
             let (name, media_type) = (name.to_owned(), media_type.to_owned());
             let attachment = Attachment { log_time: time, create_time: time, name, media_type, data };
@@ -113,16 +112,15 @@ impl BagFile {
         self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata }).map_err(io_error)
     }
 
-    /// Writes a cycle. The first one is on the disk at once, so that a file is never without one.
-    pub(super) fn write(&mut self, encoded: &Encoded) -> io::Result<()> {
-        let is_old = encoded.stamp_ns >= self.chunk_start_ns.saturating_add(CHUNK_NS);
+    /// Writes a cycle with its log time. The first one is on the disk at once, so that a file is never without one.
+    pub(super) fn write(&mut self, encoded: &Encoded, time: u64) -> io::Result<()> {
+        let is_old = time >= self.chunk_start_ns.saturating_add(CHUNK_NS);
         if self.chunk_bytes >= CHUNK || is_old {
             self.flush()?;
         }
         if self.chunk_bytes == 0 {
-            self.chunk_start_ns = encoded.stamp_ns;
+            self.chunk_start_ns = time;
         }
-        let time = encoded.stamp_ns;
         // Frames of buses that this bag does not keep have no place.
         for (place, message) in encoded.places() {
             let (Some(&channel_id), Some(count)) = (self.channels.get(place), self.counts.messages.get_mut(place))
@@ -134,7 +132,7 @@ impl BagFile {
             *count += 1;
             self.chunk_bytes += message.len();
         }
-        self.counts.add(encoded);
+        self.counts.add(time);
         if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
     }
 

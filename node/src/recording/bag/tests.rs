@@ -109,8 +109,9 @@ fn decode(topic: &str, bytes: &[u8]) -> Option<u64> {
 fn messages(cycles: &[Encoded]) -> Vec<(String, u64, Vec<u8>)> {
     let node = subject().node;
     let of = |encoded: &Encoded| {
-        let each =
-            |(topic, bytes): (Topic, &[u8])| (topic.name(&node).unwrap().to_string(), encoded.stamp_ns, bytes.to_vec());
+        let each = |(topic, bytes): (Topic, &[u8])| {
+            (topic.name(&node).unwrap().to_string(), encoded.time.log_ns, bytes.to_vec())
+        };
         encoded.messages().map(each).collect::<Vec<_>>()
     };
     cycles.iter().flat_map(of).collect()
@@ -192,7 +193,7 @@ fn what_a_killed_process_leaves_lacks_a_second_at_most() {
             let whole = whole_messages(&bytes);
             assert_eq!(whole, messages(&run().encoded)[..whole.len()]);
             let last = whole.last().unwrap().1;
-            assert!(encoded.stamp_ns - last <= 1_000_000_000, "cycle {number}");
+            assert!(encoded.time.log_ns - last <= 1_000_000_000, "cycle {number}");
             assert_eq!(bag.summary().cycles, (last - 1_000_000_000_000) / 1_000_000 + 1);
             assert_eq!(bag.summary().size, bytes.len() as u64);
         }
@@ -359,8 +360,8 @@ fn frames_of_buses_have_topics_of_their_own() {
     while let Some(message) = bag.next_message().unwrap() {
         if message.kind == "can_msgs/msg/Frame" {
             let told: Frame = message.decode().unwrap();
-            assert_eq!(message.log_time, cycles[3].stamp_ns);
-            let late = i64::from(told.header.stamp.nanosec) - (cycles[3].stamp_ns % 1_000_000_000) as i64;
+            assert_eq!(message.log_time, cycles[3].time.log_ns);
+            let late = i64::from(told.header.stamp.nanosec) - (cycles[3].time.log_ns % 1_000_000_000) as i64;
             found.push((message.topic.to_owned(), late, told.id, told.is_rtr, told.dlc, told.data));
         }
     }

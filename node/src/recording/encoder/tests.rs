@@ -1,5 +1,6 @@
 //! What stands in the messages of a cycle, and in which cycles.
 
+use super::super::CycleTime;
 use super::super::rig::{self, MOVING};
 use super::*;
 use lineshaft_core::command::{Command, Source};
@@ -30,7 +31,7 @@ fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
     let run = rig::record(&Cell::demo(), MOVING, 1200, 5_000_000_000);
     for (number, encoded) in run.encoded.iter().enumerate() {
         assert!(encoded.messages().map(|(topic, _)| topic).is_sorted());
-        assert_eq!((encoded.cycle, encoded.stamp_ns), (number as u64, 5_000_000_000 + number as u64 * 1_000_000));
+        assert_eq!((encoded.cycle, encoded.time.stamp_ns), (number as u64, 5_000_000_000 + number as u64 * 1_000_000));
         let inputs: CycleInputs = only(encoded, Topic::Inputs);
         let mut read = run.inputs[number].clone();
         read.drive.clear();
@@ -97,8 +98,14 @@ fn a_first_cycle_that_is_no_key_tells_all_signals() {
     let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
     let mut inputs = machine.inputs();
     inputs.cycle = 1;
-    let cycle =
-        Cycle { stamp_ns: 0, inputs: &inputs, commands: &[], stream: None, events: &[], board: machine.board() };
+    let cycle = Cycle {
+        time: CycleTime::default(),
+        inputs: &inputs,
+        commands: &[],
+        stream: None,
+        events: &[],
+        board: machine.board(),
+    };
     let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
     assert_eq!(signals.index.len(), machine.directory().len());
     let signals: Signals = only(&encoder.encode(&cycle), Topic::Signals);
@@ -116,7 +123,7 @@ fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
     let commands = [Command { sequence: 8, source: Source::Ros, action: Action::Refuse("not like this".into()) }];
     let events = [event(8), event(9)];
     let cycle = Cycle {
-        stamp_ns: 0,
+        time: CycleTime::default(),
         inputs: &inputs,
         commands: &commands,
         stream: None,

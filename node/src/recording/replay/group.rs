@@ -2,9 +2,12 @@
 
 use super::ReplayError;
 use crate::recording::run::Message;
+use crate::recording::series::stamp;
 use crate::recording::{Topic, inputs};
 use lineshaft_core::unit::excerpt;
-use lineshaft_msgs::msg::{AppliedCommand, CycleInputs};
+use lineshaft_msgs::cdr;
+use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
+use lineshaft_msgs::msg::{AppliedCommand, CycleInputs, Event};
 
 /// The messages of one log time.
 #[derive(Debug, Default)]
@@ -43,6 +46,18 @@ impl Group {
     /// The messages of a topic.
     pub(super) fn of(&self, topic: Topic) -> impl Iterator<Item = &[u8]> {
         self.others.iter().filter(move |(of, _)| *of == topic).map(|(_, data)| data.as_slice())
+    }
+
+    /// System time of the cycle (ns), as the first of its messages with a stamp tells it; `None` where none does.
+    pub(super) fn stamp_ns(&self) -> Option<u64> {
+        if let Some(data) = [Topic::AxisStates, Topic::JointStates].into_iter().find_map(|topic| self.of(topic).next())
+        {
+            // They begin with the stamp: encapsulation, then seconds and nanoseconds.
+            let time: Time = cdr::decode_with_header(data.get(..12)?).ok()?;
+            return stamp(&time).ok();
+        }
+        let event: Event = cdr::decode_with_header(self.of(Topic::Events).next()?).ok()?;
+        Some(stamp(&event.header.stamp).ok()?.saturating_add(event.age_ns.into()))
     }
 
     pub(super) fn clear(&mut self) {

@@ -1,7 +1,7 @@
 //! Replay: a recorded run through the core again, cycle by cycle, bit for bit.
 //!
 //! Law      the same cell, the same inputs and the same commands in the same cycles give the same signals and the same
-//!          messages; of wall time only the stamps that were recorded take part
+//!          messages; of wall time only log times, and how far the recorded stamps are ahead of them, take part
 //! Reads    a [`Run`] with the attachment `cell.yaml`: commands and inputs to play, everything else to compare with. What was
 //!          saved before it began is the attachment `store.yaml`. A run that does not begin with cycle 0 begins with the
 //!          attachment `machine_state`
@@ -16,9 +16,10 @@ mod report;
 pub use compare::Difference;
 pub use report::{Report, Verdict};
 
+use super::bag::STAMPS_AHEAD;
 use super::encoder::Encoder;
 use super::run::{Run, RunError};
-use super::{Cycle, inputs, verb};
+use super::{CLOCK_STEP_NS, Cycle, CycleTime, inputs, verb};
 use crate::cell::Cell;
 use crate::document::Problems;
 use crate::store::read_store;
@@ -102,8 +103,10 @@ pub enum ReplayError {
 /// The run cannot be replayed at all, or is damaged.
 pub fn replay(run: &mut Run, mut progress: impl FnMut(u64)) -> Result<Report, ReplayError> {
     let cell = attached_cell(run)?;
-    let is_ours = run.metadata("lineshaft").is_some();
-    let mut player = Player::new(cell, run.attachment_of(0, "machine_state")?, is_ours);
+    let record = run.metadata("lineshaft");
+    // Bags from before this key have equal stamps and log times.
+    let ahead_ns = record.and_then(|record| record.get(STAMPS_AHEAD)?.parse().ok()).unwrap_or(0);
+    let mut player = Player::new(cell, run.attachment_of(0, "machine_state")?, record.is_some(), ahead_ns);
     let cut: Vec<bool> = run.files().iter().map(|file| file.cut.is_some()).collect();
     let mut group = Group::default();
     let mut verdict = None;
@@ -159,6 +162,8 @@ struct Player {
     is_ours: bool,
     cell: Cell,
     state: Option<Vec<u8>>,
+    /// How far stamps are ahead of log times in the first cycle (ns).
+    ahead_ns: i64,
     stage: Option<Stage>,
     /// Cycles that were played.
     cycles: u64,
@@ -172,11 +177,13 @@ struct Stage {
     inputs: Inputs,
     outputs: Outputs,
     comparison: Comparison,
+    /// How far stamps are ahead of log times (ns).
+    ahead_ns: i64,
 }
 
 impl Player {
-    fn new(cell: Cell, state: Option<Vec<u8>>, is_ours: bool) -> Self {
-        Self { is_ours, cell, state, stage: None, cycles: 0, first: 0 }
+    fn new(cell: Cell, state: Option<Vec<u8>>, is_ours: bool, ahead_ns: i64) -> Self {
+        Self { is_ours, cell, state, ahead_ns, stage: None, cycles: 0, first: 0 }
     }
 
     /// Plays the cycle of a group; a verdict where there is no sense in going on.
@@ -194,7 +201,8 @@ impl Player {
             Some(stage) => stage,
             None => {
                 self.first = cycle;
-                Stage::new(&self.cell, cycle, self.state.take(), self.is_ours)?
+                let stage = Stage::new(&self.cell, cycle, self.state.take(), self.is_ours)?;
+                Stage { ahead_ns: self.ahead_ns, ..stage }
             }
         };
         let difference = stage.play(group, &recorded.message, recorded.crc, is_whole)?;
@@ -232,6 +240,7 @@ impl Stage {
             inputs: machine.inputs(),
             outputs: machine.outputs(),
             comparison: Comparison::new(machine.directory(), is_ours),
+            ahead_ns: 0,
             machine,
         })
     }
@@ -248,8 +257,9 @@ impl Stage {
         let (commands, stream) = self.commands(group)?;
         let stream = stream.as_ref();
         self.machine.cycle(&self.inputs, Commands { stream, ..Commands::queue(&commands) }, &mut self.outputs);
+        self.follow_step(group);
         let cycle = Cycle {
-            stamp_ns: group.log_time,
+            time: CycleTime { log_ns: group.log_time, stamp_ns: group.log_time.saturating_add_signed(self.ahead_ns) },
             inputs: &self.inputs,
             commands: &commands,
             stream,
@@ -258,6 +268,16 @@ impl Stage {
         };
         let encoded = self.encoder.encode(&cycle);
         self.comparison.compare(group, crc, &encoded, self.machine.board(), is_whole)
+    }
+
+    /// Follows a step of the system clock. It is no input of the machine: only stamps show it. A smaller difference is no step, and is
+    /// found when messages are compared.
+    fn follow_step(&mut self, group: &Group) {
+        let Some(stamp_ns) = group.stamp_ns() else { return };
+        let ahead_ns = CycleTime { log_ns: group.log_time, stamp_ns }.ahead_ns();
+        if ahead_ns.abs_diff(self.ahead_ns) > CLOCK_STEP_NS {
+            self.ahead_ns = ahead_ns;
+        }
     }
 
     /// The commands in the order in which they applied, and the setpoints.

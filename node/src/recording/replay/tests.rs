@@ -107,7 +107,7 @@ fn a_split_bag_replays_as_a_whole_and_from_each_of_its_files() {
 
 /// Plays a recording of which each cycle was changed by `edit`.
 fn edited(path: &Path, mut edit: impl FnMut(&mut Group, u64)) -> Result<Option<Verdict>, ReplayError> {
-    let mut player = Player::new(Cell::demo(), None, true);
+    let mut player = Player::new(Cell::demo(), None, true, 0);
     let mut run = Run::open(path).unwrap();
     let mut group = Group::default();
     while let Some(message) = run.next_message().unwrap() {

@@ -3,13 +3,14 @@
 //! Where a field is a signal of the board it has that name; the others have the name of the field.
 
 use super::select::{Select, alias};
-use super::{Budget, Refusal, Track, stamp};
-use crate::recording::run::Message;
+use super::{Budget, Refusal, Track, is_of_this_program, stamp};
+use crate::recording::run::{Message, Run};
 use lineshaft_core::signal::Type;
 use lineshaft_core::state::{AXIS_STATES, DRIVE_STATES, REFERENCES};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::Message as _;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use lineshaft_msgs::msg::{AxisState, AxisStates};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -124,9 +125,20 @@ enum Place {
 pub(crate) struct Topics {
     streams: Vec<Stream>,
     tracks: usize,
+    /// Times are log times. In a bag of this program they are those of the cycles, and go on steadily where the system clock is set.
+    by_log_time: bool,
 }
 
 impl Topics {
+    /// Those of a run, before its first message.
+    pub(crate) fn of(run: &Run) -> Self {
+        Self { by_log_time: is_of_this_program(run), ..Self::default() }
+    }
+
+    fn time(&self, message: &Message<'_>, header: &Header) -> Result<u64, String> {
+        if self.by_log_time { Ok(message.log_time) } else { stamp(&header.stamp) }
+    }
+
     /// Takes a message, if it is of one of the types.
     pub(super) fn take(
         &mut self,
@@ -177,7 +189,7 @@ impl Topics {
         budget: &mut Budget,
     ) -> Result<(), Refusal> {
         let states: AxisStates = message.decode()?;
-        let time = stamp(&states.header.stamp)?;
+        let time = self.time(message, &states.header)?;
         let place = self.place(message.topic, Source::Axes, time, budget)?;
         for axis in &states.axes {
             let fields = AXIS_FIELDS.iter().map(|&(signal, kind, unit, value)| (signal, kind, unit, Some(value(axis))));
@@ -193,7 +205,7 @@ impl Topics {
         budget: &mut Budget,
     ) -> Result<(), Refusal> {
         let joints: JointState = message.decode()?;
-        let time = stamp(&joints.header.stamp)?;
+        let time = self.time(message, &joints.header)?;
         let values = [&joints.position, &joints.velocity, &joints.effort];
         for (values, field) in values.iter().zip(["position", "velocity", "effort"]) {
             let (values, names) = (values.len(), joints.name.len());

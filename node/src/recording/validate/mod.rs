@@ -126,7 +126,7 @@ fn name(run: &Run) -> String {
 fn streams(run: &mut Run) -> Result<Vec<Stream>, SeriesError> {
     run.rewind();
     let files: Vec<String> = run.files().iter().map(|file| file.name.clone()).collect();
-    let (mut topics, mut budget) = (Topics::default(), Budget::default());
+    let (mut topics, mut budget) = (Topics::of(run), Budget::default());
     while let Some(message) = run.next_message()? {
         let taken = topics.take_if(&message, |_| true, &mut budget);
         taken.map_err(|refusal| refusal.into_error(&message, &files[message.file]))?;

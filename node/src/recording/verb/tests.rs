@@ -444,6 +444,10 @@ fn the_other_verbs_word_for_word() {
     let both = [(3, 0.5), (2, 1.0)].map(|(index, value)| OutputValue { index, value });
     desk.is(&Action::SetOutputs(both.into()), r#"{"set_output":{"speed":0.5,"lamp":1}}"#);
     desk.is(&Action::Note { code: Code::RECORD_FAILED, number: 28 }, r#"{"note":{"code":10217,"number":28}}"#);
+    desk.is(
+        &Action::Note { code: Code::CLOCK_STEPPED, number: -1_767_225_600_123_456_789 },
+        r#"{"note":{"code":10372,"number":-1767225600123456789}}"#,
+    );
     desk.is(&Action::Note { code: Code::RECORD_LOST, number: -1 }, r#"{"note":{"code":10216,"number":-1}}"#);
     desk.is(
         &Action::Refuse("say \"no\"\n\\ \u{7f}\u{2028}\u{feff}é𝄞".into()),
@@ -517,7 +521,7 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"inject":{"drive_lost":{"axis":"x"}}}"#, "x is virtual: it has no drive"),
         (r#"{"refuse":{}}"#, "missing key `text` in refuse"),
         (r#"{"refuse":{"text":["a"]}}"#, "text is a list; a text is expected"),
-        (r#"{"note":{"code":10001,"number":1}}"#, "code is 10001; notes are 10216, 10217, 10218, 10370, 10371"),
+        (r#"{"note":{"code":10001,"number":1}}"#, "code is 10001; notes are 10216, 10217, 10218, 10370, 10371, 10372"),
         (r#"{"note":{"code":10216}}"#, "missing key `number` in note"),
         (r#"{"note":{"code":-1,"number":1.5}}"#, "code is -1; 0..4294967295 is allowed"),
     ] {

@@ -8,7 +8,7 @@ pub mod folder;
 
 use super::decoder::Decoder;
 use super::frames::{Extras, Head, Taken};
-use crate::recording::Encoded;
+use crate::recording::{CycleTime, Encoded};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -49,15 +49,15 @@ struct Segment {
 #[derive(Clone, Copy, Debug)]
 struct Packed {
     cycle: u64,
-    stamp_ns: u64,
+    time: CycleTime,
     length: usize,
     is_key: bool,
 }
 
 impl Segment {
     fn push(&mut self, head: &Head, taken: &mut Taken) {
-        let Head { cycle, stamp_ns, length, is_key, .. } = *head;
-        self.cycles.push(Packed { cycle, stamp_ns, length, is_key });
+        let Head { cycle, time, length, is_key, .. } = *head;
+        self.cycles.push(Packed { cycle, time, length, is_key });
         self.bytes.extend_from_slice(&taken.bytes);
         if !taken.extras.is_empty() {
             let extras = std::mem::take(&mut taken.extras);
@@ -80,13 +80,13 @@ impl Segment {
         let (mut taken, mut bytes, mut extras) =
             (Taken::default(), self.bytes.as_slice(), self.extras.iter().peekable());
         let mut state = self.state.as_ref().and_then(|state| postcard::from_bytes(state).ok());
-        for &Packed { cycle, stamp_ns, length, is_key } in &self.cycles {
+        for &Packed { cycle, time, length, is_key } in &self.cycles {
             let (of_cycle, rest) = bytes.split_at_checked(length).unwrap_or_default();
             bytes = rest;
             taken.bytes.clear();
             taken.bytes.extend_from_slice(of_cycle);
             taken.extras = extras.next_if(|(of, _)| *of == cycle).map(|(_, extras)| extras.clone()).unwrap_or_default();
-            let head = Head { cycle, stamp_ns, length, is_key, state: state.take() };
+            let head = Head { cycle, time, length, is_key, state: state.take() };
             each(&decoder.decode(&head, &taken))?;
         }
         Ok(())
@@ -98,10 +98,10 @@ impl Segment {
 pub struct Kept(Vec<Arc<Segment>>);
 
 impl Kept {
-    /// Number and time (ns) of the newest cycle; nothing without one.
+    /// Number and system time (ns) of the newest cycle; nothing without one.
     pub fn newest(&self) -> Option<(u64, u64)> {
         let newest = self.0.iter().rev().find_map(|segment| segment.cycles.last())?;
-        Some((newest.cycle, newest.stamp_ns))
+        Some((newest.cycle, newest.time.stamp_ns))
     }
 
     /// Gives the messages of each cycle, until `each` fails.
@@ -129,7 +129,7 @@ impl Flight {
 
     /// Takes a cycle, and its extras out of `taken`; `is_fault`: it has an error. Returns true when it is time to save.
     pub fn push(&mut self, head: &Head, taken: &mut Taken, is_fault: bool) -> bool {
-        self.newest_ns = head.stamp_ns;
+        self.newest_ns = head.time.log_ns;
         if head.can_begin() {
             self.segments.push_back(Arc::default());
         }
@@ -143,17 +143,17 @@ impl Flight {
         self.forget();
         if is_fault {
             let earliest = self.saved_ns.map_or(0, |saved| saved.saturating_add(self.length_ns));
-            let due = head.stamp_ns.saturating_add(AFTERMATH_NS).max(earliest);
+            let due = head.time.log_ns.saturating_add(AFTERMATH_NS).max(earliest);
             self.due_ns.get_or_insert(due);
         }
-        self.due_ns.is_some_and(|due| head.stamp_ns >= due)
+        self.due_ns.is_some_and(|due| head.time.log_ns >= due)
     }
 
     /// Lets go of the segments that lie wholly before the last seconds, and of the oldest where they take too much memory.
     fn forget(&mut self) {
         let oldest = self.newest_ns.saturating_sub(self.length_ns);
         while let Some(next) = self.segments.get(1).and_then(|next| next.cycles.first()) {
-            let is_past = next.stamp_ns <= oldest;
+            let is_past = next.time.log_ns <= oldest;
             if !is_past && self.bytes <= MOST_BYTES {
                 return;
             }
@@ -199,8 +199,8 @@ mod tests {
     fn push(flight: &mut Flight, cycle: u64, is_fault: bool) -> bool {
         let is_key = cycle.is_multiple_of(10);
         let state = is_key.then(|| Box::new(Machine::new(Cell::demo().machine).unwrap().state().clone()));
-        let stamp_ns = 1_700_000_000 * SECOND + cycle * SECOND / 10;
-        flight.push(&Head { cycle, stamp_ns, length: 0, is_key, state }, &mut Taken::default(), is_fault)
+        let time = CycleTime::same(1_700_000_000 * SECOND + cycle * SECOND / 10);
+        flight.push(&Head { cycle, time, length: 0, is_key, state }, &mut Taken::default(), is_fault)
     }
 
     fn kept(flight: &Flight) -> (u64, u64) {

@@ -2,13 +2,18 @@
 
 use super::*;
 use crate::cell::Cell;
+use crate::recording::CycleTime;
+use crate::recording::bag::STAMPS_AHEAD;
 use crate::recording::replay::{Verdict, replay};
 use crate::recording::run::Run;
+use crate::recording::series::stamp;
+use crate::recording::validate::{Align, validate};
 use crate::run::frames::{FrameSender, frames};
 use crate::run::lanes::{Lanes, lanes};
 use crate::run::trials::trials;
 use lineshaft_core::command::Commands;
 use lineshaft_core::machine::Machine;
+use lineshaft_msgs::msg::AxisStates;
 use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 
@@ -19,6 +24,8 @@ struct Rig {
     recorder: Recorder,
     lanes: Lanes,
     ask: Sender<Asked>,
+    /// How far stamps are ahead of log times from a cycle on (ns).
+    ahead: Vec<(u64, i64)>,
     _folder: tempfile::TempDir,
 }
 
@@ -46,7 +53,7 @@ impl Rig {
         let place = FlightFolder::create(folder.path().join("flight"), 2).unwrap();
         let flight = flight.map(|seconds| (Flight::new(seconds * 1_000_000_000), place));
         let recorder = Recorder::new(handle, receiver, encoder, subject, asked, bag, flight);
-        Self { machine, sender, recorder, lanes, ask, _folder: folder }
+        Self { machine, sender, recorder, lanes, ask, ahead: Vec::new(), _folder: folder }
     }
 
     fn path(&self, name: &str) -> std::path::PathBuf {
@@ -60,8 +67,16 @@ impl Rig {
             inputs.cycle = self.machine.next_cycle();
             self.sender.before(&self.machine);
             self.machine.cycle(&inputs, Commands::default(), &mut outputs);
-            self.sender.send(inputs.cycle * 1_000_000, &inputs, &self.machine, None, std::iter::empty());
+            let time = self.time(inputs.cycle);
+            self.sender.send(time, &inputs, &self.machine, None, std::iter::empty());
         }
+    }
+
+    /// When a cycle was.
+    fn time(&self, cycle: u64) -> CycleTime {
+        let log_ns = 1_700_000_000_000_000_000 + cycle * 1_000_000;
+        let ahead = self.ahead.iter().rev().find(|(from, _)| *from <= cycle).map_or(0, |(_, ahead)| *ahead);
+        CycleTime { log_ns, stamp_ns: log_ns.strict_add_signed(ahead) }
     }
 
     /// Lets the recorder take all that there is.
@@ -208,4 +223,82 @@ fn the_flight_recorder_saves_on_request_and_keeps_no_more_than_it_may() {
     let kept: Vec<bool> = paths.iter().map(|path| path.exists()).collect();
     assert_eq!(kept, [false, false, true, true]);
     assert_eq!(verdict(&paths[3]), Verdict::Same);
+}
+
+/// Log time, stamp and cycle of each message of axis_states.
+fn states(path: &Path) -> Vec<(u64, u64, u64)> {
+    let (mut run, mut states) = (Run::open(path).unwrap(), Vec::new());
+    while let Some(message) = run.next_message().unwrap() {
+        if message.kind == "lineshaft_msgs/msg/AxisStates" {
+            let AxisStates { header, cycle, .. } = message.decode().unwrap();
+            states.push((message.log_time, stamp(&header.stamp).unwrap(), cycle));
+        }
+    }
+    states
+}
+
+/// An hour back after 0.9 s and ten hours forward after 3.2 s, in bags of files of 2 s: log times go on by a cycle in each cycle, stamps step,
+/// and every bag and file replays.
+#[test]
+fn bags_keep_steady_log_times_where_the_system_clock_is_set() {
+    const HOUR: i64 = 3_600_000_000_000;
+    let mut rig = Rig::new(false, Some(3));
+    rig.ahead = vec![(900, -HOUR), (3200, 9 * HOUR)];
+    let path = rig.path("bag");
+    let start =
+        RecordRequest { path: path.display().to_string(), max_bag_duration: 2.0, ..command(RecordRequest::START) };
+    let begun = rig.asks(start);
+    for _ in 0..10 {
+        rig.run(500);
+        rig.look();
+    }
+    assert!(rig.wait(begun).success);
+    let saved = rig.asks(command(RecordRequest::SAVE));
+    let saved = rig.wait(saved);
+    assert!(saved.success, "{}", saved.message);
+    let stopped = rig.asks(command(RecordRequest::STOP));
+    assert!(rig.wait(stopped).replayable);
+
+    let states = states(&path);
+    assert_eq!(states.len(), 500, "100 a second");
+    for (log_ns, stamp_ns, cycle) in states {
+        let time = rig.time(cycle);
+        assert_eq!((log_ns, stamp_ns), (time.log_ns, time.stamp_ns), "{cycle}");
+    }
+    assert_eq!(verdict(&path), Verdict::Same);
+    // A comparison goes by log times: no gap, nothing that goes back.
+    let open = || Run::open(&path).unwrap();
+    let report = validate(&mut open(), &mut open(), &[], Align::Start).unwrap();
+    assert!(report.passed(), "{report}");
+    // Each begins with the stamps that it has; without steps before it no file says so.
+    for (file, ahead) in [("bag_0.mcap", None), ("bag_1.mcap", Some(-HOUR)), ("bag_2.mcap", Some(9 * HOUR))] {
+        let file = path.join(file);
+        assert_eq!(verdict(&file), Verdict::Same, "{}", file.display());
+        let run = Run::open(&file).unwrap();
+        let found = run.metadata("lineshaft").unwrap().get(STAMPS_AHEAD).map(|ahead| ahead.parse().unwrap());
+        assert_eq!(found, ahead, "{}", file.display());
+    }
+    // A bag that begins after a step begins with the system time.
+    let saved = Path::new(&saved.path);
+    assert_eq!(verdict(saved), Verdict::Same);
+    let begin = self::states(saved)[0];
+    assert!(begin.0 == begin.1 && begin.2 == 1000, "{begin:?}");
+    assert!(saved.file_name().unwrap().to_str().unwrap().starts_with("flight_20231115_071"), "{}", saved.display());
+}
+
+/// What a step does not explain is a difference: a stamp that is off by less, or one of two stamps in a cycle.
+#[test]
+fn other_stamps_than_those_of_the_cycle_are_a_difference() {
+    let mut rig = Rig::new(true, None);
+    // 50 ms are no step.
+    rig.ahead = vec![(1000, 50_000_000)];
+    rig.run(1500);
+    rig.look();
+    let path = rig.path("bag.mcap");
+    assert!(rig.recorder.end());
+    let Verdict::Differs(difference) = verdict(&path) else { panic!("no difference") };
+    assert_eq!(
+        (difference.cycle, difference.what.as_str()),
+        (1000, "lineshaft_msgs/msg/AxisStates.header.stamp.nanosec")
+    );
 }

@@ -1,0 +1,112 @@
+//! Steps of the system clock, as libfaketime shows them to the node and its clients: the clock of the machine is never set.
+
+use std::{fs, path::PathBuf, process::Command};
+
+use crate::support::{bag_check::bag_check, domain::Domain, machine::alone, peer::Peer, program::Program, setup};
+use serde_json::Value;
+
+/// The built-in demo, recorded, and a client; both have the system clock of the file.
+struct Bench {
+    client: Peer,
+    program: Program,
+    domain: Domain,
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn start() -> Self {
+        let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("room for a folder"));
+        let file = folder.path().join("clock");
+        fs::write(&file, "+0\n").expect("a file in a new folder");
+        let mut program = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        // Files of 2 s: some begin after a step.
+        program.args(["run", "--max-bag-duration", "2", "--record"]).arg(folder.path().join("run"));
+        program.arg("--flight-folder").arg(folder.path().join("flight")).envs(fake(&file));
+        let program = Program::start_by(program, &domain);
+        let mut client = Peer::cyclone_with(&domain, fake(&file));
+        client.run("axis-states /lineshaft");
+        Self { client, program, domain, folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Sets the clock by these seconds, one after the other; it was ahead by `ahead` s.
+    #[track_caller]
+    fn steps(&mut self, ahead: f64, steps: &str) -> Vec<Value> {
+        let file = self.path("clock");
+        let seen = self.client.run(&format!("clock-steps /lineshaft {} {steps} --ahead={ahead}", file.display()));
+        seen.all().iter().filter(|one| one.get("step").is_some()).cloned().collect()
+    }
+
+    /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
+    #[track_caller]
+    fn end(&mut self) {
+        self.program.end();
+        let replay = Command::new(env!("CARGO_BIN_EXE_lineshaft")).arg("replay").arg(self.path("run")).output();
+        let output = replay.expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{text}");
+    }
+}
+
+/// What makes a process read the system clock of the file.
+fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
+    vec![
+        ("LD_PRELOAD", setup::fake_clock().display().to_string()),
+        ("FAKETIME_TIMESTAMP_FILE", file.display().to_string()),
+        ("FAKETIME_NO_CACHE", "1".to_owned()),
+        ("FAKETIME_DONT_FAKE_MONOTONIC", "1".to_owned()),
+    ]
+}
+
+/// Item 5 of issue 43: each step is reported within a second by one event and one line, before any stamp of joint_states, axis_states,
+/// diagnostics or cycle_statistics shows it; events and lines of `/rosout` show it from then on. Bags keep steady log times and replay.
+#[test]
+fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
+    let _alone = alone();
+    let mut bench = Bench::start();
+    let seen = bench.steps(0.0, "3600 -3600 5 -0.2");
+    assert_eq!(seen.len(), 4, "{seen:?}");
+    for (one, size) in seen.iter().zip(["forward by 3600.", "back by 3600.", "forward by 5.", "back by 0."]) {
+        let text = one["text"].as_str().expect("a text");
+        assert!(text.contains(&format!("the system clock was set {size}")), "{one}");
+        assert_eq!((&one["kind"], &one["severity"]), (&"warning".into(), &1.into()), "{one}");
+        let second = |value: &Value| value.as_f64().expect("a time") < 1.0;
+        assert!(second(&one["event_s"]), "{one}");
+        // The others come once a second.
+        assert!(
+            ["/joint_states", "/lineshaft/axis_states"].iter().all(|topic| second(&one["shown_s"][topic])),
+            "{one}"
+        );
+        let log = bench.program.log();
+        assert_eq!(log.lines().filter(|line| line.contains(text)).count(), 1, "{log}");
+    }
+    bench.end();
+    // From one log time to the next no more passes than in the run.
+    let bag = bench.path("run");
+    let span = bag_check(["rosbags", &bag.display().to_string()]);
+    let (start, end) = (span["start_ns"].as_i64(), span["end_ns"].as_i64());
+    let seconds = (end.expect("a time") - start.expect("a time")) / 1_000_000_000;
+    assert!((1..300).contains(&seconds), "{span:?}");
+}
+
+/// The DDS library stops reading announcements of participants where time goes back: without a new ROS side the node would lose this client
+/// after its lease (10 s), and never find another one.
+#[test]
+fn node_works_on_after_steps_of_the_system_clock() {
+    let mut bench = Bench::start();
+    let side = bench.program.ros_side();
+    bench.steps(0.0, "3600");
+    assert_eq!(bench.program.ros_side(), side, "a step forward does no harm");
+    bench.steps(3600.0, "-3600");
+    bench.program.ros_side_after(side);
+    let mut newcomer = Peer::cyclone_with(&bench.domain, fake(&bench.path("clock")));
+    for client in [&mut newcomer, &mut bench.client] {
+        client.run("axes /lineshaft enable x");
+        client.run("move /lineshaft --axis x --units increments --position 5000 --wait");
+        client.run("move /lineshaft --axis x --units increments --position 0 --wait");
+    }
+    bench.end();
+}
