@@ -147,7 +147,8 @@ impl Machine {
             parameter_version: 0,
             active: true,
             deactivating: None,
-            runs: axes.iter().map(|_| None).collect(),
+            // Each axis has one and follows one before it at most; and one more is begun before those end that it replaces.
+            runs: vec![None; 2 * axes.len() + 1],
             virtual_master: VirtualMaster::new(&config.global.power_on()),
             panel: Panel::new(&config),
             gantries: config.gantries(),

@@ -29,7 +29,7 @@ pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
-pub use trajectory::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest};
+pub use trajectory::{MAX_START_NS, NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};

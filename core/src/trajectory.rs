@@ -335,12 +335,14 @@ impl Trajectory {
         Some(Spline::new(&begin.motion.into(), knot, self.times_ns.get(first)?.saturating_sub(begin.time_ns)))
     }
 
-    /// How far a track is moved, so that its first point that is not before a time is nearest to a position of its axis.
+    /// How far a track is moved, so that it is nearest to a position of its axis where it begins: at its first point, or where its points
+    /// ask for at a time after that.
     pub fn shift(&self, track: usize, time_ns: u64, from: Position, turn: Option<Modulo>) -> Position {
         let knots = self.tracks.get(track).filter(|track| track.wraps).map(|track| &track.knots);
         let ahead = knots.and_then(|knots| knots.get(self.times_ns.partition_point(|&time| time < time_ns)));
-        let Some((turn, knot)) = turn.zip(ahead) else { return Position::ZERO };
-        turn.target(knot.position, from, from, Direction::Shortest, 0.0) - knot.position
+        let place = ahead.map(|knot| self.given(track, time_ns).map_or(knot.position, |due| due.position));
+        let Some((turn, place)) = turn.zip(place) else { return Position::ZERO };
+        turn.target(place, from, from, Direction::Shortest, 0.0) - place
     }
 
     /// The first point that lies ahead of a time; the last point where none does.

@@ -214,7 +214,8 @@ impl Axis {
             .and_then(|course| self.check_course(&course, from, next.limits).map(|()| course));
         match result {
             Ok(course) => {
-                self.goal = Some(Goal { sequence: next.sequence, ending: None, target, search: None, track: None });
+                let sequence = next.sequence;
+                self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None, before: None });
                 self.judge.rested_at = None;
                 let moves_on = matches!(course.aim, Aim::Velocity(_));
                 let state = if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion };

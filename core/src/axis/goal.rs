@@ -35,6 +35,8 @@ pub(super) struct Goal {
     pub search: Option<Search>,
     /// The trajectory that it belongs to.
     pub track: Option<Tracker>,
+    /// The trajectory that the axis follows until its own begins: one whose goal has ended.
+    pub before: Option<Tracker>,
 }
 
 impl Axis {
@@ -88,7 +90,7 @@ impl Axis {
     pub(super) fn take_over(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.abandon(cx, Code::REPLACED);
         self.homing.forget_end();
-        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None });
+        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None, before: None });
         self.judge.rested_at = None;
     }
 

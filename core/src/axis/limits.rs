@@ -374,7 +374,12 @@ impl Axis {
     pub(super) fn stop_limits(&self) -> Limits {
         let limits = self.parameters.largest_limits();
         match &self.generator {
-            Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
+            Generator::Follow(_) => Limits { shape: Shape::Trapezoid, ..limits },
+            // A trajectory may exceed the maximum by its margin.
+            Generator::Track(follower) => {
+                let deceleration = limits.deceleration.max(follower.max_deceleration());
+                Limits { deceleration, shape: Shape::Trapezoid, ..limits }
+            }
             // Maxima that were lowered meanwhile hold from the next motion on.
             Generator::Plan(course) => limits.at_least(&course.limits),
             _ => limits,
@@ -447,7 +452,7 @@ impl Axis {
             _ => None,
         };
         let stopping = stopping.map(|rest| (now.min(rest), now.max(rest)));
-        let tracked = self.tracker().map(|tracker| tracker.extent());
+        let tracked = self.track_extent();
         let (low, high) = [stopping, self.known_reach(), tracked].into_iter().flatten().reduce(union)?;
         let (down, up) = self.overlay_ahead();
         Some(((low + down).floor(), (high + up).ceil()))

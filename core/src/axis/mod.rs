@@ -517,7 +517,7 @@ impl Axis {
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };
-        let tracks = self.tracker().is_none_or(|tracker| tracker.is_sound()) && self.left.is_none();
+        let tracks = self.trackers().all(|tracker| tracker.is_sound()) && self.left.is_none();
         let is_moved = self.function.is_none_or(|by| by.is_sound());
         fits && tracks
             && is_moved

@@ -140,7 +140,8 @@ impl Axis {
     /// Where the axis was when something latched: as its own device caught it, else on the straight line of this cycle's change.
     pub(super) fn position_at(&self, latch: &Latched) -> Position {
         if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
-            return position;
+            // In the coordinate from before this cycle.
+            return position + self.moved;
         }
         let (now, change) = if self.is_virtual() {
             // Its actual position is the command of the cycle before until this one ends.

@@ -45,6 +45,8 @@ pub struct Run {
     pub cycle_ns: u64,
     /// How much longer than planned it takes.
     pub stretch: Stretch,
+    /// Its goal has ended: it leads axes on until the trajectories begin that have replaced it.
+    pub is_over: bool,
 }
 
 impl Run {
@@ -116,11 +118,6 @@ impl Tracker {
         self.begin.is_sound() && self.moved.is_finite()
     }
 
-    /// Lowest and highest position of all of it.
-    pub(super) fn extent(&self) -> (Position, Position) {
-        (self.low, self.high)
-    }
-
     fn begin(&self, run: &Run) -> Begin {
         Begin { motion: self.begin, time_ns: run.begin_ns, shift: self.shift }
     }
@@ -134,9 +131,38 @@ impl Axis {
         self.goal.as_ref().and_then(|goal| goal.track)
     }
 
+    /// Its own trajectory, and the one that it follows until that begins.
+    pub(super) fn trackers(&self) -> impl Iterator<Item = Tracker> {
+        self.goal.into_iter().flat_map(|goal| [goal.track, goal.before]).flatten()
+    }
+
+    /// The trajectory that leads it, which its own does not while it waits for its start.
+    fn leading(&self) -> Option<Tracker> {
+        self.goal.as_ref().and_then(|goal| goal.before.or(goal.track))
+    }
+
+    /// The trajectory by which it moves in this cycle.
+    fn led_by<'a>(&self, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
+        let tracker =
+            self.leading().filter(|tracker| !tracker.waits && matches!(self.generator, Generator::Track(_)))?;
+        Some((tracker, runs.get(usize::from(tracker.slot))?.as_ref()?))
+    }
+
+    /// Places of the trajectory that it follows until its own begins: among those that run, among the tracks of that.
+    pub fn follows_before(&self) -> Option<(usize, usize)> {
+        let before = self.goal?.before?;
+        Some((usize::from(before.slot), usize::from(before.track)))
+    }
+
+    /// Lowest and highest position of its trajectories.
+    pub(super) fn track_extent(&self) -> Option<(Position, Position)> {
+        let extents = self.trackers().map(|tracker| (tracker.low, tracker.high));
+        extents.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))
+    }
+
     /// Is its command its trajectory itself?
     pub(super) fn is_on_track(&self) -> bool {
-        self.goal.as_ref().and_then(|goal| goal.track.as_ref()).is_some_and(|tracker| tracker.exact)
+        self.leading().is_some_and(|tracker| tracker.exact)
     }
 
     /// Is it one of a trajectory?
@@ -173,42 +199,42 @@ impl Axis {
         self.rests()
     }
 
-    /// Checks that it may take that track of a run, but for its rates.
+    /// Checks that it may take that track of a run, from its motion in the cycle in which that begins, but for its rates.
     ///
     /// # Errors
     /// What its state or its limits forbid.
-    pub fn check_track(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
+    pub fn check_track(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        self.check_is_there(cycle, run, track)?;
+        self.check_is_there(from, run, track)?;
         let trajectory = &run.trajectory;
         let refuse = || Refusal::new(Code::BAD_REQUEST, self.object());
         let demand = trajectory.demand(track).ok_or_else(refuse)?;
-        let shift = self.shift(cycle, run, track);
-        self.check_start(self.motion_at(cycle, run.begins).position - shift, run, track)?;
+        let shift = self.shift(from, run, track);
+        self.check_start(from.position - shift, run, track)?;
         for (knot, point) in [(demand.lowest, demand.peaks.lowest), (demand.highest, demand.peaks.highest)] {
             let at_point = |refusal| Refusal { place: Some(place(trajectory, point)), ..refusal };
             self.check_target(knot + shift, &self.parameters).map_err(at_point)?;
         }
-        let from = self.takes_over(cycle, run, track).position + shift;
-        for (reach, peaks) in self.reaches(cycle, run, track).into_iter().flatten() {
-            self.check_track_way(trajectory, (&reach, &peaks), from)?;
+        let begin = self.takes_over(from, run, track).position + shift;
+        for (reach, peaks) in self.reaches(from, run, track).into_iter().flatten() {
+            self.check_track_way(trajectory, (&reach, &peaks), begin)?;
         }
         Ok(())
     }
 
     /// The rates of that track that exceed their limits by more than the margin.
-    pub fn track_excesses(&self, cycle: u64, run: &Run, track: usize) -> impl Iterator<Item = Excess> {
-        let reaches = self.reaches(cycle, run, track).into_iter().flatten();
+    pub fn track_excesses(&self, from: Motion, run: &Run, track: usize) -> impl Iterator<Item = Excess> {
+        let reaches = self.reaches(from, run, track).into_iter().flatten();
         reaches.flat_map(|(reach, peaks)| self.excesses(run, &run.stretch.real_reach(reach), &peaks)).flatten()
     }
 
     /// The largest step of velocity of that track, where it is more than the axis can do in a cycle: the way by which the axis will lag at
     /// least (inc), and the refusal of a trajectory that must not lag.
-    pub fn track_step(&self, cycle: u64, run: &Run, track: usize) -> Option<(f64, Refusal)> {
+    pub fn track_step(&self, from: Motion, run: &Run, track: usize) -> Option<(f64, Refusal)> {
         let trajectory = &run.trajectory;
         let demand = trajectory.demand(track)?;
-        let motion = self.takes_over(cycle, run, track);
+        let motion = self.takes_over(from, run, track);
         let begin = Begin { motion, time_ns: run.begin_ns, shift: Position::ZERO };
         let first = trajectory
             .first_spline(track, &begin)
@@ -219,7 +245,8 @@ impl Axis {
         let next = trajectory.given(track, time_ns).map_or(0.0, |motion| motion.velocity);
         let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
         let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
-        let (step, point) = steps.into_iter().max_by(|one, other| one.0.total_cmp(&other.0))?;
+        let is_ahead = |step: &(f64, u32)| step.1 >= point;
+        let (step, point) = steps.into_iter().filter(is_ahead).max_by(|one, other| one.0.total_cmp(&other.0))?;
         let (step, rate) =
             (step / run.stretch.factor(), self.parameters.max_acceleration.min(self.parameters.deceleration_limit()));
         let most = rate * self.cycle_s();
@@ -233,9 +260,9 @@ impl Axis {
     }
 
     /// What that track asks for, by the trajectory's time: from its first point on, and from the axis to the first point ahead.
-    fn reaches(&self, cycle: u64, run: &Run, track: usize) -> [Option<(Reach, Peaks)>; 2] {
-        let shift = self.shift(cycle, run, track);
-        let begin = Begin { motion: self.takes_over(cycle, run, track), time_ns: run.begin_ns, shift };
+    fn reaches(&self, from: Motion, run: &Run, track: usize) -> [Option<(Reach, Peaks)>; 2] {
+        let shift = self.shift(from, run, track);
+        let begin = Begin { motion: self.takes_over(from, run, track), time_ns: run.begin_ns, shift };
         let first = run.trajectory.first_spline(track, &begin).map(|spline| {
             let point = run.trajectory.point_ahead(run.begin_ns);
             (spline.reach().moved(shift), Peaks::at(point))
@@ -244,9 +271,8 @@ impl Axis {
     }
 
     /// How far that track is moved: by the whole turns that bring its first point ahead nearest to the axis (GRP-TRAJ-10).
-    fn shift(&self, cycle: u64, run: &Run, track: usize) -> Position {
-        let from = self.motion_at(cycle, run.begins).position;
-        run.trajectory.shift(track, run.begin_ns, from, self.setup.modulo)
+    fn shift(&self, from: Motion, run: &Run, track: usize) -> Position {
+        run.trajectory.shift(track, run.begin_ns, from.position, self.setup.modulo)
     }
 
     /// A track whose first point is at time 0 begins near to the command (GRP-TRAJ-11).
@@ -267,9 +293,12 @@ impl Axis {
     /// Where that track takes it over, by the trajectory's time and without its shift: at what its points ask for, if the axis is near to that. The
     /// difference, such as the rounding of a measured position, is worked off during the motion. Otherwise the spline from the axis
     /// to the first point that lies ahead would be judged, which is not part of the plan.
-    fn takes_over(&self, cycle: u64, run: &Run, track: usize) -> Motion {
-        let motion = self.motion_at(cycle, run.begins);
-        let motion = Motion { position: motion.position - self.shift(cycle, run, track), ..motion };
+    fn takes_over(&self, from: Motion, run: &Run, track: usize) -> Motion {
+        self.takes_over_at(Motion { position: from.position - self.shift(from, run, track), ..from }, run, track)
+    }
+
+    /// The same, from a motion without the shift.
+    fn takes_over_at(&self, motion: Motion, run: &Run, track: usize) -> Motion {
         let is_near = |given: &Motion| {
             let change = self.parameters.max_acceleration.min(self.parameters.deceleration_limit()) * self.cycle_s();
             (given.position - motion.position).to_f64().abs() <= self.nearness()
@@ -284,8 +313,8 @@ impl Axis {
     }
 
     /// A trajectory that has no time left may end only where the axis is.
-    fn check_is_there(&self, cycle: u64, run: &Run, track: usize) -> Result<(), Refusal> {
-        let shift = self.shift(cycle, run, track);
+    fn check_is_there(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
+        let shift = self.shift(from, run, track);
         let Some(end) = run.trajectory.end(track, shift).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
             return Ok(());
         };
@@ -363,52 +392,63 @@ impl Axis {
         rates.map(excess)
     }
 
-    /// Its motion in the cycle in which a track begins, when it stops from now on until then.
-    pub fn motion_at(&self, cycle: u64, begins: u64) -> Motion {
+    /// Its motion in the cycle in which a track begins: a trajectory that it follows leads it until then, else it stops from now on.
+    pub fn motion_at(&self, cycle: u64, begins: u64, runs: &[Option<Run>]) -> Motion {
         let present = self.present();
         if begins <= cycle {
             return present;
+        }
+        if let Some((tracker, run)) = self.led_by(runs) {
+            let sample = run.sample(usize::from(tracker.track), &tracker.begin(run), begins);
+            return Motion { position: sample.position + tracker.shift, ..sample };
         }
         let course = self.course(cycle, present, Aim::Stop, self.parameters.usual_limits());
         if course.has_ended(begins) { self.resting(course.at(begins).position) } else { course.at(begins) }
     }
 
-    /// Leaves what moves it, for a trajectory that takes it over.
-    pub fn abandon_track(&mut self, cx: &mut Context<'_>) {
+    /// Takes that track of a run: it leaves what moves it. What moved it before is replaced, but for a trajectory that leads it until this one
+    /// begins.
+    pub fn take_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
+        let runs = cx.runs;
+        let waits = run.begins > cx.cycle;
+        let before = self.led_by(runs).map(|(tracker, _)| tracker).filter(|_| waits);
+        let from = self.motion_at(cx.cycle, run.begins, runs);
         self.abandon(cx, Code::REPLACED);
-    }
-
-    /// Takes that track of a run: what moved it before is replaced.
-    pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
-        let (begin, shift) = (self.takes_over(cx.cycle, run, track), self.shift(cx.cycle, run, track));
-        let present = self.motion_at(cx.cycle, run.begins);
-        self.abandon(cx, Code::REPLACED);
+        let (begin, shift) = (self.takes_over(from, run, track), self.shift(from, run, track));
         let at = Begin { motion: begin, time_ns: run.begin_ns, shift };
         let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
         let way = run.trajectory.demand(track).map(|demand| demand.way);
         let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
-        let (reach, from) = (reach.moved(shift), begin.position + shift);
-        let waits = run.begins > cx.cycle;
-        if waits {
-            self.brake_to_rest(cx, &self.parameters.usual_limits());
-        }
+        let reach = reach.moved(shift);
         let tracker = Tracker {
             slot: slot as u16,
             track: track as u16,
             begin,
             waits,
-            moved: present.velocity,
-            exact: from == present.position,
+            moved: from.velocity,
+            exact: begin.position + shift == from.position,
             low: reach.low,
             high: reach.high,
             shift,
         };
-        let target = run.trajectory.end(track, shift);
-        self.goal = Some(Goal { sequence: run.sequence, ending: None, target, search: None, track: Some(tracker) });
+        let (sequence, target) = (run.sequence, run.trajectory.end(track, shift));
+        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: Some(tracker), before });
+    }
+
+    /// Begins the track that it has taken, or waits for its start.
+    pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run) {
+        let Some(goal) = self.goal else { return };
+        let Some(tracker) = goal.track else { return };
+        let generator = if !tracker.waits {
+            self.track_from(self.present(), tracker.begin.position + tracker.shift, run.trajectory.limits().margin)
+        } else {
+            if goal.before.is_none() {
+                self.brake_to_rest(cx, &self.parameters.usual_limits());
+            }
+            self.generator
+        };
         self.judge.rested_at = None;
         self.owner = Owner::Native;
-        let margin = run.trajectory.limits().margin;
-        let generator = if waits { self.generator } else { self.track_from(present, from, margin) };
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
@@ -443,28 +483,21 @@ impl Axis {
             return self.end_goal(cx, refusal.code);
         }
         let present = self.present();
-        tracker.begin = self.takes_over(cx.cycle, run, usize::from(tracker.track));
+        let planned = Motion { position: present.position - tracker.shift, ..present };
+        tracker.begin = self.takes_over_at(planned, run, usize::from(tracker.track));
         (tracker.moved, tracker.waits) = (self.command.velocity, false);
         let from = tracker.begin.position + tracker.shift;
         tracker.exact = from == present.position;
         self.generator = self.track_from(present, from, run.trajectory.limits().margin);
-        self.keep(tracker);
-    }
-
-    fn keep(&mut self, tracker: Tracker) {
         if let Some(goal) = &mut self.goal {
-            goal.track = Some(tracker);
+            (goal.track, goal.before) = (Some(tracker), None);
         }
     }
 
     /// The motion of this cycle by the trajectory; none where there is none, and the axis stops already.
     pub(super) fn follow_track(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
         let Generator::Track(mut follower) = self.generator else { return None };
-        let tracked = self.tracker().and_then(|tracker| {
-            let run = cx.runs.get(usize::from(tracker.slot))?.as_ref()?;
-            Some((tracker, run))
-        });
-        let Some((mut tracker, run)) = tracked else {
+        let Some((mut tracker, run)) = self.led_by(cx.runs) else {
             self.brake_to_rest(cx, &self.stop_limits());
             return None;
         };
@@ -484,11 +517,13 @@ impl Axis {
         tracker.moved = next.velocity;
         // Not where two straight segments meet, nor where it arrives: there the step of this cycle is what stops begin with.
         let most = self.parameters.max_acceleration.max(self.parameters.deceleration_limit());
-        let half = 0.5 * most * self.cycle_s() * (1.0 + STEP_SLACK);
+        let half = 0.5 * most * self.cycle_s() * (1.0 + run.trajectory.limits().margin.max(STEP_SLACK));
         let is_smooth = (sample.velocity - next.velocity).abs() <= half;
         tracker.exact = follower.phase() == Phase::Synchronized && is_smooth;
         self.is_led = !tracker.exact;
-        self.keep(tracker);
+        if let Some(goal) = &mut self.goal {
+            *if goal.before.is_some() { &mut goal.before } else { &mut goal.track } = Some(tracker);
+        }
         self.generator = Generator::Track(follower);
         // Where it is on the spline, its velocity is that of the spline now, not its mean since the last cycle.
         let position = self.unrounded(next.position);

@@ -15,6 +15,7 @@ use crate::parameter::{AxisParameters, MachineParameters};
 use crate::signal::Board;
 use crate::sync::{Leads, VirtualMaster};
 use crate::table::Table;
+use crate::trajectory::Stretch;
 use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -259,17 +260,26 @@ impl State {
             let mut tracks = run.trajectory.tracks().iter().enumerate();
             let axis = |index: u16| self.axes.get(usize::from(index));
             run.cycle_ns == cycle_ns
+                && run.stretch >= Stretch::NONE
                 && run.trajectory.is_sound()
-                && tracks.all(|(track, of)| axis(of.axis).is_some_and(|axis| axis.tracks(run.sequence, slot, track)))
+                && (run.is_over
+                    || tracks
+                        .all(|(track, of)| axis(of.axis).is_some_and(|axis| axis.tracks(run.sequence, slot, track))))
         };
-        let is_known = |(sequence, slot, track): (u64, usize, usize), index: usize| {
-            let run = self.runs.get(slot).and_then(Option::as_ref).filter(|run| run.sequence == sequence);
+        let is_of = |run: Option<&Run>, track: usize, index: usize| {
             run.and_then(|run| run.trajectory.tracks().get(track)).is_some_and(|track| usize::from(track.axis) == index)
         };
+        let run = |slot: usize| self.runs.get(slot).and_then(Option::as_ref);
+        let is_known = |(index, axis): (usize, &Axis)| {
+            let own = axis.tracked().is_none_or(|(sequence, slot, track)| {
+                is_of(run(slot).filter(|run| !run.is_over && run.sequence == sequence), track, index)
+            });
+            let follows = |(slot, track)| is_of(run(slot).filter(|run| run.is_over), track, index);
+            own && axis.follows_before().is_none_or(follows)
+        };
         let runs = self.runs.iter().enumerate();
-        let axes = self.axes.iter().enumerate();
         runs.filter_map(|(slot, run)| run.as_ref().map(|run| (slot, run))).all(|(slot, run)| is_run(slot, run))
-            && axes.filter_map(|(index, axis)| Some((axis.tracked()?, index))).all(|(of, index)| is_known(of, index))
+            && self.axes.iter().enumerate().all(is_known)
     }
 }
 

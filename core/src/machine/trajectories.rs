@@ -1,18 +1,20 @@
 //! The trajectories that run: begun on all of their axes or on none, judged together, ended once.
 //!
-//! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes stand, or stop and then stand; in the first cycle
-//!          with t >= 0 each of them begins with the motion that it has, or with what its points ask for where that is near. An axis that leaves, for whatever reason, ends it for
-//!          all: the others stop as a halt does
+//! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes follow the trajectory that they are on, whose goal this one
+//!          ends; others stand, or stop and then stand. In the first cycle with t >= 0 each of them begins with the motion that it
+//!          has, or with what its points ask for where that is near. An axis that leaves, for whatever reason, ends it for all: the
+//!          others stop as a halt does
 //! Refuses  a trajectory of which every point is past; one that has no time left, and ends where an axis is not; whatever
 //!          one of its axes refuses
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::{Machine, Told};
-use crate::axis::{Excess, Run};
+use crate::axis::{Axis, Excess, Run};
 use crate::code::Code;
 use crate::command::Command;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
+use crate::profile::Motion;
 use crate::trajectory::{OnExcess, Stretch, Trajectory};
 use std::sync::Arc;
 
@@ -62,19 +64,23 @@ impl Machine {
         let run = self.run_of(command.sequence, trajectory);
         self.check_run(&run)?;
         let (run, excess) = self.stretched(run)?;
+        if run.stretch != Stretch::NONE {
+            // From motion, the way to the first point is another one with each stretch.
+            self.check_run(&run)?;
+        }
         let step = self.largest_step(&run)?;
-        // Whom it takes its axes from. A place is free after that: each of the others has an axis that this one has not.
-        for of in trajectory.tracks() {
-            self.act_on(usize::from(of.axis), told, |axis, cx| axis.abandon_track(cx));
-        }
-        for slot in 0..self.state.runs.len() {
-            self.settle_trajectory(slot, told, Self::left_by);
-        }
         let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
             return Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine));
         };
         for (track, of) in trajectory.tracks().iter().enumerate() {
-            self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run, (slot, track)));
+            self.act_on(usize::from(of.axis), told, |axis, cx| axis.take_track(cx, &run, (slot, track)));
+        }
+        // Whom it takes its axes from.
+        for slot in 0..self.state.runs.len() {
+            self.settle_trajectory(slot, told, Self::left_by);
+        }
+        for of in trajectory.tracks() {
+            self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run));
         }
         self.accept(command, Object::Machine);
         let notes = [(excess, Code::TRAJECTORY_STRETCHED), (step, Code::TRAJECTORY_STEP)];
@@ -99,7 +105,8 @@ impl Machine {
             Err(_) => trajectory.start_ns().unsigned_abs(),
         };
         let begins = self.state.cycle.saturating_add(cycles);
-        Run { sequence, trajectory: Arc::clone(trajectory), begins, begin_ns, cycle_ns, stretch: Stretch::NONE }
+        let (trajectory, stretch) = (Arc::clone(trajectory), Stretch::NONE);
+        Run { sequence, trajectory, begins, begin_ns, cycle_ns, stretch, is_over: false }
     }
 
     fn check_run(&self, run: &Run) -> Result<(), Refusal> {
@@ -112,9 +119,14 @@ impl Machine {
         for (track, of) in run.trajectory.tracks().iter().enumerate() {
             let axis = self.state.axes.get(usize::from(of.axis));
             let axis = axis.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))?;
-            axis.check_track(self.state.cycle, run, track)?;
+            axis.check_track(self.start_of(axis, run), run, track)?;
         }
         Ok(())
+    }
+
+    /// The motion of an axis in the cycle in which a run begins.
+    fn start_of(&self, axis: &Axis, run: &Run) -> Motion {
+        axis.motion_at(self.state.cycle, run.begins, &self.state.runs)
     }
 
     /// The run with its time stretched until it is within the limits of its axes, with the excess that asked for most of that.
@@ -126,7 +138,7 @@ impl Machine {
             let mut more: Option<Excess> = None;
             for (track, of) in run.trajectory.tracks().iter().enumerate() {
                 let Some(axis) = self.state.axes.get(usize::from(of.axis)) else { continue };
-                for excess in axis.track_excesses(self.state.cycle, &run, track) {
+                for excess in axis.track_excesses(self.start_of(axis, &run), &run, track) {
                     first = first.or(Some(excess.refusal));
                     more = more.filter(|more| more.factor >= excess.factor).or(Some(excess));
                 }
@@ -138,12 +150,13 @@ impl Machine {
             largest = largest.or(Some(excess.refusal));
             factor = excess.factor * run.stretch.factor();
             if factor > run.trajectory.limits().most() {
-                break;
+                return Err(first.unwrap_or(excess.refusal).with_stretch(factor));
             }
             run.stretch = Stretch::at_least(factor);
         }
+        // An axis that is too fast already where the trajectory takes it over.
         let refusal = first.unwrap_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine));
-        Err(refusal.with_stretch(factor))
+        Err(refusal.with_stretch(f64::INFINITY))
     }
 
     /// The step of velocity for which an axis will lag most, in a trajectory that may make its axes lag.
@@ -151,7 +164,7 @@ impl Machine {
         let tracks = run.trajectory.tracks().iter().enumerate();
         let steps = tracks.filter_map(|(track, of)| {
             let axis = self.state.axes.get(usize::from(of.axis))?;
-            axis.track_step(self.state.cycle, run, track)
+            axis.track_step(self.start_of(axis, run), run, track)
         });
         let largest = steps.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, refusal)| refusal);
         match largest {
@@ -163,8 +176,10 @@ impl Machine {
     /// Judges the trajectories that run, after all axes have moved in this cycle.
     pub(super) fn judge_trajectories(&mut self, told: Told<'_>) {
         for slot in 0..self.state.runs.len() {
-            if self.state.runs[slot].is_some() {
-                self.settle_trajectory(slot, told, Self::end_of);
+            match &self.state.runs[slot] {
+                None => {}
+                Some(run) if run.is_over => self.forget_run(slot),
+                Some(_) => self.settle_trajectory(slot, told, Self::end_of),
             }
         }
     }
@@ -173,8 +188,20 @@ impl Machine {
     fn settle_trajectory(&mut self, slot: usize, told: Told<'_>, ends: fn(&mut Self, &Run) -> Option<End>) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::take) else { return };
         match ends(self, &run) {
-            Some(end) => self.end_trajectory(&run, &end, told),
+            Some(end) => {
+                self.end_trajectory(&run, &end, told);
+                self.state.runs[slot] = Some(Run { is_over: true, ..run });
+                self.forget_run(slot);
+            }
             None => self.state.runs[slot] = Some(run),
+        }
+    }
+
+    /// Frees the place of a run that is over, unless it leads an axis until the next one begins.
+    fn forget_run(&mut self, slot: usize) {
+        let is_led = |axis: &Axis| axis.follows_before().is_some_and(|(of, _)| of == slot);
+        if !self.state.axes.iter().any(is_led) {
+            self.state.runs[slot] = None;
         }
     }
 
@@ -208,20 +235,18 @@ impl Machine {
         if let Some((object, violation)) = off {
             return Some(violated(Code::TRAJECTORY_PATH_TOLERANCE, object, violation));
         }
+        let late = run.late_ns(cycle);
+        let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), axis.goal_violation(run)?))));
+        if late.is_some() && off.is_none() && axes().all(|axis| axis.is_at_end()) {
+            return Some(End { reached: true, ..End::new(Object::Machine, Code::NONE) });
+        }
         if let Some((lasts, most)) = run.overtime_ns(cycle) {
             let end = End::new(Object::Machine, Code::TRAJECTORY_TOO_LONG);
             return Some(End { asked: time_number(lasts), limit: time_number(most), ..end });
         }
-        let late = run.late_ns(cycle)?;
-        match axes().find_map(|axis| Some((axis.object(), axis.goal_violation(run)?))) {
-            Some((object, violation)) if run.trajectory.goal_time_ns().is_some_and(|most| late > most) => {
-                Some(violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation))
-            }
-            None if axes().all(|axis| axis.is_at_end()) => {
-                Some(End { reached: true, ..End::new(Object::Machine, Code::NONE) })
-            }
-            _ => None,
-        }
+        let (late, (object, violation)) = late.zip(off)?;
+        let is_over = run.trajectory.goal_time_ns().is_some_and(|most| late > most);
+        is_over.then(|| violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation))
     }
 
     fn end_trajectory(&mut self, run: &Run, end: &End, told: Told<'_>) {
@@ -233,7 +258,7 @@ impl Machine {
         self.events.push(done.with(end.asked, end.limit));
         for track in run.trajectory.tracks() {
             let index = usize::from(track.axis);
-            let is_member = |axis: &crate::axis::Axis| axis.tracked().is_some_and(|(of, ..)| of == run.sequence);
+            let is_member = |axis: &Axis| axis.tracked().is_some_and(|(of, ..)| of == run.sequence);
             if !self.state.axes.get(index).is_some_and(is_member) {
                 continue;
             }

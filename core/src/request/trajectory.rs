@@ -9,6 +9,9 @@ use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajector
 /// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
 
+/// Longest time from a request to the start that it asks for (ns): 10 min. More is a wrong clock rather than a wish.
+pub const MAX_START_NS: i64 = 600_000_000_000;
+
 /// A point of a trajectory. Its lists are as long as the list of axes, in its order; what it does not carry is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointRequest<N = f64> {
@@ -111,6 +114,10 @@ impl MachineConfig {
         if knots > MAX_KNOTS {
             let value = format!("{} for {} axes", request.points.len(), axes.len());
             return Err(bad("points", value, format!("points times axes may be {MAX_KNOTS}, and are {knots}")));
+        }
+        if request.start_ns > MAX_START_NS {
+            let value = format!("{} s ahead", request.start_ns as f64 / 1e9);
+            return Err(bad("start", value, format!("at most {} s is allowed", MAX_START_NS / 1_000_000_000)));
         }
         if let Some(time) = request.goal_time_ns.filter(|time| i64::try_from(*time).is_err()) {
             return Err(bad("goal time", format!("{time} ns"), format!("at most {} ns is allowed", i64::MAX)));

@@ -44,9 +44,14 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
         TrajectoryPlace { max_stretch, .. } if *max_stretch <= 1.0 => {
             format!("{says}; trajectory_limits.on_excess is refuse, scale would stretch the time by {stretch}")
         }
+        TrajectoryPlace { stretch: needed, .. } if needed.is_infinite() => {
+            format!("{says}, however long it takes: the axis is too fast where the trajectory begins")
+        }
         TrajectoryPlace { max_stretch, .. } => {
             let most = number_to_text(*max_stretch);
-            format!("{says}; the time would have to be stretched by {stretch}, trajectory_limits.max_stretch is {most}")
+            format!(
+                "{says}; within all limits it takes {stretch} times the planned time, trajectory_limits.max_stretch is {most}"
+            )
         }
     })
 }

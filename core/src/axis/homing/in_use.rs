@@ -5,29 +5,31 @@
 //! Refuses  the first of them, by its name
 //! Source   PLCopen part 1 (MC_SetPosition)
 
+use super::super::pair::Pair;
 use super::super::{Axis, AxisState, Generator, Reference};
 use crate::code::Code;
 use crate::event::{Number, Refusal};
 use crate::sync::Transmission;
 use crate::vocabulary::Owner;
 
-/// What keeps the coordinate of an axis, in the words of the refusal.
-pub(crate) const USES: [&str; 12] = [
-    "a goal to a target",
-    "a trajectory",
-    "a goal that waits",
-    "a superimposed motion or phase shift",
-    "a coupling that waits to engage",
-    "a gear_out that waits for a place of the axis",
-    "a cam",
-    "a coupling at a pair of places",
-    "a coupling by marks",
-    "the motion of a vocabulary",
-    "a function",
-    "a touch probe with a window",
-];
+/// What keeps the coordinate of an axis, in the words of the refusal: a [`Use`] is its place here.
+pub(crate) const USES: [&str; 12] = {
+    let mut texts = [""; 12];
+    texts[Use::Target as usize] = "a goal to a target";
+    texts[Use::Trajectory as usize] = "a trajectory";
+    texts[Use::Waiting as usize] = "a goal that waits";
+    texts[Use::Superimposed as usize] = "a superimposed motion or phase shift";
+    texts[Use::Engaging as usize] = "a coupling that waits to engage";
+    texts[Use::Leaving as usize] = "a gear_out that waits for a place of the axis";
+    texts[Use::Cam as usize] = "a cam";
+    texts[Use::Places as usize] = "a coupling at a pair of places";
+    texts[Use::Marks as usize] = "a coupling by marks";
+    texts[Use::Vocabulary as usize] = "the motion of a vocabulary";
+    texts[Use::Function as usize] = "a function";
+    texts[Use::Window as usize] = "a touch probe with a window";
+    texts
+};
 
-/// Place of a use in [`USES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Use {
     Target,
@@ -48,7 +50,9 @@ impl Axis {
     /// Returns an error where something refers to the coordinate of the axis as it is.
     pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
         let moves = self.is_on() && !self.stands_idle();
-        let used = self.touch_probes.have_window().then_some(Use::Window);
+        let waits_for_places = self.engagement.is_some_and(|waits| Pair::of(waits.request.engage).is_some());
+        let used = waits_for_places.then_some(Use::Engaging);
+        let used = used.or(self.touch_probes.have_window().then_some(Use::Window));
         let used = if moves { self.use_in_motion()?.or(used) } else { used };
         match used {
             None => Ok(()),

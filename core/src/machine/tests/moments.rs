@@ -424,6 +424,8 @@ const AT_ONCE: &[&str] = &[
     "o_axmove",
     // tests/panel/abort.rs
     "esccond",
+    // tests/limits/streamed.rs
+    "jog_at_limit",
 ];
 
 /// Likewise, in limit_switches.rs and reactions.rs.

@@ -425,3 +425,17 @@ proptest! {
         }
     }
 }
+
+/// A place of the axis that a coupling waits for is one of the old coordinate, also while the axis stands.
+#[test]
+fn a_pair_that_is_waited_for_keeps_the_coordinate_at_rest() {
+    let mut rig = Rig::enabled();
+    let engage = Engage::InPosition { position: 20_000, turn: None, slave: 20_000, distance: 0 };
+    give(&mut rig, Action::Synchronize(Synchronize { engage, ..couple(X, TO_LINE, 1, 1) }));
+    for action in [set(X, 0), shift(X, 5)] {
+        let refused = rig.give(action);
+        let sentence = "x: a coupling that waits to engage refers to the present coordinate of the axis; wait for its end, or end it first";
+        assert_eq!(rig.refusal(refused), sentence);
+    }
+    assert_eq!(rig.int("x.command.position"), 0);
+}

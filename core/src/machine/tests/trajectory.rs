@@ -461,12 +461,12 @@ fn a_state_whose_axes_do_not_run_its_trajectory_is_refused() {
     rig.give(run(&[400], vec![track(X, &[rest(10_000)])]));
     let state = rig.machine.state();
     let of = |state: State| Machine::restore(config(0), state).map(drop).unwrap_err();
-    assert_eq!(of(State { runs: vec![None, None, None], ..state.clone() }), StateError::Trajectory);
+    assert_eq!(of(State { runs: vec![None; 7], ..state.clone() }), StateError::Trajectory);
     let mut moved = state.clone();
     moved.runs.rotate_left(1);
     assert_eq!(of(moved), StateError::Trajectory);
     let fewer = of(State { runs: vec![None], ..state.clone() });
-    assert_eq!(fewer.to_string(), "the state holds 1 places for trajectories; the cell has 3");
+    assert_eq!(fewer.to_string(), "the state holds 1 places for trajectories; the cell has 7");
 }
 
 /// The same where it holds at its end for a while.

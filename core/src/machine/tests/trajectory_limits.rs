@@ -1,9 +1,9 @@
 //! Trajectories that exceed the velocities and accelerations of their axes: their time is stretched, or they are refused.
 
-use super::rig::{Rig, X, Y, config};
+use super::rig::{Rig, X, Y, config, to};
 use super::trajectory::{Point, track};
 use crate::code::Code;
-use crate::command::Action;
+use crate::command::{Action, Move, MoveMode};
 use crate::event::{Event, Kind};
 use crate::position::Position;
 use crate::text;
@@ -134,8 +134,8 @@ fn more_than_max_stretch_is_refused_with_point_time_and_factor() {
     let goal = rig.give(run(&[0, 500, 540], vec![track(X, &points)], scaling(0.001, 3.0)));
     assert_eq!(
         rig.refusal(goal),
-        "x: velocity 0.15 m/s (150 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) before point 2 (0.54 s); the time would have to \
-         be stretched by 3.873, trajectory_limits.max_stretch is 3"
+        "x: velocity 0.15 m/s (150 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) before point 2 (0.54 s); within all limits \
+         it takes 3.873 times the planned time, trajectory_limits.max_stretch is 3"
     );
     rig.run(10);
     assert_eq!((command(&rig, "x"), rig.state("x")), (0.0, "STANDSTILL"));
@@ -160,6 +160,65 @@ fn a_trajectory_that_takes_over_in_motion_is_stretched_too() {
     let (_, fastest, hardest) = played(&mut rig, goal, "x");
     assert!(fastest <= MAX_VELOCITY && hardest <= MAX_ACCELERATION * (1.0 + 1e-6), "{fastest} {hardest}");
     assert_eq!(command(&rig, "x"), 24_000.0);
+}
+
+/// A rig whose x has this max_position.
+fn up_to(max_position: i64) -> Rig {
+    let mut config = config(0);
+    config.axes[usize::from(X)].parameters.max_position = Some(max_position);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig
+}
+
+/// x at 80000 inc/s, 6000 inc before max_position. Its way to point 0 stays below that as planned, but the second segment needs a stretch of
+/// sqrt(1.96) = 1.4, with which the way is 22400 inc/s times s long where more than 3 * 6000 passes the limit: 117 inc at its highest.
+#[test]
+fn a_way_that_only_the_stretch_leads_beyond_a_limit_is_refused() {
+    let mut rig = up_to(20_000);
+    rig.give(Action::Move(Move { mode: MoveMode::Velocity, velocity: 80_000.0, ..to(X, 0) }));
+    while command(&rig, "x") < 13_920.0 {
+        rig.run(1);
+    }
+    let points = [rest(20_000), rest(16_733)];
+    let goal = rig.give(run(&[200, 300], vec![track(X, &points)], scaling(0.001, 1.44)));
+    assert!(rig.refusal(goal).contains("exceeds max_position"), "{}", rig.refusal(goal));
+}
+
+/// The last segment decelerates by 1.0009 times max_deceleration, down to max_position: within the margin, so no stop at the limit.
+#[test]
+fn a_deceleration_within_the_margin_ends_at_a_limit() {
+    let mut rig = up_to(10_000);
+    let end = [(0, Some(0.0), None), (9_201, Some(40_000.0), None), rest(10_000)];
+    let knots = end.iter().map(|&(position, velocity, acceleration): &Point| Knot {
+        position: if position == 9_201 { Position::from_f64(9_200.72) } else { Position::whole(position) },
+        velocity,
+        acceleration,
+    });
+    let of_x = Track { axis: X, knots: knots.collect(), ..Track::default() };
+    let times = [0, 400 * MS, 439_964_000].into();
+    let trajectory = Trajectory::new(0, times, [of_x].into(), None).expect("a sound one");
+    let goal = rig.give(Action::Trajectory(Arc::new(trajectory.within(refusing(0.001)))));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    rig.run(441);
+    assert_eq!((rig.done(goal)[0].code, command(&rig, "x")), (Code::NONE, 10_000.0));
+}
+
+/// An axis at 1.1 times max_velocity, taken over by a trajectory with less margin: no stretch makes it slower.
+#[test]
+fn an_axis_too_fast_for_any_stretch_is_refused() {
+    let mut rig = Rig::enabled();
+    let fast = [(0, Some(0.0), None), (55_000, Some(110_000.0), None), (77_000, Some(110_000.0), None), rest(132_000)];
+    let first = rig.give(run(&[0, 1_000, 1_200, 2_200], vec![track(X, &fast)], scaling(0.1, 1.0)));
+    assert!(rig.was_accepted(first), "{}", rig.refusal(first));
+    rig.run(1_100);
+    let goal = rig.give(run(&[300], vec![track(X, &[rest(90_000)])], scaling(0.001, 10.0)));
+    let refusal = rig.refusal(goal);
+    assert!(refusal.starts_with("x: velocity 0.11"), "{refusal}");
+    assert!(
+        refusal.ends_with(", however long it takes: the axis is too fast where the trajectory begins"),
+        "{refusal}"
+    );
 }
 
 /// 5000 inc in 200 ms and back: from 25000 to -25000 inc/s at point 0, and an axis can do 1000 inc/s in a cycle.
@@ -302,7 +361,7 @@ proptest! {
         rig.enable();
         let goal = rig.give(Action::Trajectory(Arc::new(trajectory)));
         prop_assert!(rig.was_accepted(goal));
-        let (_, fastest, _) = played(&mut rig, goal, "x");
-        prop_assert!(fastest <= MAX_VELOCITY * 1.001);
+        let (_, fastest, hardest) = played(&mut rig, goal, "x");
+        prop_assert!(fastest <= MAX_VELOCITY * 1.001 && hardest <= MAX_ACCELERATION * 1.001_001, "{fastest} {hardest}");
     }
 }

@@ -5,6 +5,7 @@ use super::trajectory::{Point, track};
 use crate::code::Code;
 use crate::command::Action;
 use crate::modulo::Modulo;
+use crate::object::AxisSet;
 use crate::sim::{Model, SecondOrder};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use std::sync::Arc;
@@ -75,6 +76,20 @@ fn half_a_turn_is_up_and_the_first_point_decides() {
     assert_eq!(rig.int("x.target.position"), 9_500);
 }
 
+/// A trajectory whose first points are past when it arrives is turned as one that arrives in time: 5 ms after the first of them it asks for
+/// 300 inc and a little, which is where the axis stands, and not for the second point, to which half a turn back is nearer.
+#[test]
+fn points_that_are_past_do_not_change_the_turn() {
+    for start_ms in [0, -5] {
+        let mut rig = at_750_degrees((3_600, 1));
+        let points = vec![turned(&[rest(300), rest(2_300)])];
+        let goal =
+            rig.give(Action::Trajectory(Arc::new(trajectory(&[0, 2_000], points).starting(start_ms * MS as i64))));
+        assert!(rig.was_accepted(goal));
+        assert_eq!(rig.int("x.target.position"), 9_500, "{start_ms}");
+    }
+}
+
 /// A turn of 10000 / 3 inc: two of them are 6666 2/3 inc, and 100 inc at 7500 inc become 6766 2/3.
 #[test]
 fn a_turn_that_is_no_whole_number_of_increments_leaves_no_error() {
@@ -118,6 +133,13 @@ fn max_duration_refuses_longer_ones_and_ends_what_does_not_end() {
     let goal = rig.give(of(500, Tolerance::default()));
     rig.run(501);
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
+    // Between two cycles: the cycle that ends it is behind max_duration.
+    let mut rig = Rig::enabled();
+    let times = [499_500_000].into();
+    let late = Trajectory::new(0, times, [track(X, &[rest(1_000)])].into(), None).expect("a sound one");
+    let goal = rig.give(Action::Trajectory(Arc::new(late.ended_after(Some(499_700_000)))));
+    rig.run(501);
+    assert_eq!(rig.done(goal)[0].code, Code::NONE);
     // x lags behind its end at 500 ms, and would wait for its tolerance as long as it takes.
     let lazy = || Model::SecondOrder(SecondOrder::new(2.0, 0.8, 1_000_000).expect("a legal model"));
     let mut config = config(0);
@@ -132,4 +154,118 @@ fn max_duration_refuses_longer_ones_and_ends_what_does_not_end() {
     assert!(rig.done(goal).is_empty());
     rig.run(1);
     assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::TRAJECTORY_TOO_LONG, "STANDSTILL"));
+}
+
+fn later(start_ms: i64, times_ms: &[u64], tracks: Vec<Track>) -> Action {
+    Action::Trajectory(Arc::new(trajectory(times_ms, tracks).starting(start_ms * MS as i64)))
+}
+
+/// x from 0 to 10000 inc in 400 ms on a cubic, after so many of them.
+fn on_the_way(ms: f64) -> (f64, f64) {
+    let u = ms / 400.0;
+    (10_000.0 * (3.0 * u * u - 2.0 * u * u * u), 10_000.0 * (6.0 * u - 6.0 * u * u) / 0.4)
+}
+
+/// A rig whose x is on its way for 100 ms, and y with it.
+fn under_way() -> (Rig, u64) {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(run(&[400], vec![track(X, &[rest(10_000)]), track(Y, &[rest(-4_000)])]));
+    rig.run(100);
+    (rig, goal)
+}
+
+fn exactly(rig: &Rig, axis: &str) -> f64 {
+    rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
+}
+
+fn has_room(rig: &Rig) -> bool {
+    rig.machine.state().runs.iter().all(Option::is_none)
+}
+
+/// The goal of the one that runs ends, and its axis stays on it until the start: there the new one takes over without a jump. Axes that
+/// the new one has not stop.
+#[test]
+fn a_later_start_leaves_axes_on_the_trajectory_before_until_then() {
+    let (mut rig, old) = under_way();
+    let new = rig.give(later(100, &[400], vec![track(X, &[rest(14_000)])]));
+    assert!(rig.was_accepted(new));
+    assert_eq!(rig.done(old)[0].code, Code::REPLACED);
+    assert_eq!(rig.int("x.target.position"), 14_000);
+    for ms in 101..=201 {
+        assert!((exactly(&rig, "x") - on_the_way(f64::from(ms)).0).abs() < 1e-6, "{ms}: {}", exactly(&rig, "x"));
+        assert_eq!(rig.state("x"), "DISCRETE_MOTION");
+        if ms == 150 {
+            rig.mirror();
+        }
+        rig.run(1);
+    }
+    assert_eq!(rig.state("y"), "STANDSTILL");
+    let (from, velocity) = on_the_way(201.0);
+    for ms in 1..400 {
+        let u = f64::from(ms) / 400.0;
+        let (square, cube) = (u * u, u * u * u);
+        let way = from * (2.0 * cube - 3.0 * square + 1.0) + velocity * 0.4 * (cube - 2.0 * square + u);
+        let way = way + 14_000.0 * (3.0 * square - 2.0 * cube);
+        assert!((exactly(&rig, "x") - way).abs() < 1e-5, "{ms}: {} instead of {way}", exactly(&rig, "x"));
+        rig.run(1);
+    }
+    assert_eq!((rig.done(new)[0].code, exactly(&rig, "x")), (Code::NONE, 14_000.0));
+    assert_eq!(rig.done(old).len(), 1);
+    assert!(has_room(&rig));
+}
+
+/// The one before ends first: its axes rest at its end until the start.
+#[test]
+fn a_start_behind_the_end_of_the_trajectory_before_waits_there() {
+    let (mut rig, _) = under_way();
+    let new = rig.give(later(500, &[200], vec![track(X, &[rest(11_000)]), track(Y, &[rest(0)])]));
+    rig.run(299);
+    assert_eq!((exactly(&rig, "x"), exactly(&rig, "y")), (10_000.0, -4_000.0));
+    rig.run(201);
+    assert_eq!((exactly(&rig, "x"), exactly(&rig, "y")), (10_000.0, -4_000.0));
+    rig.run(200);
+    assert_eq!((rig.done(new)[0].code, exactly(&rig, "x"), exactly(&rig, "y")), (Code::NONE, 11_000.0, 0.0));
+    assert!(has_room(&rig));
+}
+
+/// What ends the new one while it waits stops its axes.
+#[test]
+fn what_ends_a_trajectory_that_waits_stops_its_axes() {
+    let both = || vec![track(X, &[rest(14_000)]), track(Y, &[rest(0)])];
+    for (halts, code) in [(true, Code::HALTED), (false, Code::CANCELLED)] {
+        let (mut rig, old) = under_way();
+        let new = rig.give(later(200, &[400], both()));
+        rig.run(20);
+        let x = AxisSet::one(X);
+        rig.give(if halts { Action::Halt(x) } else { Action::Cancel { goal: new } });
+        rig.run(150);
+        assert_eq!((rig.done(new).len(), rig.done(new)[0].code, rig.done(old).len()), (1, code, 1));
+        assert_eq!((rig.state("x"), rig.state("y")), ("STANDSTILL", "STANDSTILL"));
+        let rests = exactly(&rig, "x");
+        assert!(rests < on_the_way(250.0).0, "{rests}");
+        rig.run(500);
+        assert_eq!(exactly(&rig, "x"), rests);
+        assert!(has_room(&rig));
+    }
+}
+
+/// A third one replaces the one that waits: the axis stays on the first until that begins, or leaves it at once. One that is refused changes
+/// nothing.
+#[test]
+fn a_trajectory_that_waits_is_replaced_by_another() {
+    for start_ms in [150, 0] {
+        let (mut rig, _) = under_way();
+        let waiting = rig.give(later(100, &[400], vec![track(X, &[rest(14_000)])]));
+        rig.run(9);
+        let refused = rig.give(later(100, &[400], vec![track(X, &[rest(4_000_000)])]));
+        assert!(rig.refusal(refused).contains("exceeds max_velocity"), "{}", rig.refusal(refused));
+        assert!(rig.done(waiting).is_empty());
+        let last = rig.give(later(start_ms, &[400], vec![track(X, &[rest(12_000)])]));
+        assert_eq!(rig.done(waiting)[0].code, Code::REPLACED);
+        rig.run(start_ms.unsigned_abs());
+        assert!((exactly(&rig, "x") - on_the_way(112.0 + start_ms as f64).0).abs() < 1e-6);
+        rig.run(401);
+        assert_eq!((rig.done(last)[0].code, exactly(&rig, "x")), (Code::NONE, 12_000.0));
+        assert!(has_room(&rig));
+    }
 }

@@ -3,9 +3,11 @@
 use super::super::rig::{Rig, X, Y, to};
 use super::{shared_config, zero};
 use crate::code::Code;
-use crate::command::{Action, MasterPosition, SetEncoderPosition, SetMasterPosition};
-use crate::object::AxisSet;
-use crate::position::Length;
+use crate::command::{Action, MasterPosition, ProbeEdge, SetEncoderPosition, SetMasterPosition, TouchProbe};
+use crate::drive::{Edge, Latch};
+use crate::event::Kind;
+use crate::object::{AxisSet, Object};
+use crate::position::{Length, Position};
 
 const LINE: u16 = 0;
 
@@ -108,4 +110,23 @@ fn a_zero_that_leads_another_user_out_of_range_is_one_of_the_axis_alone() {
         "x: with its new zero a position or limit of the encoder or of an axis that reads it would leave +-2^62 increments, so \
          that only this axis has it"
     );
+}
+
+/// A zero of x moves y in the next cycle. What the drive of y catches in that cycle is recorded in the new coordinate.
+#[test]
+fn a_latch_in_the_cycle_of_a_shared_zero_has_the_new_coordinate() {
+    let mut rig = rig(0);
+    let source = Object::Axis(Y);
+    let request = TouchProbe { axis: Y, source, edge: ProbeEdge::Rising, continuous: true, window: None };
+    let probe = rig.give(Action::TouchProbe(request));
+    assert!(rig.was_accepted(probe));
+    let caught = |rig: &mut Rig| {
+        assert!(rig.plant.add_latch(Latch { object: source, edge: Edge::Rising, age_ns: None, position: Some(7) }));
+        rig.run(1);
+        let is_record = |event: &&crate::event::Event| event.kind == Kind::Latch && event.command == probe;
+        rig.events.iter().rfind(is_record).expect("a record").position
+    };
+    let before = caught(&mut rig);
+    rig.give(zero(X, 500));
+    assert_eq!(caught(&mut rig) - before, Position::whole(200));
 }
