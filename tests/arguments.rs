@@ -240,9 +240,11 @@ fn own_parameters_stand_among_those_of_the_machine() {
     let seen = bench.cyclone.run("params /lineshaft list --depth 1");
     let top = [
         "action_monitor_rate",
+        "allow_integration_in_goal_trajectories",
         "allow_nonzero_velocity_at_trajectory_end",
         "allow_partial_joints_goal",
         "angle_wraparound",
+        "controller_state_rate",
         "max_duration",
         "robot_description",
         "use_sim_time",

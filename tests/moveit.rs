@@ -88,7 +88,9 @@ fn limits_go_from_the_cell_to_moveit_and_back() {
     );
     let expected = cell.replacen("max_velocity: 180 deg/s", "max_velocity: 2.175 rad/s", 1);
     assert_eq!(bench.cell(), expected.replacen("max_acceleration: 400 deg/s^2", "max_acceleration: 3.75 rad/s^2", 1));
-    bench.good("check arm6.yaml");
+    // The URDF has the faster one still.
+    let (code, _, complaints) = bench.run("check arm6.yaml");
+    assert!(code == Some(0) && complaints.contains("joint1 has max_velocity 2.175 in SI"), "{complaints}");
 }
 
 #[test]
@@ -203,6 +205,7 @@ fn plan_is_played_recorded_replayed_and_drawn() {
     bench.write("plan.yaml", &plan);
     let (code, said, complaints) = bench.run("sim arm6.yaml --scenario arm6.scenario.yaml");
     assert_eq!(code, Some(1), "{said}{complaints}");
+    assert!(said.contains("exceeds max_velocity"), "{said}");
     let wrong = read("launch-configs/arm6/plan.yaml").replacen("joint3", "joint9", 1);
     bench.write("plan.yaml", &wrong);
     let (code, _, complaints) = bench.run("sim arm6.yaml --scenario arm6.scenario.yaml");

@@ -67,7 +67,7 @@ fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
 fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
     let _alone = alone();
     let mut bench = Bench::start();
-    let seen = bench.steps(0.0, "3600 -3600 5 -0.2");
+    let seen = bench.steps(0.0, "3600 -3600 5 -0.9");
     assert_eq!(seen.len(), 4, "{seen:?}");
     for (one, size) in seen.iter().zip(["forward by 3600.", "back by 3600.", "forward by 5.", "back by 0."]) {
         let text = one["text"].as_str().expect("a text");

@@ -128,6 +128,52 @@ fn a_goal_is_reached_and_says_so_as_the_controller_does() {
     assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 60e-6, "{last}");
 }
 
+/// GRP-TRAJ-12: 50 messages a second while somebody reads them; x moves 100 mm in 1 s on a cubic, and lags behind on a straight line.
+#[test]
+fn controller_state_shows_what_is_asked_for_and_what_is_there() {
+    let mut bench = Bench::enabled();
+    let states = |seen: &Observations| -> Vec<Value> { seen.all().iter().map(|one| one["state"].clone()).collect() };
+    let seen = states(&bench.cyclone.run("controller-state /lineshaft --seconds 2"));
+    // A first sample after a quarter of a second at the latest, then one each 20 ms; a busy machine may leave some out.
+    assert!((40..=101).contains(&seen.len()), "{} messages", seen.len());
+    let stamps: Vec<i64> = seen.iter().map(|one| nanoseconds(&one["header"]["stamp"])).collect();
+    assert!(stamps.windows(2).all(|pair| pair[1] > pair[0]), "{stamps:?}");
+    bench.cyclone.run(&all(1.0, 0.1, 0.0, 0.0));
+    bench.cyclone.run(&all(1.0, 0.0, 0.0, 0.0).replacen(":0,0,0", "", 1));
+    let seen = states(&bench.cyclone.run("controller-state /lineshaft"));
+    let number = |one: &Value, part: &str, field: &str| one[part][field][0].as_f64().expect("a number");
+    let (mut moved, mut lagged) = (false, false);
+    for one in &seen {
+        assert_eq!((&one["joint_names"], &one["speed_scaling_factor"]), (&json!(["x", "y", "turret"]), &json!(1.0)));
+        let [reference, feedback, error, output] =
+            ["reference", "feedback", "error", "output"].map(|part| number(one, part, "positions"));
+        assert!((reference - feedback - error).abs() < 1e-12, "{one}");
+        moved |= number(one, "reference", "velocities") > 0.1 && number(one, "output", "accelerations") != 0.0;
+        // By 0.1^2 / (2 * 8) m at most.
+        lagged |= (reference - output).abs() > 3e-4;
+    }
+    assert!(moved && lagged, "{seen:?}");
+    bench.cyclone.run("params /lineshaft set controller_state_rate=0");
+    bench.cyclone.run("controller-state /lineshaft --seconds 0.5");
+    assert_eq!(states(&bench.cyclone.run("controller-state /lineshaft --seconds 0.5")), [] as [Value; 0]);
+}
+
+/// From 0 to 0.1 m/s in 0.5 s, 1 s at that, and to rest in 0.5 s: 25 + 100 + 25 mm, with 1048576 inc for 10 mm.
+#[test]
+fn points_of_velocities_alone_are_integrated_where_the_node_is_told_so() {
+    let mut bench = Bench::enabled();
+    let goal = "follow /lineshaft --joint x --joint y --joint turret --point 0.5::0.1,0,0 --point 1.5::0.1,0,0 --point 2::0,0,0";
+    bench.cyclone.fails(goal);
+    let log = bench.log();
+    assert!(
+        log.contains("points have velocities alone; give positions, or set allow_integration_in_goal_trajectories"),
+        "{log}"
+    );
+    bench.cyclone.run("params /lineshaft set allow_integration_in_goal_trajectories=true");
+    assert_eq!(bench.cyclone.run(goal)["status"], "SUCCEEDED");
+    assert_eq!(bench.command("x"), 15 * 1_048_576);
+}
+
 /// MoveIt sends one point at time 0 where start and goal are the same; others send the same point twice, or where they are and the way.
 #[test]
 fn a_goal_where_the_joints_are_is_reached() {

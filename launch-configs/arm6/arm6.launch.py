@@ -33,6 +33,8 @@ def start(context):
     def given(name):
         return LaunchConfiguration(name).perform(context)
 
+    if given("cell") and not given("urdf"):
+        raise RuntimeError("urdf is missing: give the URDF of the cell, urdf:=FILE")
     folder = Path(get_package_share_directory("lineshaft")) / "launch-configs" / "arm6"
     arguments = ["run", given("cell") or str(folder / "arm6.yaml")]
     if given("sim") == "true":

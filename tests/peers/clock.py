@@ -102,7 +102,7 @@ def steps(peer, a):
         seen = []
         rw.wait_until(lambda: seen.extend([*events.take(), *lines.take()]) or len(seen) > 1, rw.REPLY_S, "no refusal")
         for w in (events, lines):
-            if abs(w.ahead - before) > 0.05:
+            if abs(w.ahead - before) > abs(step) / 2:
                 raise Failure(f"{w.topic} is {w.ahead} s ahead after the step to {before}")
     show(ahead=before)
 

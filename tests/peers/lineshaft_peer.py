@@ -15,8 +15,10 @@ import time
 import checks
 import clock
 import conformance
+import controllers
 import functions
 import goals
+import gripper
 import hammer
 import homing
 import hostile
@@ -407,10 +409,12 @@ def parser():
     functions.add_commands(command)
     shaft.add_commands(command)
     streams.add_commands(command)
+    gripper.add_commands(command)
     trajectories.add_commands(command)
     rtps_check.add_commands(command)
     tune.add_commands(command)
     clock.add_commands(command)
+    controllers.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)
     p = command("burst", hammer.burst, count=200)

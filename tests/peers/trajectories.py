@@ -128,6 +128,22 @@ class FollowFeedback(IdlStruct, typename="FollowFeedback"):
     multi_dof_error: MultiDOFPoint = field(default_factory=MultiDOFPoint)
 
 
+@dataclass
+class ControllerState(IdlStruct, typename="control_msgs::msg::dds_::JointTrajectoryControllerState_"):
+    header: rw.Header = field(default_factory=rw.Header)
+    joint_names: t.sequence[str] = field(default_factory=list)
+    reference: Point = field(default_factory=Point)
+    feedback: Point = field(default_factory=Point)
+    error: Point = field(default_factory=Point)
+    output: Point = field(default_factory=Point)
+    multi_dof_joint_names: t.sequence[str] = field(default_factory=list)
+    multi_dof_reference: MultiDOFPoint = field(default_factory=MultiDOFPoint)
+    multi_dof_feedback: MultiDOFPoint = field(default_factory=MultiDOFPoint)
+    multi_dof_error: MultiDOFPoint = field(default_factory=MultiDOFPoint)
+    multi_dof_output: MultiDOFPoint = field(default_factory=MultiDOFPoint)
+    speed_scaling_factor: t.float64 = 0.0
+
+
 def client_of(peer, a):
     name = f"{a.node}/{a.group}/follow_joint_trajectory" if a.group else f"{a.node}/follow_joint_trajectory"
     return peer.once(name, lambda: rw.ActionClient(peer.dp, name, "control_msgs/FollowJointTrajectory", FollowGoal,
@@ -213,7 +229,22 @@ def publish(peer, a):
     show(published=name)
 
 
+def controller_state(peer, a):
+    """All messages of some seconds, and all since the call before."""
+    stream = peer.stream(f"{a.node}/{a.group}/controller_state" if a.group else f"{a.node}/controller_state",
+                         ControllerState)
+    end = time.monotonic() + a.seconds
+    while True:
+        for m in stream.take():
+            show(state=m)
+        if time.monotonic() > end:
+            break
+        time.sleep(0.001)
+
+
 def add_commands(command):
+    command("controller-state", controller_state, group="", seconds=0.0)
+
     def joints(p):
         p.add_argument("--group", default="")
         p.add_argument("--joint", action="append", default=[])

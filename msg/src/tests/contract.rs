@@ -7,6 +7,7 @@ use crate::action::{SynchronizeFeedback, SynchronizeGoal};
 use crate::files::{OWN, read_all};
 use crate::foreign::action_msgs::msg::GoalStatus;
 use crate::foreign::action_msgs::srv::CancelGoalResponse;
+use crate::foreign::controller_manager_msgs::srv::SwitchControllerRequest;
 use crate::foreign::rcl_interfaces::msg::{Log, ParameterType};
 use crate::foreign::rcl_interfaces::srv::ListParametersRequest;
 use crate::interface::{Field, Interface, Section};
@@ -435,7 +436,42 @@ const OWN_INTERFACES: [(&str, &str); 37] = [
 ];
 
 /// The layouts of other packages that are easy to get wrong, in the same form.
-const FOREIGN_INTERFACES: [(&str, &str, &str); 13] = [
+const FOREIGN_INTERFACES: [(&str, &str, &str); 29] = [
+    (
+        "control_msgs",
+        "msg/JointTrajectoryControllerState",
+        "std_msgs/Header header
+        string[] joint_names
+        trajectory_msgs/JointTrajectoryPoint reference feedback error output
+        string[] multi_dof_joint_names
+        trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_reference multi_dof_feedback multi_dof_error multi_dof_output
+        float64 speed_scaling_factor",
+    ),
+    ("control_msgs", "msg/GripperCommand", "float64 position max_effort"),
+    (
+        "control_msgs",
+        "action/GripperCommand",
+        "control_msgs/GripperCommand command
+        ---
+        float64 position effort
+        bool stalled reached_goal
+        ---
+        float64 position effort
+        bool stalled reached_goal",
+    ),
+    (
+        "control_msgs",
+        "action/ParallelGripperCommand",
+        "sensor_msgs/JointState command
+        ---
+        sensor_msgs/JointState state
+        bool stalled reached_goal
+        ---
+        sensor_msgs/JointState state",
+    ),
+    ("controller_manager_msgs", "srv/LoadController", "string name\n---\nbool ok"),
+    ("controller_manager_msgs", "srv/UnloadController", "string name\n---\nbool ok"),
+    ("controller_manager_msgs", "srv/ReloadControllerLibraries", "bool force_kill\n---\nbool ok"),
     ("builtin_interfaces", "msg/Time", "int32 sec\nuint32 nanosec"),
     ("std_msgs", "msg/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
     ("std_srvs", "srv/Trigger", "---\nbool success\nstring message"),
@@ -503,6 +539,75 @@ const FOREIGN_INTERFACES: [(&str, &str, &str); 13] = [
         bool is_rtr is_extended is_error
         uint8 dlc
         uint8[8] data",
+    ),
+    (
+        "controller_manager_msgs",
+        "msg/ChainConnection",
+        "string name
+        string[] reference_interfaces",
+    ),
+    (
+        "controller_manager_msgs",
+        "msg/ControllerState",
+        "string name state type
+        bool is_async
+        uint16 update_rate
+        string[] claimed_interfaces required_command_interfaces required_state_interfaces
+        bool is_chainable is_chained
+        string[] exported_state_interfaces reference_interfaces
+        controller_manager_msgs/ChainConnection[] chain_connections",
+    ),
+    (
+        "controller_manager_msgs",
+        "msg/HardwareInterface",
+        "string name data_type
+        bool is_available is_claimed",
+    ),
+    (
+        "controller_manager_msgs",
+        "msg/HardwareComponentState",
+        "string name type
+        bool is_async
+        uint16 rw_rate
+        string class_type plugin_name
+        lifecycle_msgs/State state
+        controller_manager_msgs/HardwareInterface[] command_interfaces state_interfaces",
+    ),
+    (
+        "controller_manager_msgs",
+        "srv/ListControllers",
+        "---
+        controller_manager_msgs/ControllerState[] controller",
+    ),
+    (
+        "controller_manager_msgs",
+        "srv/ListControllerTypes",
+        "---
+        string[] types base_classes",
+    ),
+    (
+        "controller_manager_msgs",
+        "srv/ListHardwareComponents",
+        "---
+        controller_manager_msgs/HardwareComponentState[] component",
+    ),
+    (
+        "controller_manager_msgs",
+        "srv/ListHardwareInterfaces",
+        "---
+        controller_manager_msgs/HardwareInterface[] command_interfaces state_interfaces",
+    ),
+    (
+        "controller_manager_msgs",
+        "srv/SwitchController",
+        "int32 BEST_EFFORT=1 STRICT=2 AUTO=3 FORCE_AUTO=4
+        string[] activate_controllers deactivate_controllers
+        int32 strictness
+        bool activate_asap
+        builtin_interfaces/Duration timeout
+        ---
+        bool ok
+        string message",
     ),
     ("sensor_msgs", "msg/JointState", "std_msgs/Header header\nstring[] name\nfloat64[] position velocity effort"),
 ];
@@ -628,5 +733,6 @@ fn every_constant_has_its_value() {
             ERROR_NONE = 0, ERROR_REJECTED = 1, ERROR_UNKNOWN_GOAL_ID = 2, ERROR_GOAL_TERMINATED = 3
         }
     }
+    constants! { i32: SwitchControllerRequest { BEST_EFFORT = 1, STRICT = 2, AUTO = 3, FORCE_AUTO = 4 } }
     constants! { u64: ListParametersRequest { DEPTH_RECURSIVE = 0 } }
 }

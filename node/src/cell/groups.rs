@@ -5,7 +5,7 @@ use super::names::{Entry, Once, Section, is_virtual, quote};
 use super::times::time_up_to;
 use crate::document::Value;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
-use lineshaft_ros::surface::{Group, TrajectorySettings};
+use lineshaft_ros::surface::{GripperSettings, Group, TrajectorySettings};
 
 /// Reads the groups.
 pub(super) fn read(cx: &Context<'_>) -> Vec<Group> {
@@ -14,25 +14,41 @@ pub(super) fn read(cx: &Context<'_>) -> Vec<Group> {
 
 /// Reads a group: a list of its axes, or a map with the list under `axes`.
 fn group<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> Group {
-    let named = |axes, trajectories| Group { name: entry.name().to_owned(), axes, trajectories };
+    let named = |axes, trajectories, gripper| Group { name: entry.name().to_owned(), axes, trajectories, gripper };
     let usual = TrajectorySettings::default();
     if !entry.value.is_map() {
-        return named(axes(&entry.value, entry, cx), usual);
+        return named(axes(&entry.value, entry, cx), usual, None);
     }
     let Some(mut map) = entry.value.map(format!("group {}", entry.quoted())) else {
-        return named(Vec::new(), usual);
+        return named(Vec::new(), usual, None);
     };
     let axes = map.required("axes").map_or_else(Vec::new, |value| axes(&value, entry, cx));
     let limits = map.optional("trajectory_limits").and_then(|value| trajectory_limits(&value));
     let wraps = map.optional("angle_wraparound").and_then(|value| value.boolean());
     let max_duration = map.optional("max_duration").and_then(|value| time_up_to(&value, TrajectorySettings::LONGEST));
+    let (slowest, fastest) = TrajectorySettings::STATE_RATES;
+    let rate = map.optional("controller_state_rate").and_then(|value| value.number(slowest..=fastest));
+    let gripper = map.optional("gripper").and_then(|value| gripper(&value, entry, axes.len()));
     map.finish();
     let trajectories = TrajectorySettings {
         limits: limits.unwrap_or_default(),
         angle_wraparound: wraps.unwrap_or(usual.angle_wraparound),
         max_duration: max_duration.map_or(usual.max_duration, |ns| ns as f64 / 1e9),
+        state_rate: rate.unwrap_or(usual.state_rate),
     };
-    named(axes, trajectories)
+    named(axes, trajectories, gripper)
+}
+
+/// Reads what makes a group of one axis a gripper.
+fn gripper(value: &Value<'_>, entry: &Entry<'_>, axes: usize) -> Option<GripperSettings> {
+    let mut map = value.map("gripper")?;
+    let allow_stalling = map.optional("allow_stalling").map_or(Some(false), |value| value.boolean());
+    map.finish();
+    if axes != 1 {
+        value.refuse(format!("group {} has {axes} axes; a gripper has one", entry.quoted()), None);
+        return None;
+    }
+    Some(GripperSettings { allow_stalling: allow_stalling? })
 }
 
 fn axes<'d>(value: &Value<'d>, entry: &Entry<'d>, cx: &Context<'d>) -> Vec<u16> {

@@ -216,7 +216,9 @@ impl Joint {
         let mut warnings = Vec::new();
         let mut beyond = |what: &str, joint: f64, key: &str, axis: f64| {
             let begin = format!("robot_description: joint {name}: {what} is {joint}, and axis {of} has {key} {axis}");
-            warnings.push(format!("{begin} in SI: goals between them are planned, and refused"));
+            let end =
+                if key == "max_velocity" { "take longer, or are refused (trajectory_limits)" } else { "are refused" };
+            warnings.push(format!("{begin} in SI: plans between them {end}"));
         };
         if let Some([lower, upper]) = self.range {
             let [least, most] = positions(axis);
@@ -332,8 +334,8 @@ mod tests {
         assert_eq!(
             robot.warnings(&cell.machine, &cell.joint_names),
             [
-                "robot_description: joint Slide_X: lower is -0.06, and axis x has min_position -0.05 in SI: goals between them \
-                 are planned, and refused",
+                "robot_description: joint Slide_X: lower is -0.06, and axis x has min_position -0.05 in SI: plans between them \
+                 are refused",
                 "robot_description: joint x: the joint name of axis x is Slide_X, so nothing moves it",
                 "robot_description: joint turret is prismatic, and axis turret is rotary",
             ]

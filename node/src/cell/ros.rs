@@ -10,6 +10,9 @@ use std::time::Duration;
 /// Longest node name, and longest namespace.
 const LONGEST: usize = 245;
 
+/// Longest name of a controller manager: the longest of its services has 247, as many as ROS allows.
+const LONGEST_MANAGER: usize = 247 - "/list_hardware_components".len();
+
 /// Section `ros`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RosOptions {
@@ -27,6 +30,8 @@ pub struct RosOptions {
     pub autostart: bool,
     /// The URDF file, from the folder of the cell; none: nothing is described.
     pub robot_description: Option<String>,
+    /// Absolute name of the controller manager whose services are offered; none: they do not exist.
+    pub controller_manager: Option<String>,
     /// Network interfaces by name or address; empty: as the environment says.
     pub interfaces: Vec<String>,
     /// What the machine does when its ROS side is lost.
@@ -56,6 +61,7 @@ impl Default for RosOptions {
             shaft_rate: Some(100.0),
             autostart: true,
             robot_description: None,
+            controller_manager: None,
             interfaces: Vec::new(),
             on_loss: OnLoss::Halt,
             loss_timeout: Duration::from_secs(2),
@@ -81,6 +87,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let shaft_rate = map.optional("shaft_rate").map(|value| rate_or_off(&value));
     let autostart = map.optional("autostart").map(|value| value.boolean());
     let robot_description = map.optional("robot_description").map(|value| file_name(&value));
+    let controller_manager = map.optional("controller_manager").map(|value| controller_manager(&value));
     let interfaces = map.optional("interfaces").map(|value| interfaces(&value));
     let on_loss = map.optional("on_loss").map(|value| on_loss(&value));
     let loss_timeout = map.optional("loss_timeout").map(|value| time(&value, 0.5..=5.0));
@@ -94,6 +101,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         shaft_rate: shaft_rate.unwrap_or(Some(usual.shaft_rate))?,
         autostart: autostart.unwrap_or(Some(usual.autostart))?,
         robot_description: robot_description.map_or(Some(None), |file| file.map(Some))?,
+        controller_manager: controller_manager.map_or(Some(None), |name| name.map(Some))?,
         interfaces: interfaces.unwrap_or(Some(usual.interfaces))?,
         on_loss: on_loss.unwrap_or(Some(usual.on_loss))?,
         loss_timeout: loss_timeout.unwrap_or(Some(usual.loss_timeout))?,
@@ -135,15 +143,39 @@ fn node_name(value: &Value<'_>) -> Option<String> {
 
 fn namespace(value: &Value<'_>) -> Option<String> {
     let text = value.text()?;
-    let tokens = text.strip_prefix('/');
-    if text == "/" || tokens.is_some_and(|tokens| tokens.split('/').all(is_token)) && text.len() <= LONGEST {
+    if text == "/" || is_absolute(text) && text.len() <= LONGEST {
         return Some(text.to_owned());
     }
-    let with_slash = format!("/{}", text.trim_matches('/'));
-    let hint = with_slash[1..].split('/').all(is_token).then(|| format!("write {}", quote(&with_slash)));
+    let hint = absolute_hint(text);
     let allowed = "/ or names that each follow a /, such as /cell_1/press, is allowed";
     value.refuse(format!("namespace is {}; {allowed}", quote(text)), hint);
     None
+}
+
+/// The absolute name of a controller manager.
+fn controller_manager(value: &Value<'_>) -> Option<String> {
+    let text = value.text()?;
+    if is_absolute(text) && text.len() <= LONGEST_MANAGER {
+        return Some(text.to_owned());
+    }
+    let allowed = format!(
+        "an absolute name of at most {LONGEST_MANAGER} characters, such as /controller_manager or \
+         /lineshaft/controller_manager, is allowed"
+    );
+    let hint = if text == "true" { Some("write `/controller_manager`".to_owned()) } else { absolute_hint(text) };
+    value.refuse(format!("controller_manager is {}; {allowed}", quote(text)), hint);
+    None
+}
+
+/// Whether a text is names that each follow a /.
+fn is_absolute(text: &str) -> bool {
+    text.strip_prefix('/').is_some_and(|tokens| tokens.split('/').all(is_token))
+}
+
+/// The same with a / before it and none after it, where that is an absolute name.
+fn absolute_hint(text: &str) -> Option<String> {
+    let with_slash = format!("/{}", text.trim_matches('/'));
+    (with_slash != text && is_absolute(&with_slash)).then(|| format!("write {}", quote(&with_slash)))
 }
 
 /// A file from the folder of the cell.

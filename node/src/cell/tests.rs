@@ -84,7 +84,12 @@ fn the_example_of_the_contract_is_good() {
     assert_eq!(axes.iter().map(|axis| axis.parameters.homing.method).collect::<Vec<_>>(), [0, 35, 0]);
     assert_eq!(
         cell.groups,
-        [Group { name: "arm".to_owned(), axes: vec![1, 2], trajectories: TrajectorySettings::default() }]
+        [Group {
+            name: "arm".to_owned(),
+            axes: vec![1, 2],
+            trajectories: TrajectorySettings::default(),
+            gripper: None
+        }]
     );
     assert!(cell.backends.iter().all(|backend| backend.is_simulated()));
     assert_eq!(cell.models, [Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap()), Model::Ideal]);

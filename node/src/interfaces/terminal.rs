@@ -10,17 +10,22 @@ use std::fmt::Write;
 
 /// Before what is said about something.
 const INDENT: usize = 8;
+/// Names up to this width are in one column with their types after them; what is longer is ahead of its type.
+const COLUMN: usize = 32;
 /// However narrow the terminal is.
 const NARROWEST: usize = 30;
 
 /// Every topic, service and action, `width` columns wide.
 pub fn listing(width: usize) -> String {
-    let name = ROWS.iter().map(|row| row.name.len()).max().unwrap_or(0);
+    let name = ROWS.iter().map(|row| row.name.len()).filter(|name| *name <= COLUMN).max().unwrap_or(0);
     ROWS.iter().map(|row| endpoint(row, name, width)).collect()
 }
 
 fn endpoint(row: &Row, name: usize, width: usize) -> String {
-    let mut text = format!("{:INDENT$}{:name$}  {}\n", kind_text(row.kind), row.name, short(row.interface));
+    let (head, interface) = (format!("{:INDENT$}{:name$}", kind_text(row.kind), row.name), short(row.interface));
+    let is_too_long = head.len() + 2 + interface.len() > width;
+    let between = if is_too_long { format!("\n{:INDENT$}", "") } else { "  ".to_owned() };
+    let mut text = format!("{head}{between}{interface}\n");
     if row.kind == Kind::Publisher || row.kind == Kind::Subscription {
         lines(&mut text, &qos_text(row.qos), INDENT, width);
     }
@@ -69,7 +74,11 @@ pub fn meant(name: &str) -> Option<&'static str> {
 fn is_called(row: &Row, name: &str) -> bool {
     let own = row.name.trim_start_matches("~/").trim_start_matches('/');
     let before = name.strip_suffix(own);
-    before.is_some_and(|before| before.is_empty() || before == "~/" || before.starts_with('/') && before.ends_with('/'))
+    // Of controller_manager the last word is enough.
+    own.rsplit('/').next() == Some(name)
+        || before.is_some_and(|before| {
+            before.is_empty() || before == "~/" || before.starts_with('/') && before.ends_with('/')
+        })
 }
 
 fn section(text: &mut String, section: &Section, width: usize) {

@@ -98,6 +98,9 @@ fn details_are_found_by_type_and_by_name() {
     assert_eq!(details("remove_axis", 80), None);
     let text = details("joint_states", 80).unwrap();
     assert!(text.ends_with("`ros2 interface show sensor_msgs/msg/JointState`\n"), "{text}");
+    let text = details("switch_controller", 80).unwrap();
+    assert!(text.contains("`ros2 interface show controller_manager_msgs/srv/SwitchController`\n"), "{text}");
+    assert_eq!(details("/controller_manager/switch_controller", 80), Some(text));
     assert_eq!(details("nothing", 80), None);
     assert_eq!(details("other_msgs/MoveAxis", 80), None);
 }

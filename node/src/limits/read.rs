@@ -104,7 +104,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         match has {
             Some((Some(false), has)) if is_any => {
                 let sentence = format!(
-                    "{name}: has_position_limits is false, and a position limit stands there, which MoveIt reads"
+                    "{name}: has_position_limits is false, but MoveIt reads a position limit wherever it is given"
                 );
                 has.refuse(sentence, Some("write true, or leave the limits out".to_owned()));
             }
@@ -131,7 +131,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         let is_there = flag.as_ref().map(Value::boolean);
         match (is_there, given) {
             (None, Some(given)) => {
-                let sentence = format!("{name}: {key} stands there without {has}: MoveIt does not read it");
+                let sentence = format!("{name}: {has} is missing: MoveIt does not read {key}");
                 given.refuse(sentence, Some(format!("add `{has}: true`")));
             }
             (Some(Some(true)), None) => {

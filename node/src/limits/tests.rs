@@ -224,9 +224,9 @@ fn bad_files_are_refused_all_at_once_by_joint_and_line() {
          l.yaml:10:15: arm: max_jerk is 0 rad/s^3; more than 0 up to 174532925000 rad/s^3 is allowed\n\
          l.yaml:11:5: unknown key `max_torque` in joint `arm`\n\
          l.yaml:13:26: has_velocity_limits is `1`; true or false is allowed, write `true`\n\
-         l.yaml:15:26: lift: has_position_limits is false, and a position limit stands there, which MoveIt reads, write true, or leave the limits out\n\
+         l.yaml:15:26: lift: has_position_limits is false, but MoveIt reads a position limit wherever it is given, write true, or leave the limits out\n\
          l.yaml:17:19: lift: max_position: `1e30 m` is 1e36 increments; a position stays below 2^62 = 4611686018427387904 increments\n\
-         l.yaml:18:23: lift: max_acceleration stands there without has_acceleration_limits: MoveIt does not read it, add `has_acceleration_limits: true`\n\
+         l.yaml:18:23: lift: has_acceleration_limits is missing: MoveIt does not read max_acceleration, add `has_acceleration_limits: true`\n\
          l.yaml:19:22: lift: has_jerk_limits is true; max_jerk is missing\n",
     );
     refused(

@@ -56,6 +56,7 @@ pub struct Handle {
     keeper: Option<Orders>,
     joint_names: JointNames,
     robot_description: Option<String>,
+    controller_manager: Option<String>,
     gate: Arc<Gate>,
     statistics: Arc<Statistics>,
     /// Counts at the last call of [`Host::statistics`].
@@ -123,6 +124,7 @@ impl Handle {
             begins_active: true,
             clock_stepped: AtomicU64::new(0),
             robot_description: None,
+            controller_manager: None,
             joint_names,
         }
     }
@@ -171,6 +173,11 @@ impl Handle {
     /// The same, whose robot is described by this URDF.
     pub fn with_robot_description(self, robot_description: Option<String>) -> Self {
         Self { robot_description, ..self }
+    }
+
+    /// The same, which offers the services of a controller manager of that absolute name.
+    pub fn with_controller_manager(self, controller_manager: Option<String>) -> Self {
+        Self { controller_manager, ..self }
     }
 
     /// Ends the thread of the store, once it has written what it has.
@@ -230,6 +237,10 @@ impl Host for Handle {
 
     fn robot_description(&self) -> Option<&str> {
         self.robot_description.as_deref()
+    }
+
+    fn controller_manager(&self) -> Option<&str> {
+        self.controller_manager.as_deref()
     }
 
     fn config(&self) -> &MachineConfig {

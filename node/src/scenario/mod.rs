@@ -119,6 +119,7 @@ impl Scenario {
                     joints: Some(&cell.joint_names),
                     backends: &cell.backends,
                     directory: machine.directory(),
+                    groups: &cell.groups,
                     folder: Some(folder),
                 };
                 document.root("the scenario").and_then(|root| read(&root, &names, folder, &document))

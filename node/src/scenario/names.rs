@@ -8,7 +8,7 @@ use lineshaft_core::parameter::{Applies, ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::unit::{Scale, excerpt};
-use lineshaft_ros::surface::JointNames;
+use lineshaft_ros::surface::{Group, JointNames};
 use std::path::Path;
 
 /// The names of a cell.
@@ -19,6 +19,8 @@ pub(super) struct Names<'c> {
     /// Backends that can be named, in the order of the cell.
     pub backends: &'c [CellBackend],
     pub directory: &'c Directory,
+    /// Groups of its axes, whose settings trajectories have; none for what was recorded, which has its own.
+    pub groups: &'c [Group],
     /// Where files are that it names; nowhere for what was recorded.
     pub folder: Option<&'c Path>,
 }

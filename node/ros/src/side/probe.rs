@@ -2,8 +2,8 @@
 //!
 //! Law      at each probe, its event loop must take a sample and send it (`Barrier`). Every 5 s a simulated participant announces
 //!          itself on the discovery socket of the library, and is disposed again. Both threads of the library have to handle an
-//!          announcement before the library reports it. While the library cannot, because the system clock was set back and another side
-//!          is about to take over, announcements are left out for at most [`SUCCESSION`]. If the library does not report them, both datagrams are sent up to three times,
+//!          announcement before the library reports it. While the library cannot, because the system clock was set back,
+//!          announcements are left out: for as long as it was set back, or for at most [`SUCCESSION`] where another side is about to take over. If the library does not report them, both datagrams are sent up to three times,
 //!          because a datagram may get lost
 
 use std::sync::Mutex;
@@ -25,6 +25,8 @@ const PATIENCE: Duration = Duration::from_millis(100);
 const TRIES: u32 = 3;
 /// Maximum time for which the discovery of the library may be deaf after the system clock was set back.
 const SUCCESSION: Duration = Duration::from_secs(30);
+/// A step back by less (ns) is no reason for the library to be deaf.
+const SMALL_STEP_NS: i64 = 10_000_000;
 /// Lease of the simulated participant in seconds; longer than it ever exists.
 const LEASE_S: i32 = 600;
 
@@ -42,18 +44,20 @@ struct Turn {
     next: Instant,
     sequence: i64,
     set_back: SetBack,
-    /// When it was noticed that the clock was set back.
-    deaf: Option<Instant>,
+    /// When it was noticed that the clock was set back, and by how much (ns).
+    deaf: Option<(Instant, i64)>,
 }
 
 impl Turn {
     /// Whether the library is deaf, because the clock was set back, and may be.
     fn is_excused(&mut self) -> bool {
-        if self.set_back.by_ns() <= SET_BACK_NS {
-            self.deaf = None;
-            return false;
+        let by_ns = self.set_back.by_ns();
+        if self.deaf.map_or(0, |(_, before)| before).saturating_add(SMALL_STEP_NS) < by_ns {
+            self.deaf = Some((Instant::now(), by_ns));
         }
-        self.deaf.get_or_insert_with(Instant::now).elapsed() < SUCCESSION
+        // Up to SET_BACK_NS the library is deaf until the clock shows the earlier time again.
+        let most = if by_ns > SET_BACK_NS { SUCCESSION } else { Duration::from_nanos(by_ns.unsigned_abs()) };
+        self.deaf.is_some_and(|(since, _)| since.elapsed() < most)
     }
 }
 

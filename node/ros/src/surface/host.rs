@@ -289,6 +289,11 @@ pub trait Host: Send + Sync + 'static {
         None
     }
 
+    /// Absolute name of the controller manager whose services are offered; none: they do not exist.
+    fn controller_manager(&self) -> Option<&str> {
+        None
+    }
+
     /// Do cycles run from the start, with axes that may be switched on? Else they wait for [`Host::open`].
     fn begins_active(&self) -> bool;
 

@@ -6,11 +6,13 @@ pub mod host;
 
 mod abort;
 mod axes;
+mod controllers;
 mod cycle_statistics;
 mod diagnostics;
 mod functions;
 mod gear_out;
 mod goal;
+mod gripper;
 mod group;
 mod history;
 mod home;
@@ -47,7 +49,7 @@ mod tune;
 mod urdf;
 mod vocabulary;
 
-pub use group::{Group, TrajectorySettings};
+pub use group::{GripperSettings, Group, TrajectorySettings};
 pub use hub::is_told;
 pub use joint_names::JointNames;
 #[cfg(any(test, feature = "fuzz"))]
@@ -57,6 +59,7 @@ pub use parameters::start_commands;
 pub use states::{StateReceiver, StateSender, states};
 
 use crate::layer::{CreateError, Node};
+use controllers::Controllers;
 use host::{Host, StampedEvent};
 use hub::Hub;
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, Synchronize};
@@ -92,7 +95,7 @@ impl Surface {
         states::start(&node, &host, states, &mut tasks)?;
         cycle_statistics::start(&node, &hub, &mut tasks)?;
         let life = lifecycle::start(&node, &hub, &mut tasks)?;
-        diagnostics::start(&node, &hub, life, &mut tasks)?;
+        diagnostics::start(&node, &hub, Arc::clone(&life), &mut tasks)?;
         axes::start(&node, &hub, &mut tasks)?;
         abort::start(&node, &hub, &mut tasks)?;
         goal::start::<MoveAxis>(&node, &hub, &mut tasks)?;
@@ -111,7 +114,12 @@ impl Surface {
         robot_description::start(&node, &hub, &mut tasks)?;
         streams::start(&node, &hub, &mut tasks)?;
         vocabulary::start(&node, &hub, &mut tasks)?;
-        trajectory::start(&node, &hub, groups, &mut tasks)?;
+        let joints = trajectory::Joints::all(host.config(), host.joint_names(), host.directory(), groups);
+        let controllers = Controllers::new(host.controller_manager(), node.name().name(), joints);
+        let controllers = Arc::new(controllers);
+        trajectory::start(&node, &hub, &controllers, &mut tasks)?;
+        gripper::start(&node, &hub, groups, &controllers, &mut tasks)?;
+        controllers::start(&node, &hub, &controllers, &life, &mut tasks)?;
         tune::start(&node, &hub, &mut tasks)?;
         // Last: it shows what the others have declared, and refuses what was given for none of them.
         parameters::start(&node, &hub, &mut tasks)?;

@@ -1,5 +1,6 @@
 //! Answers that refuse a request before it becomes a command.
 
+use lineshaft_msgs::foreign::controller_manager_msgs::srv::{SwitchControllerRequest, SwitchControllerResponse};
 use lineshaft_msgs::foreign::lifecycle_msgs::srv::{ChangeStateRequest, ChangeStateResponse};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::SetParametersResult;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{
@@ -63,6 +64,12 @@ impl Refusing<CommandFunctionRequest> for CommandFunctionResponse {
 impl Refusing<SdoReadRequest> for SdoReadResponse {
     fn refusing(_: &SdoReadRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
+    }
+}
+
+impl Refusing<SwitchControllerRequest> for SwitchControllerResponse {
+    fn refusing(_: &SwitchControllerRequest, message: String) -> Self {
+        Self { ok: false, message }
     }
 }
 

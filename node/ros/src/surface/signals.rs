@@ -77,7 +77,7 @@ impl AxisView {
     }
 
     /// Command position in m or rad.
-    fn command(&self, board: &Board) -> f64 {
+    pub(super) fn command(&self, board: &Board) -> f64 {
         let fraction = self.real(board, AxisSignal::CommandFraction);
         self.si(self.int(board, AxisSignal::CommandPosition), fraction)
     }

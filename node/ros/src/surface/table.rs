@@ -6,8 +6,12 @@ use crate::layer::{
     ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, Tune};
-use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectory;
-use lineshaft_msgs::foreign::control_msgs::msg::JointJog;
+use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, GripperCommand, ParallelGripperCommand};
+use lineshaft_msgs::foreign::control_msgs::msg::{JointJog, JointTrajectoryControllerState};
+use lineshaft_msgs::foreign::controller_manager_msgs::srv::{
+    ListControllerTypes, ListControllers, ListHardwareComponents, ListHardwareInterfaces, LoadController,
+    ReloadControllerLibraries, SwitchController, UnloadController,
+};
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
 use lineshaft_msgs::foreign::lifecycle_msgs::msg::TransitionEvent;
 use lineshaft_msgs::foreign::lifecycle_msgs::srv::{
@@ -97,7 +101,12 @@ impl<M: Message> Topic<M> {
     }
 
     pub(super) fn publisher(&self, node: &NodeHandle) -> Result<Publisher<M>, CreateError> {
-        node.publisher(self.0.name, self.0.qos)
+        self.publisher_as(node, self.0.name)
+    }
+
+    /// Under another name than that of the row.
+    pub(super) fn publisher_as(&self, node: &NodeHandle, name: &str) -> Result<Publisher<M>, CreateError> {
+        node.publisher(name, self.0.qos)
     }
 
     pub(super) fn subscription(&self, node: &NodeHandle) -> Result<Subscription<M>, CreateError> {
@@ -139,6 +148,17 @@ impl<S: Service> Served<S> {
 
     pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
         Ok(node.service(self.0.name, self.0.qos)?.with_care(self.1))
+    }
+}
+
+/// What the names of controller_manager begin with in the table.
+const CONTROLLER_MANAGER: &str = "/controller_manager";
+
+impl<S: Service> Served<S> {
+    /// A service of the controller manager with that absolute name.
+    pub(super) fn server_below(&self, node: &NodeHandle, manager: &str) -> Result<ServiceServer<S>, CreateError> {
+        let name = self.0.name.strip_prefix(CONTROLLER_MANAGER).unwrap_or(self.0.name);
+        Ok(node.service(&format!("{manager}{name}"), self.0.qos)?.with_care(self.1))
     }
 }
 
@@ -367,11 +387,52 @@ pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::
     "~/follow_joint_trajectory",
     "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
 );
+pub(super) const GRIPPER_CMD: Acted<GripperCommand> = Acted::new(
+    "~/gripper_cmd",
+    "opens or closes a gripper, a group of one axis with `gripper:`: `~/<group>/gripper_cmd`; see [Grippers](#grippers)",
+);
+pub(super) const PARALLEL_GRIPPER_CMD: Acted<ParallelGripperCommand> =
+    Acted::new("~/parallel_gripper_cmd", "the same with the newer type, `~/<group>/parallel_gripper_cmd`");
 pub(super) const JOINT_TRAJECTORY: Topic<JointTrajectory> = Topic::subscribed(
     "~/joint_trajectory",
     Qos::STREAM,
     "the same without an answer; with `groups:` one for each, `~/<group>/joint_trajectory`; without points: stop",
 );
+pub(super) const CONTROLLER_STATE: Topic<JointTrajectoryControllerState> = Topic::published(
+    "~/controller_state",
+    Qos::STREAM,
+    "what these joints are asked for and where they are, `controller_state_rate` times a second; with `groups:` one for each, `~/<group>/controller_state`; see below",
+);
+pub(super) const LIST_CONTROLLERS: Served<ListControllers> = Served::new(
+    "/controller_manager/list_controllers",
+    Qos::SERVICE,
+    "groups as controllers; only with `ros: {controller_manager: /controller_manager}`, as the next seven; see [Controller manager](#controller-manager)",
+);
+pub(super) const LIST_CONTROLLER_TYPES: Served<ListControllerTypes> =
+    Served::new("/controller_manager/list_controller_types", Qos::SERVICE, "the type of all controllers");
+pub(super) const LIST_HARDWARE_COMPONENTS: Served<ListHardwareComponents> =
+    Served::new("/controller_manager/list_hardware_components", Qos::SERVICE, "all axes with a drive as one component");
+pub(super) const LIST_HARDWARE_INTERFACES: Served<ListHardwareInterfaces> = Served::new(
+    "/controller_manager/list_hardware_interfaces",
+    Qos::SERVICE,
+    "its command interfaces and state interfaces",
+);
+pub(super) const LOAD_CONTROLLER: Served<LoadController> = Served::new(
+    "/controller_manager/load_controller",
+    Qos::SERVICE,
+    "refused, as the next two: groups of the cell are the controllers",
+);
+pub(super) const UNLOAD_CONTROLLER: Served<UnloadController> =
+    Served::new("/controller_manager/unload_controller", Qos::SERVICE, "refused");
+pub(super) const RELOAD_CONTROLLER_LIBRARIES: Served<ReloadControllerLibraries> =
+    Served::new("/controller_manager/reload_controller_libraries", Qos::SERVICE, "refused");
+// Deactivation is a stop, and activation moves nothing: neither is ever too late.
+pub(super) const SWITCH_CONTROLLER: Served<SwitchController> = Served::new(
+    "/controller_manager/switch_controller",
+    Qos::SERVICE,
+    "activates and deactivates controllers; an inactive one takes no trajectory; deactivation halts its axes",
+)
+.at_any_time();
 
 /// The URDF as a parameter, for tools that look there.
 pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
@@ -393,6 +454,12 @@ pub const PARAMETERS: &[ParameterRow] = &[
         "given at the start, then read-only; see [ROS arguments](#ros-arguments)",
     ),
     own("allow_partial_joints_goal", "bool", "false", "trajectories may name some of the joints only"),
+    own(
+        "allow_integration_in_goal_trajectories",
+        "bool",
+        "false",
+        "points may have velocities alone: positions are integrated from the command when the goal comes",
+    ),
     ParameterRow {
         read_only: true,
         ..own(
@@ -467,6 +534,12 @@ pub const PARAMETERS: &[ParameterRow] = &[
         "double",
         "0.0",
         "longest time of a trajectory from its start to its end in s, up to 86400; 0: without limit; of a group `<group>.max_duration`",
+    ),
+    own(
+        "controller_state_rate",
+        "double",
+        "50.0",
+        "messages of `~/controller_state` per second, up to 1000; 0: none; of a group `<group>.controller_state_rate`",
     ),
 ];
 
@@ -548,7 +621,18 @@ pub const ROWS: &[Row] = &[
     RUN_FUNCTION.0,
     TUNE.0,
     FOLLOW_JOINT_TRAJECTORY.0,
+    GRIPPER_CMD.0,
+    PARALLEL_GRIPPER_CMD.0,
     JOINT_TRAJECTORY.0,
+    CONTROLLER_STATE.0,
+    LIST_CONTROLLERS.0,
+    LIST_CONTROLLER_TYPES.0,
+    LIST_HARDWARE_COMPONENTS.0,
+    LIST_HARDWARE_INTERFACES.0,
+    LOAD_CONTROLLER.0,
+    UNLOAD_CONTROLLER.0,
+    RELOAD_CONTROLLER_LIBRARIES.0,
+    SWITCH_CONTROLLER.0,
 ];
 
 #[cfg(test)]

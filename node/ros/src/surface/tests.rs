@@ -3,7 +3,7 @@
 use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
 use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
-use super::{JointNames, Surface, states};
+use super::{GripperSettings, Group, JointNames, Surface, TrajectorySettings, states};
 use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::{MachineConfig, SlotConfig};
@@ -25,15 +25,16 @@ struct Still {
     config: MachineConfig,
     joint_names: JointNames,
     directory: Directory,
+    controller_manager: Option<&'static str>,
 }
 
 impl Still {
-    fn new() -> Self {
+    fn new(controller_manager: Option<&'static str>) -> Self {
         // One that needs neither a source nor a sink.
         let slots = vec![SlotConfig::new("cams".to_owned(), 0, FunctionKind::Cam)];
         let config = MachineConfig { slots, ..fake::config() };
         let directory = Machine::new(config.clone()).expect("a sound machine").directory().clone();
-        Self { joint_names: JointNames::of_objects(&config), config, directory }
+        Self { joint_names: JointNames::of_objects(&config), config, directory, controller_manager }
     }
 }
 
@@ -72,6 +73,10 @@ impl Host for Still {
 
     fn robot_description(&self) -> Option<&str> {
         Some(URDF)
+    }
+
+    fn controller_manager(&self) -> Option<&str> {
+        self.controller_manager
     }
 
     fn stream(&self, _: &Setpoints) -> Result<(), Busy> {
@@ -147,9 +152,8 @@ fn endpoints(row: &Row) -> Vec<Endpoint> {
     }
 }
 
-/// docs/interfaces.md is made of the table: a row that nobody opens, or an endpoint without a row, would be a lie.
-#[tokio::test]
-async fn a_surface_opens_what_the_table_says_and_nothing_else() {
+/// A surface of node /cell/shaft, and what it has opened: whether it is written, the topic and its type in DDS, its QoS.
+fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surface, Vec<(bool, String, String, Qos)>) {
     // As the tests of the layer: domains that tests with other peers do not take.
     let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
     let environment = Environment { domain, networks: Networks::Loopback };
@@ -161,10 +165,19 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
     let opened = node.opened();
     let (_events, events) = unbounded_channel();
     let (_states, states) = states(true);
-    let surface = Surface::start(node, Arc::new(Still::new()), events, states, &[]).unwrap();
-
+    let still = Still::new(controller_manager);
+    let surface = Surface::start(node, Arc::new(still), events, states, groups).unwrap();
     let opened = opened.lock().unwrap().clone();
-    let wanted: Vec<Endpoint> = ROWS.iter().flat_map(endpoints).collect();
+    (surface, opened)
+}
+
+/// docs/interfaces.md is made of the table: a row that nobody opens, or an endpoint without a row, would be a lie.
+#[tokio::test]
+async fn a_surface_opens_what_the_table_says_and_nothing_else() {
+    let (surface, opened) = surface(Some("/controller_manager"), &[]);
+    // Grippers are groups.
+    let rows = ROWS.iter().filter(|row| !row.name.ends_with("gripper_cmd"));
+    let wanted: Vec<Endpoint> = rows.flat_map(endpoints).collect();
     for (writes, topic, dds, qos) in &wanted {
         let found: Vec<_> = opened.iter().filter(|known| known.0 == *writes && known.1 == *topic).collect();
         assert!(!found.is_empty(), "the table promises {topic}, which is not opened");
@@ -190,4 +203,41 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
         false => vec![name.to_owned()],
     });
     assert_eq!(declared, names.collect::<BTreeSet<_>>().into_iter().collect::<Vec<_>>());
+}
+
+#[tokio::test]
+async fn controller_manager_has_the_name_that_the_cell_gives_or_does_not_exist() {
+    let of_manager = |opened: &[(bool, String, String, Qos)]| {
+        let types = opened.iter().filter(|(_, _, dds, _)| dds.starts_with("controller_manager_msgs::"));
+        types.map(|(_, topic, ..)| topic.clone()).collect::<BTreeSet<_>>()
+    };
+    let (without, opened) = surface(None, &[]);
+    assert_eq!(of_manager(&opened), BTreeSet::new());
+    drop(without);
+    let (_with, opened) = surface(Some("/cell/shaft/controller_manager"), &[]);
+    let services =
+        ["list_controllers", "list_controller_types", "list_hardware_components", "list_hardware_interfaces"];
+    let refused = ["load_controller", "unload_controller", "reload_controller_libraries"];
+    let topics = services.into_iter().chain(refused).chain(["switch_controller"]).flat_map(|service| {
+        let name = format!("/cell/shaft/controller_manager/{service}");
+        [format!("rq{name}Request"), format!("rr{name}Reply")]
+    });
+    assert_eq!(of_manager(&opened), topics.collect());
+}
+
+#[tokio::test]
+async fn a_gripper_has_two_actions_below_the_name_of_its_group() {
+    let group = |name: &str, gripper| Group {
+        name: name.to_owned(),
+        axes: vec![1],
+        trajectories: TrajectorySettings::default(),
+        gripper,
+    };
+    let groups = [group("hand", Some(GripperSettings::default())), group("arm", None)];
+    let (_surface, opened) = surface(None, &groups);
+    let of_grippers = opened.iter().map(|(_, topic, ..)| topic.as_str()).filter(|topic| topic.contains("gripper"));
+    let goals: BTreeSet<_> = of_grippers.filter(|topic| topic.ends_with("send_goalRequest")).collect();
+    let named = ["gripper_cmd", "parallel_gripper_cmd"];
+    let expected = named.map(|name| format!("rq/cell/shaft/hand/{name}/_action/send_goalRequest"));
+    assert_eq!(goals, expected.iter().map(String::as_str).collect());
 }

@@ -66,6 +66,7 @@ fn format_and_cycle() {
 fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
                 shaft_rate: 50 Hz, autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
+                controller_manager: /cell_1/left/Press_2/controller_manager,\n  \
                 on_loss: none, loss_timeout: 1500 ms, request_timeout: 500 ms}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
@@ -77,6 +78,7 @@ fn ros_options() {
             shaft_rate: Some(50.0),
             autostart: false,
             robot_description: Some("a/r.urdf".into()),
+            controller_manager: Some("/cell_1/left/Press_2/controller_manager".into()),
             interfaces: vec!["lo".into(), "192.168.0.1".into()],
             on_loss: OnLoss::None,
             loss_timeout: Duration::from_millis(1500),
@@ -85,9 +87,13 @@ fn ros_options() {
     );
     assert_eq!(good(&format!("{HEAD}ros:\n")).ros, RosOptions::default());
     assert_eq!(RosOptions::default().shaft_rate, Some(100.0));
+    assert_eq!(RosOptions::default().controller_manager, None);
     for off in ["0", "0 Hz", "0.0"] {
         assert_eq!(good(&format!("{HEAD}ros: {{shaft_rate: {off}}}\n")).ros.shaft_rate, None, "{off}");
     }
+    let manager = "an absolute name of at most 222 characters, such as /controller_manager or \
+                   /lineshaft/controller_manager, is allowed";
+    let long = format!("/{}", "n".repeat(222));
     let namespace = "/ or names that each follow a /, such as /cell_1/press, is allowed";
     for (text, sentence) in [
         ("name: ^2nd", "name is `2nd`; a letter or _, then letters, digits and _, is allowed"),
@@ -106,6 +112,21 @@ fn ros_options() {
         ("request_timeout: ^3601", "request_timeout is `3601`; 0.1 s..3600 s is allowed"),
         ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
         ("robot_description: ^''", "robot_description is ``; the name of a URDF file is expected"),
+        (
+            "controller_manager: ^controller_manager",
+            &format!("controller_manager is `controller_manager`; {manager}, write `/controller_manager`"),
+        ),
+        (
+            "controller_manager: ^/ns/controller_manager/",
+            &format!("controller_manager is `/ns/controller_manager/`; {manager}, write `/ns/controller_manager`"),
+        ),
+        ("controller_manager: ^~/cm", &format!("controller_manager is `~/cm`; {manager}")),
+        ("controller_manager: ^/", &format!("controller_manager is `/`; {manager}")),
+        ("controller_manager: ^''", &format!("controller_manager is ``; {manager}")),
+        ("controller_manager: ^/a-b", &format!("controller_manager is `/a-b`; {manager}")),
+        ("controller_manager: ^/2nd", &format!("controller_manager is `/2nd`; {manager}")),
+        ("controller_manager: ^true", &format!("controller_manager is `true`; {manager}, write `/controller_manager`")),
+        (&format!("controller_manager: ^{long}"), &format!("controller_manager is `{}..`; {manager}", &long[..60])),
         ("interfaces: [^'', lo]", "interfaces[0] is ``; a network interface such as eth0 or its address is allowed"),
         ("^domain: 3", "unknown key `domain` in ros"),
     ] {
@@ -314,15 +335,24 @@ pub(super) fn three_axes(more: &str) -> String {
 fn groups() {
     let usual = TrajectorySettings::default();
     let limits = TrajectoryLimits { margin: 0.02, on_excess: OnExcess::Refuse, max_stretch: 3.0 };
-    let all = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0 };
-    let group =
-        |name: &str, axes: &[u16], trajectories| Group { name: name.to_owned(), axes: axes.to_vec(), trajectories };
-    let map = "a: {axes: [turret, x], angle_wraparound: true, max_duration: 30 s, \
+    let all = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0, state_rate: 20.0 };
+    let group = |name: &str, axes: &[u16], trajectories| Group {
+        name: name.to_owned(),
+        axes: axes.to_vec(),
+        trajectories,
+        gripper: None,
+    };
+    let map = "a: {axes: [turret, x], angle_wraparound: true, max_duration: 30 s, controller_state_rate: 20, \
                trajectory_limits: {margin: 0.02, on_excess: refuse, max_stretch: 3}}";
     assert_eq!(
         good(&three_axes(&format!("groups: {{b: [turret], {map}, c: {{axes: [x]}}}}\n"))).groups,
         [group("b", &[2], usual), group("a", &[2, 1], all), group("c", &[1], usual)]
     );
+    let grippers =
+        good(&three_axes("groups: {a: {axes: [x], gripper: {}}, b: {axes: [x], gripper: {allow_stalling: true}}}\n"))
+            .groups;
+    let settings: Vec<_> = grippers.iter().map(|group| group.gripper.map(|gripper| gripper.allow_stalling)).collect();
+    assert_eq!(settings, [Some(false), Some(true)]);
     for (text, sentence) in [
         ("[x, ^x]", "axis `x` is taken already, at 10:14"),
         ("[x, ^line]", "axis `line` is virtual; a group has axes with a drive"),
@@ -334,8 +364,10 @@ fn groups() {
         ("{axes: [x], max_duration: ^1441 min}", "max_duration is `1441 min`; 0 s to 86400 s is allowed"),
         (
             "{axes: [x], ^kinematics: {type: scara}}",
-            "unknown key `kinematics` in group `g`, known are axes, trajectory_limits, angle_wraparound, max_duration",
+            "unknown key `kinematics` in group `g`, known are axes, trajectory_limits, angle_wraparound, max_duration, controller_state_rate, gripper",
         ),
+        ("{axes: [x, turret], gripper: ^{}}", "group `g` has 2 axes; a gripper has one"),
+        ("{axes: [x], gripper: {^stall: true}}", "unknown key `stall` in gripper, known are allow_stalling"),
         ("{axes: [x], trajectory_limits: {margin: ^0.2}}", "margin is 0.2; 0..0.1 is allowed"),
         ("{axes: [x], trajectory_limits: {max_stretch: ^0.9}}", "max_stretch is 0.9; 1..10 is allowed"),
         (

@@ -236,7 +236,8 @@ impl Prepared {
             .with_objects(objects)
             .with_real(real)
             .with_joint_names(cell.joint_names.clone())
-            .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()));
+            .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()))
+            .with_controller_manager(cell.ros.controller_manager.clone());
         // Before the first cycle, and so before anything else that is asked.
         let mut first = given.first.into_iter().map(|action| handle.submit_as(Source::Cli, action));
         if let Some(busy) = first.find_map(Result::err) {

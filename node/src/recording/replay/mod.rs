@@ -179,6 +179,8 @@ struct Stage {
     comparison: Comparison,
     /// How far stamps are ahead of log times (ns).
     ahead_ns: i64,
+    /// Log time of the cycle before (ns).
+    log_ns: Option<u64>,
 }
 
 impl Player {
@@ -241,6 +243,7 @@ impl Stage {
             outputs: machine.outputs(),
             comparison: Comparison::new(machine.directory(), is_ours),
             ahead_ns: 0,
+            log_ns: None,
             machine,
         })
     }
@@ -271,11 +274,13 @@ impl Stage {
     }
 
     /// Follows a step of the system clock. It is no input of the machine: only stamps show it. A smaller difference is no step, and is
-    /// found when messages are compared.
+    /// found when messages are compared; but for a gap in which no cycle ran: steps in it have no event, and only their sum shows.
     fn follow_step(&mut self, group: &Group) {
+        let before = self.log_ns.replace(group.log_time);
+        let is_gap = before.is_some_and(|before| group.log_time.saturating_sub(before) > CLOCK_STEP_NS);
         let Some(stamp_ns) = group.stamp_ns() else { return };
         let ahead_ns = CycleTime { log_ns: group.log_time, stamp_ns }.ahead_ns();
-        if ahead_ns.abs_diff(self.ahead_ns) > CLOCK_STEP_NS {
+        if is_gap || ahead_ns.abs_diff(self.ahead_ns) > CLOCK_STEP_NS {
             self.ahead_ns = ahead_ns;
         }
     }

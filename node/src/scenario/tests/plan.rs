@@ -161,8 +161,8 @@ fn plan_beside_what_it_says_and_files_that_are_none_are_refused() {
     let bench = Bench::with(ECHO);
     assert_eq!(
         bench.read("{file: plan.yaml, joints: [x], units: si}", "").unwrap_err(),
-        "s.yaml:4:69: joints stands beside file `plan.yaml`, which has it, leave it out\n\
-         s.yaml:4:81: units stands beside file `plan.yaml`, which has it, leave it out\n"
+        "s.yaml:4:69: joints conflicts with file `plan.yaml`, which has it, leave it out\n\
+         s.yaml:4:81: units conflicts with file `plan.yaml`, which has it, leave it out\n"
     );
     let missing = bench.read("{file: none.yaml}", "").unwrap_err();
     assert!(missing.starts_with("none.yaml:1:1: cannot read the file: "), "{missing}");

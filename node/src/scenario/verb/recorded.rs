@@ -20,7 +20,7 @@ pub(crate) fn parameter_change(
 ) -> Option<Change> {
     let mut ids = Ids::default();
     let change = Reader {
-        names: &Names { config, joints: None, backends: &[], directory, folder: None },
+        names: &Names { config, joints: None, backends: &[], directory, groups: &[], folder: None },
         ids: &mut ids,
         refused: None,
         recorded: true,
@@ -38,7 +38,7 @@ pub(crate) fn parameter_change(
 pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
     let (mut ids, mut acts) = (Ids::default(), Vec::new());
     Reader {
-        names: &Names { config, joints: None, backends: &[], directory, folder: None },
+        names: &Names { config, joints: None, backends: &[], directory, groups: &[], folder: None },
         ids: &mut ids,
         refused: None,
         recorded: true,

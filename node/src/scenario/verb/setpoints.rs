@@ -19,7 +19,7 @@ pub(crate) fn recorded_setpoints(
     directory: &Directory,
 ) -> Option<Setpoints> {
     let reader = Reader {
-        names: &Names { config, joints: None, backends: &[], directory, folder: None },
+        names: &Names { config, joints: None, backends: &[], directory, groups: &[], folder: None },
         ids: &mut Ids::default(),
         refused: None,
         recorded: false,

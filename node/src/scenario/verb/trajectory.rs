@@ -9,6 +9,7 @@ use lineshaft_core::command::Action;
 use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::trajectory::TrajectoryLimits;
 use lineshaft_core::unit::{Dimension, Scale, excerpt};
+use lineshaft_ros::surface::{Group, TrajectorySettings};
 use std::sync::Arc;
 
 /// A joint of the verb: its name as written, the object name, and the scale where it is an axis.
@@ -32,14 +33,15 @@ struct Given<'d> {
     points: Option<Vec<PointRequest<Amount>>>,
 }
 
-/// The other keys, none where one is wrong: their values are read once the joints are known.
-struct Beside<'d> {
+/// The other keys, none where one is wrong: their values are read once the joints are known. What is left out of the last three is that of
+/// the group.
+struct OtherKeys<'d> {
     start: Option<i64>,
     goal_time: Option<Option<u64>>,
     /// Of the path, the goal and the start.
     tolerances: [Option<Value<'d>>; 3],
-    limits: Option<TrajectoryLimits>,
-    wraps: Option<bool>,
+    limits: Option<Option<TrajectoryLimits>>,
+    wraps: Option<Option<bool>>,
     max_duration: Option<Option<u64>>,
 }
 
@@ -48,18 +50,18 @@ impl Reader<'_> {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let file = map.optional("file");
-        let given = if let Some(file) = &file { refuse_beside(file, &mut map) } else { self.given(&mut map) };
-        let beside = Beside::read(&mut map);
+        let given = if let Some(file) = &file { refuse_keys_of_file(file, &mut map) } else { self.given(&mut map) };
+        let others = OtherKeys::read(&mut map);
         map.finish();
         let deed = match &file {
-            None => given.and_then(|given| self.trajectory(given, beside, |_| value)),
-            Some(file) => self.plan(file, beside),
+            None => given.and_then(|given| self.trajectory(given, others, |_| value)),
+            Some(file) => self.plan(file, others),
         };
         (deed, id.flatten())
     }
 
     /// A trajectory whose points stand in a file.
-    fn plan(&self, file: &Value<'_>, beside: Beside<'_>) -> Option<Deed> {
+    fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>) -> Option<Deed> {
         let Some(folder) = self.names.folder else {
             file.refuse("file is for scenarios; points are expected here", None);
             return None;
@@ -68,7 +70,7 @@ impl Reader<'_> {
         let deed = document.root("the trajectory").and_then(|root| {
             let plan = Plan::read(&root)?;
             let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
-            self.trajectory(given, beside, |sentence| plan.place_of(sentence))
+            self.trajectory(given, others, |sentence| plan.place_of(sentence))
         });
         let is_good = document.problems().is_empty();
         file.add_problems(document.into_problems());
@@ -91,7 +93,7 @@ impl Reader<'_> {
     fn trajectory<'v, 'd: 'v>(
         &self,
         given: Given<'_>,
-        beside: Beside<'_>,
+        others: OtherKeys<'_>,
         place: impl Fn(&str) -> &'v Value<'d>,
     ) -> Option<Deed> {
         let Given { joints, units, points } = given;
@@ -100,23 +102,38 @@ impl Reader<'_> {
             Ok(units) => units,
             Err(error) => return self.settle(place(""), Err(error)),
         };
-        let [path, goal, start_tolerance] = beside.tolerances.map(|value| numbers.tolerances(value.as_ref()));
+        // First: tolerances of a joint would not find it, either.
+        if let Some(error) = joints.iter().find_map(|joint| self.names.config.find_axis(&joint.axis).err()) {
+            return self.settle(place(&error.to_string()), Err(error));
+        }
+        let usual = self.settings(&joints);
+        let [path, goal, start_tolerance] = others.tolerances.map(|value| numbers.tolerances(value.as_ref()));
         let request = TrajectoryRequest {
             axes: joints.iter().map(|joint| joint.axis.clone()).collect(),
             units,
-            start_ns: beside.start?,
+            start_ns: others.start?,
             points: points?,
             path: path?,
             goal: goal?,
-            goal_time_ns: beside.goal_time?,
+            goal_time_ns: others.goal_time?,
             start: start_tolerance?,
-            limits: beside.limits?,
-            angle_wraparound: beside.wraps?,
-            max_duration_ns: beside.max_duration?,
+            limits: others.limits?.unwrap_or(usual.limits),
+            angle_wraparound: others.wraps?.unwrap_or(usual.angle_wraparound),
+            // 0 is without limit.
+            max_duration_ns: others.max_duration?.or(usual.max_duration_ns()).filter(|ns| *ns > 0),
         };
         let trajectory = self.names.config.resolve_trajectory(&request);
         let at = trajectory.as_ref().err().map_or_else(|| place(""), |error| place(&error.to_string()));
         self.settle(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
+    }
+
+    /// The settings of the group of these joints.
+    fn settings(&self, joints: &[Joint<'_>]) -> TrajectorySettings {
+        let is_of = |group: &&Group| {
+            let mut names = group.axes.iter().filter_map(|axis| self.names.config.axes.get(usize::from(*axis)));
+            group.axes.len() == joints.len() && names.all(|axis| joints.iter().any(|joint| joint.axis == axis.name))
+        };
+        self.names.groups.iter().find(is_of).map(|group| group.trajectories).unwrap_or_default()
     }
 
     fn joints<'d>(&self, value: &Value<'d>) -> Option<Vec<Joint<'d>>> {
@@ -132,16 +149,14 @@ impl Reader<'_> {
     }
 }
 
-impl<'d> Beside<'d> {
+impl<'d> OtherKeys<'d> {
     fn read(map: &mut Map<'d>) -> Self {
         Self {
             start: map.optional("start").map_or(Some(0), |start| nanoseconds(&start, &Allowed::Any)),
             goal_time: optional_time(map, "goal_time"),
             tolerances: ["path_tolerance", "goal_tolerance", "start_tolerance"].map(|key| map.optional(key)),
-            limits: map
-                .optional("trajectory_limits")
-                .map_or(Some(TrajectoryLimits::default()), |value| trajectory_limits(&value)),
-            wraps: map.optional("angle_wraparound").map_or(Some(false), |value| value.boolean()),
+            limits: map.optional("trajectory_limits").map_or(Some(None), |value| trajectory_limits(&value).map(Some)),
+            wraps: map.optional("angle_wraparound").map_or(Some(None), |value| value.boolean().map(Some)),
             max_duration: optional_time(map, "max_duration"),
         }
     }
@@ -213,12 +228,12 @@ impl Numbers<'_, '_> {
     }
 }
 
-/// Refuses what the file says, beside it.
-fn refuse_beside<'d>(file: &Value<'d>, map: &mut Map<'d>) -> Option<Given<'d>> {
+/// Refuses keys that the file has.
+fn refuse_keys_of_file<'d>(file: &Value<'d>, map: &mut Map<'d>) -> Option<Given<'d>> {
     for key in ["joints", "units", "points"] {
         if let Some(value) = map.optional(key) {
             let file = excerpt(file.peek().unwrap_or_default());
-            value.refuse(format!("{key} stands beside file `{file}`, which has it"), Some("leave it out".to_owned()));
+            value.refuse(format!("{key} conflicts with file `{file}`, which has it"), Some("leave it out".to_owned()));
         }
     }
     None

@@ -42,7 +42,7 @@ pub(crate) fn vocabulary_command(
     }
     let mut ids = Ids::default();
     let reader = Reader {
-        names: &Names { config, joints: None, backends: &[], directory, folder: None },
+        names: &Names { config, joints: None, backends: &[], directory, groups: &[], folder: None },
         ids: &mut ids,
         refused: None,
         recorded: false,

@@ -53,6 +53,11 @@ impl Life {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The present state as a message.
+    pub(in crate::surface) fn message(&self) -> msg::State {
+        self.state().message()
+    }
+
     /// The name of the present state.
     pub(in crate::surface) fn label(&self) -> &'static str {
         self.state().label

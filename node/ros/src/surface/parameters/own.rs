@@ -46,6 +46,29 @@ pub(in crate::surface) struct Own {
     pub words: &'static [&'static str],
 }
 
+/// Their values while nobody changes them.
+pub(in crate::surface) struct Values<'s>(&'s BTreeMap<String, Own>);
+
+impl Values<'_> {
+    /// A number; 0 where there is none.
+    pub(in crate::surface) fn real(&self, name: &str) -> f64 {
+        match self.0.get(name) {
+            Some(own) if own.value.r#type == ParameterType::PARAMETER_DOUBLE => own.value.double_value,
+            _ => 0.0,
+        }
+    }
+
+    /// A string; empty where there is none.
+    pub(in crate::surface) fn string(&self, name: &str) -> &str {
+        self.0.get(name).map(|own| own.value.string_value.as_str()).unwrap_or_default()
+    }
+
+    /// A switch; off where there is none.
+    pub(in crate::surface) fn switch(&self, name: &str) -> bool {
+        self.0.get(name).is_some_and(|own| own.value.bool_value)
+    }
+}
+
 impl Default for OwnParameters {
     fn default() -> Self {
         Self::new(Overrides::default())
@@ -135,22 +158,19 @@ impl OwnParameters {
         self.all().keys().cloned().collect()
     }
 
-    /// A number; 0 where there is none.
-    pub(crate) fn real(&self, name: &str) -> f64 {
-        match self.get(name) {
-            Some(own) if own.value.r#type == ParameterType::PARAMETER_DOUBLE => own.value.double_value,
-            _ => 0.0,
-        }
+    /// Reads several values at once: an atomic set is before all of them or behind.
+    pub(in crate::surface) fn read<T>(&self, read: impl FnOnce(&Values<'_>) -> T) -> T {
+        read(&Values(&self.state().declared))
     }
 
-    /// A string; empty where there is none.
-    pub(crate) fn string(&self, name: &str) -> String {
-        self.get(name).map(|own| own.value.string_value).unwrap_or_default()
+    /// A number; 0 where there is none.
+    pub(crate) fn real(&self, name: &str) -> f64 {
+        self.read(|values| values.real(name))
     }
 
     /// A switch; off where there is none.
     pub(crate) fn switch(&self, name: &str) -> bool {
-        self.get(name).is_some_and(|own| own.value.bool_value)
+        self.read(|values| values.switch(name))
     }
 
     /// Would a client's value be taken? Then, as it will be shown; nothing where no parameter has that name.

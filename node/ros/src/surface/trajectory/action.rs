@@ -2,52 +2,45 @@
 
 use super::ending::{Last, end};
 use super::joints::Joints;
-use super::{read, settings};
+use super::points::Points;
+use super::{Taker, settings};
 use crate::layer::{ActionEvent, ActionServer, GoalHandle};
 use crate::surface::host::Snapshot;
-use crate::surface::hub::{Answers, Hub};
+use crate::surface::hub::Answers;
 use crate::surface::messages;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::Kind;
-use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, FollowJointTrajectoryFeedback};
-use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint;
-use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::{JoinSet, spawn_blocking};
 use tokio::time::MissedTickBehavior;
 
 type Handle = GoalHandle<FollowJointTrajectory>;
 
-pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, hub: Arc<Hub>, joints: Arc<Joints>) {
+pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker: Taker) {
     let name = server.name().to_string();
-    let period = settings::feedback_period(&hub.own);
+    let period = settings::feedback_period(&taker.hub.own);
     // Goals that run end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
-        let (reader, of) = (Arc::clone(&hub), Arc::clone(&joints));
+        let reader = taker.clone();
         // A long goal takes its time, on a thread of its own; one after the other, so that the newest one counts.
         let reading = spawn_blocking(move || {
-            let read = read(&reader, &of, request.goal());
+            let read = reader.read(request.goal());
             (request, read)
         });
         // A goal that was lost here has rejected itself.
         let Ok((request, read)) = reading.await else { continue };
-        match read {
-            Ok(started) => {
-                let handle = request.accept();
-                match hub.submit(Action::Trajectory(started.begin(hub.now_ns()))) {
-                    Ok(answers) => {
-                        open.spawn(run(Arc::clone(&hub), Arc::clone(&joints), handle, answers, period));
-                    }
-                    Err(busy) => finish(handle, Code::TOO_MANY_WAITING, &busy.to_string(), &[]),
-                }
+        match read.and_then(|started| taker.hand_over(started)) {
+            Ok(Ok(answers)) => {
+                open.spawn(run(taker.clone(), request.accept(), answers, period));
             }
+            Ok(Err(busy)) => finish(request.accept(), Code::TOO_MANY_WAITING, &busy.to_string(), &[]),
             Err(sentence) => {
-                hub.refuse(format!("{name}: goal rejected: {sentence}"));
+                taker.hub.refuse(format!("{name}: goal rejected: {sentence}"));
                 request.reject();
             }
         }
@@ -69,7 +62,8 @@ fn finish(handle: Handle, code: Code, sentence: &str, notes: &[String]) {
 }
 
 /// Works on an accepted goal until it ends.
-async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: Answers, period: Duration) {
+async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duration) {
+    let Taker { hub, controllers, place, joints } = taker;
     let mut ticks = tokio::time::interval(period);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
@@ -81,16 +75,21 @@ async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: An
                 Some(event) => match event.kind {
                     Kind::Accepted => {
                         accepted = true;
+                        controllers.is_read(place, goal);
                         handle.execute();
                     }
                     Kind::Refused | Kind::Done => {
+                        controllers.is_read(place, goal);
                         let sentence = joints.sentence(&event, hub.host.config());
                         return finish(handle, event.code, &sentence, &notes);
                     }
                     Kind::Warning => notes.push(joints.sentence(&event, hub.host.config())),
                     _ => {}
                 },
-                None => return finish(handle, Code::DISABLED, "the machine has stopped", &notes),
+                None => {
+                    controllers.is_read(place, goal);
+                    return finish(handle, Code::DISABLED, "the machine has stopped", &notes);
+                }
             },
             () = handle.cancel_requested(), if !cancelled => {
                 cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
@@ -111,31 +110,13 @@ async fn run(hub: Arc<Hub>, joints: Arc<Joints>, handle: Handle, mut answers: An
 
 /// Where the joints should be, where they are, and the difference, at the end of a cycle of which stamps say `stamp_ns`.
 pub(super) fn feedback(joints: &Joints, snapshot: &Snapshot, stamp_ns: u64) -> FollowJointTrajectoryFeedback {
-    let board = &snapshot.board;
-    let each = |value: &dyn Fn(&messages::AxisView) -> f64| joints.views.iter().map(value).collect::<Vec<_>>();
-    let desired = JointTrajectoryPoint {
-        positions: each(&|view| view.desired(board)),
-        velocities: each(&|view| view.rate(board, AxisSignal::CommandVelocity)),
-        accelerations: each(&|view| view.rate(board, AxisSignal::CommandAcceleration)),
-        ..JointTrajectoryPoint::default()
-    };
-    let actual = JointTrajectoryPoint {
-        positions: each(&|view| view.si(view.int(board, AxisSignal::ActualPosition), 0.0)),
-        velocities: each(&|view| view.rate(board, AxisSignal::ActualVelocity)),
-        ..JointTrajectoryPoint::default()
-    };
-    let minus = |desired: &[f64], actual: &[f64]| desired.iter().zip(actual).map(|(d, a)| d - a).collect();
-    let error = JointTrajectoryPoint {
-        positions: minus(&desired.positions, &actual.positions),
-        velocities: minus(&desired.velocities, &actual.velocities),
-        ..JointTrajectoryPoint::default()
-    };
+    let points = Points::of(joints, &snapshot.board);
     FollowJointTrajectoryFeedback {
         header: messages::header(stamp_ns),
         joint_names: joints.names.clone(),
-        desired,
-        actual,
-        error,
+        desired: points.reference,
+        actual: points.actual,
+        error: points.error,
         ..FollowJointTrajectoryFeedback::default()
     }
 }

@@ -9,7 +9,7 @@
 use super::joints::Joints;
 use super::settings::Settings;
 use crate::surface::joint_names::object_name;
-use lineshaft_core::request::{NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::request::{MAX_START_NS, NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
@@ -46,6 +46,10 @@ pub(super) enum Wrong {
     Length { point: usize, field: &'static str, given: usize, expected: String },
     #[error("points[{point}].{field} of `{name}` is {value:?}; a finite number is expected")]
     NoNumber { point: usize, field: &'static str, name: String, value: f64 },
+    #[error("points have velocities alone, and header.stamp is not 0; give positions, or a stamp of 0")]
+    IntegrationLater,
+    #[error("points have velocities alone; give positions, or set allow_integration_in_goal_trajectories")]
+    Integration,
     #[error("points[{point}].effort is not empty; positions, velocities and accelerations are followed")]
     Effort { point: usize },
     #[error("points[{point}].time_from_start is {} s; {expected}", seconds(*.time_ns))]
@@ -54,6 +58,14 @@ pub(super) enum Wrong {
     EndsMoving { name: String, value: f64 },
     #[error("the trajectory ends {} s before now; it may have begun before, but must end later", seconds(*.ago_ns))]
     Past { ago_ns: i64 },
+    #[error(
+        "the stamp is {} s, {} s after now, {} s; at most {} s is allowed",
+        seconds(*.stamp_ns),
+        seconds(*.stamp_ns - *.now_ns),
+        seconds(*.now_ns),
+        seconds(MAX_START_NS)
+    )]
+    Ahead { stamp_ns: i64, now_ns: i64 },
     #[error("the stamp is {} s, and /clock has not said any time yet; a stamp of 0 starts at once", seconds(*.stamp_ns))]
     NoTime { stamp_ns: i64 },
     #[error(
@@ -127,6 +139,9 @@ pub(super) fn request(
     if let Some(stamp_ns) = stamp.filter(|_| now_ns == 0) {
         return Err(Wrong::NoTime { stamp_ns });
     }
+    if let Some(stamp_ns) = stamp.filter(|stamp| stamp.saturating_sub(now_ns) > MAX_START_NS) {
+        return Err(Wrong::Ahead { stamp_ns, now_ns });
+    }
     if let (Some(stamp), Some(last)) = (stamp, trajectory.points.last()) {
         let ago_ns = now_ns.saturating_sub(stamp.saturating_add(duration_ns(&last.time_from_start)));
         if ago_ns > 0 {
@@ -160,7 +175,7 @@ pub(super) fn request(
         start: places.iter().map(|&place| start(place)).collect(),
         limits: settings.group.limits,
         angle_wraparound: settings.group.angle_wraparound,
-        max_duration_ns: positive(settings.group.max_duration).map(|seconds| (seconds * 1e9).round() as u64),
+        max_duration_ns: settings.group.max_duration_ns(),
     })
 }
 

@@ -12,7 +12,7 @@ use lineshaft_core::text;
 
 /// The axes of a group, in its order.
 #[derive(Clone, Debug)]
-pub(super) struct Joints {
+pub(in crate::surface) struct Joints {
     /// Name of the group; none: all axes that have a drive.
     group: Option<String>,
     /// Their places in the cell.
@@ -29,7 +29,7 @@ pub(super) struct Joints {
 
 impl Joints {
     /// One for each group; without groups one for all axes that have a drive, if there are any.
-    pub(super) fn all(
+    pub(in crate::surface) fn all(
         config: &MachineConfig,
         joints: &JointNames,
         directory: &Directory,
@@ -50,6 +50,16 @@ impl Joints {
         let driven = config.axes.iter().enumerate().filter(|(_, axis)| axis.drive.is_some());
         let driven: Vec<u16> = driven.map(|(place, _)| place as u16).collect();
         if driven.is_empty() { Vec::new() } else { vec![of(None, &driven)] }
+    }
+
+    /// Name of the group; none: all axes that have a drive.
+    pub(in crate::surface) fn group(&self) -> Option<&str> {
+        self.group.as_deref()
+    }
+
+    /// What the names of action and topic begin with, in a node of that full name: `/lineshaft`, `/lineshaft/arm`.
+    pub(in crate::surface) fn prefix(&self, node: &str) -> String {
+        self.group.as_ref().map_or_else(|| node.to_owned(), |group| format!("{node}/{group}"))
     }
 
     /// What a row of the table is called for these axes: `~/follow_joint_trajectory`, `~/arm/follow_joint_trajectory`.
@@ -130,7 +140,7 @@ mod tests {
         let config = config();
         let machine = Machine::new(config.clone()).expect("a sound machine");
         let (name, axes, trajectories) = ("arm".to_owned(), vec![2, 1], TrajectorySettings::default());
-        let groups = [Group { name, axes, trajectories }];
+        let groups = [Group { name, axes, trajectories, gripper: None }];
         let joints = Joints::all(&config, &renamed(), machine.directory(), &groups).remove(0);
         assert_eq!(
             (&joints.names[..], &joints.objects[..]),
@@ -162,6 +172,7 @@ mod tests {
             name: name.to_owned(),
             axes: axes.to_vec(),
             trajectories: TrajectorySettings::default(),
+            gripper: None,
         };
         let all = all(&[group("arm", &[2, 1]), group("hand", &[1])]);
         assert_eq!(all.iter().map(|joints| joints.names.clone()).collect::<Vec<_>>(), [vec!["y", "x"], vec!["x"]]);

@@ -4,7 +4,7 @@
 use super::joints::Joints;
 use crate::surface::group::TrajectorySettings;
 use crate::surface::joint_names::JointNames;
-use crate::surface::parameters::own::{Own, OwnParameters};
+use crate::surface::parameters::own::{Own, OwnParameters, Values};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{
@@ -13,6 +13,7 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::{
 use std::time::Duration;
 
 const PARTIAL: &str = "allow_partial_joints_goal";
+const INTEGRATION: &str = "allow_integration_in_goal_trajectories";
 const MOVING_END: &str = "allow_nonzero_velocity_at_trajectory_end";
 const MONITOR_RATE: &str = "action_monitor_rate";
 const GOAL_TIME: &str = "constraints.goal_time";
@@ -23,6 +24,7 @@ const ON_EXCESS: &str = "trajectory_limits.on_excess";
 const MAX_STRETCH: &str = "trajectory_limits.max_stretch";
 const WRAPAROUND: &str = "angle_wraparound";
 const MAX_DURATION: &str = "max_duration";
+const STATE_RATE: &str = "controller_state_rate";
 
 /// What ON_EXCESS may be.
 const WORDS: &[&str] = &["scale", "refuse"];
@@ -36,6 +38,8 @@ const RATES: (f64, f64) = (0.1, 1000.0);
 pub(super) struct Settings {
     /// A goal may name some of the joints only.
     pub partial: bool,
+    /// Points may carry velocities alone.
+    pub integration: bool,
     /// How long after its last point its goal tolerances may be met (s); 0: for ever.
     pub goal_time: f64,
     /// Velocity of a joint that stands (m/s, rad/s); 0: none is asked for.
@@ -51,11 +55,17 @@ fn of_joint(name: &str) -> [String; 3] {
 }
 
 /// Declares them, with those of each group.
-pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, names: &JointNames, groups: &[Joints]) {
+pub(super) fn declare<'a>(
+    own: &OwnParameters,
+    config: &MachineConfig,
+    names: &JointNames,
+    groups: impl IntoIterator<Item = &'a Joints>,
+) {
     for joints in groups {
         declare_of_group(own, joints);
     }
     own.declare(switch(PARTIAL, "Goals may name some of the joints only."));
+    own.declare(switch(INTEGRATION, "Points may have velocities alone: positions are integrated from the command."));
     let mut moving_end =
         switch(MOVING_END, "A trajectory may end in motion; else a last point with a velocity is refused.");
     moving_end.descriptor.read_only = true;
@@ -84,7 +94,7 @@ pub(super) fn declare(own: &OwnParameters, config: &MachineConfig, names: &Joint
 }
 
 fn declare_of_group(own: &OwnParameters, joints: &Joints) {
-    let TrajectorySettings { limits, angle_wraparound, max_duration } = joints.usual;
+    let TrajectorySettings { limits, angle_wraparound, max_duration, state_rate } = joints.usual;
     let TrajectoryLimits { margin, on_excess, max_stretch } = limits;
     let text = "Points of joints with modulo are moved by whole turns until the first one is nearest to the joint.";
     let mut wraps = switch(&joints.parameter(WRAPAROUND), text);
@@ -92,6 +102,8 @@ fn declare_of_group(own: &OwnParameters, joints: &Joints) {
     own.declare(wraps);
     let text = "Longest time of a trajectory from its start to its end [s]; 0: without limit.";
     own.declare(real(&joints.parameter(MAX_DURATION), max_duration, (0.0, TrajectorySettings::LONGEST.into()), text));
+    let text = "Messages of controller_state per second; 0: none.";
+    own.declare(real(&joints.parameter(STATE_RATE), state_rate, TrajectorySettings::STATE_RATES, text));
     let share = "Share by which a trajectory may exceed max_velocity, max_acceleration and max_deceleration.";
     own.declare(real(&joints.parameter(MARGIN), margin, TrajectoryLimits::MARGINS, share));
     let most = "Largest factor by which the time of a trajectory is stretched; beyond it the trajectory is refused.";
@@ -135,9 +147,14 @@ fn real(name: &str, usual: f64, (from_value, to_value): (f64, f64), text: &str) 
 impl Settings {
     /// For goals of these joints.
     pub(super) fn read(own: &OwnParameters, joints: &Joints) -> Self {
+        own.read(|own| Self::of(own, joints))
+    }
+
+    fn of(own: &Values<'_>, joints: &Joints) -> Self {
         let constraints = |name: &String| of_joint(name).map(|name| own.real(&name));
         Self {
             partial: own.switch(PARTIAL),
+            integration: own.switch(INTEGRATION),
             goal_time: own.real(GOAL_TIME),
             stopped: own.real(STOPPED),
             joints: joints.names.iter().map(constraints).collect(),
@@ -145,12 +162,13 @@ impl Settings {
                 limits: limits(own, joints),
                 angle_wraparound: own.switch(&joints.parameter(WRAPAROUND)),
                 max_duration: own.real(&joints.parameter(MAX_DURATION)),
+                state_rate: own.real(&joints.parameter(STATE_RATE)),
             },
         }
     }
 }
 
-fn limits(own: &OwnParameters, joints: &Joints) -> TrajectoryLimits {
+fn limits(own: &Values<'_>, joints: &Joints) -> TrajectoryLimits {
     let word = own.string(&joints.parameter(ON_EXCESS));
     let known = OnExcess::ALL.iter().find(|(_, name)| *name == word);
     TrajectoryLimits {
@@ -158,6 +176,12 @@ fn limits(own: &OwnParameters, joints: &Joints) -> TrajectoryLimits {
         on_excess: known.map_or(joints.usual.limits.on_excess, |(on_excess, _)| *on_excess),
         max_stretch: own.real(&joints.parameter(MAX_STRETCH)),
     }
+}
+
+/// Time between two messages of `~/controller_state`; none where there are none.
+pub(super) fn state_period(own: &OwnParameters, joints: &Joints) -> Option<Duration> {
+    let rate = own.real(&joints.parameter(STATE_RATE));
+    (rate > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate).unwrap_or(Duration::MAX))
 }
 
 /// Time between two feedback messages.
@@ -185,6 +209,7 @@ mod tests {
         let own = declared();
         let usual = Settings {
             partial: false,
+            integration: false,
             goal_time: 0.0,
             stopped: 0.01,
             joints: vec![[0.0; 3]; 2],
@@ -209,7 +234,7 @@ mod tests {
     fn settings_of_a_group_are_parameters_with_its_name() {
         let own = OwnParameters::default();
         let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
-        let usual = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0 };
+        let usual = TrajectorySettings { limits, angle_wraparound: true, max_duration: 30.0, state_rate: 20.0 };
         let arm = joints().of_group("arm", usual);
         declare(&own, &config(), &joint_names(), std::slice::from_ref(&arm));
         assert_eq!(Settings::read(&own, &arm).group, usual);

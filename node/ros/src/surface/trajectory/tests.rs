@@ -11,7 +11,7 @@ use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::request::{PointRequest, TrajectoryRequest};
 use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 
-pub(super) fn config() -> MachineConfig {
+pub(in crate::surface) fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
     let scale = scale.expect("a sound scale");
@@ -27,7 +27,7 @@ pub(super) fn config() -> MachineConfig {
 }
 
 /// Without joint names of their own.
-pub(super) fn joint_names() -> JointNames {
+pub(in crate::surface) fn joint_names() -> JointNames {
     JointNames::of_objects(&config())
 }
 
@@ -66,4 +66,8 @@ fn feedback_has_the_joints_of_the_group_and_the_time_of_the_cycle() {
         assert_eq!((point.positions.len(), point.velocities.len()), (2, 2));
     }
     assert_eq!(shown.desired.accelerations.len(), 2);
+    let state = controller_state::message(&joints(), &snapshot, 12_000_000_034);
+    assert_eq!((state.header, state.joint_names, state.speed_scaling_factor), (shown.header, shown.joint_names, 1.0));
+    assert_eq!((state.reference, state.feedback, state.error), (shown.desired.clone(), shown.actual, shown.error));
+    assert_eq!(state.output, shown.desired, "nothing lags");
 }

@@ -1,36 +1,65 @@
 //! `~/joint_trajectory`: trajectories without an answer. What is refused stands on `/rosout` and in `~/events`.
 
 use super::joints::Joints;
-use super::{convert, read};
+use super::{Started, Taker, convert};
 use crate::layer::Subscription;
-use crate::surface::hub::Hub;
 use lineshaft_core::command::Action;
 use lineshaft_core::object::AxisSet;
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use std::sync::Arc;
-use tokio::task::spawn_blocking;
+use tokio::task::{JoinSet, spawn_blocking};
 
-pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, hub: Arc<Hub>, joints: Arc<Joints>) {
+/// What a message asks for.
+enum Asked {
+    /// A trajectory with the tolerances of the parameters.
+    Trajectory(Started),
+    /// A message without points: these axes stop.
+    Stop(AxisSet),
+}
+
+pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker) {
     let name = topic.topic().to_string();
+    // Trajectories that the machine has not read yet.
+    let mut open = JoinSet::new();
     while let Some(message) = topic.next().await {
-        let (reader, of) = (Arc::clone(&hub), Arc::clone(&joints));
+        while open.try_join_next().is_some() {}
+        let reader = taker.clone();
         // A long one takes its time, on a thread of its own; one after the other, so that the newest one counts.
-        let Ok(read) = spawn_blocking(move || action(&reader, &of, message)).await else { continue };
-        let given = read.and_then(|action| hub.submit_unheard(action).map_err(|busy| busy.to_string()));
-        if let Err(sentence) = given {
-            hub.refuse(format!("{name}: message refused: {sentence}"));
+        let Ok(asked) = spawn_blocking(move || asked(&reader, message)).await else { continue };
+        if let Err(sentence) = asked.and_then(|asked| give(&taker, asked, &mut open)) {
+            taker.hub.refuse(format!("{name}: message refused: {sentence}"));
         }
     }
 }
 
-/// What a message asks for: its trajectory with the tolerances of the parameters, or, without points, that its joints stop.
-fn action(hub: &Hub, joints: &Joints, message: JointTrajectory) -> Result<Action, String> {
+/// Reads a message. A stop is taken by an inactive controller, too.
+fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
     if message.points.is_empty() {
-        return stopped(joints, &message).map(Action::Halt);
+        return stopped(&taker.joints, &message).map(Asked::Stop);
     }
     let goal = FollowJointTrajectoryGoal { trajectory: message, ..FollowJointTrajectoryGoal::default() };
-    Ok(Action::Trajectory(read(hub, joints, &goal)?.begin(hub.now_ns())))
+    taker.read(&goal).map(Asked::Trajectory)
+}
+
+/// Hands over what a message asks for.
+fn give(taker: &Taker, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
+    match asked {
+        Asked::Stop(axes) => taker.hub.submit_unheard(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
+        Asked::Trajectory(started) => {
+            let answers = taker.hand_over(started)?.map_err(|busy| busy.to_string())?;
+            if taker.controllers.is_switchable() {
+                let (controllers, place) = (Arc::clone(&taker.controllers), taker.place);
+                open.spawn(async move {
+                    let sequence = answers.sequence;
+                    // What is refused is told by the machine.
+                    let _ = answers.accepted().await;
+                    controllers.is_read(place, sequence);
+                });
+            }
+            Ok(())
+        }
+    }
 }
 
 /// The axes that a message without points stops: those that it names, or all.

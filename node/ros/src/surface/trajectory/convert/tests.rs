@@ -107,6 +107,11 @@ fn a_stamp_moves_the_start() {
         start(now - 3, 0).unwrap_err().to_string(),
         "the trajectory ends 0.5 s before now; it may have begun before, but must end later"
     );
+    assert_eq!(start(now + 600, 0), Ok(600_000_000_000));
+    assert_eq!(
+        start(now + 600, 500_000_000).unwrap_err().to_string(),
+        "the stamp is 1700000600.5 s, 600.5 s after now, 1700000000 s; at most 600 s is allowed"
+    );
     // A simulation that has not said its time yet: a stamp of the system would wait for half a century.
     let mut early = goal();
     early.trajectory.header.stamp = Time { sec: now, nanosec: 0 };
@@ -137,7 +142,8 @@ fn partial_goals_need_their_parameter() {
 #[test]
 fn settings_of_group_and_joints_are_part_of_the_request() {
     let limits = TrajectoryLimits { margin: 0.01, on_excess: OnExcess::Refuse, max_stretch: 2.0 };
-    let group = TrajectorySettings { limits, angle_wraparound: true, max_duration: 1.5 };
+    let group =
+        TrajectorySettings { limits, angle_wraparound: true, max_duration: 1.5, ..TrajectorySettings::default() };
     let settings = Settings { group, joints: vec![[0.0, 0.0, 0.01], [0.0; 3]], ..settings() };
     let request = request(&joints(), &settings, &goal(), NOW).unwrap();
     assert_eq!((request.limits, request.angle_wraparound), (limits, true));

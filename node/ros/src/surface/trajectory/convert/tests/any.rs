@@ -68,7 +68,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
     (any::<bool>(), tolerance(), tolerance(), joint(), joint(), (any::<bool>(), 0.0..86_400.0)).prop_map(
         |(partial, goal_time, stopped, x, y, (angle_wraparound, max_duration))| {
             let group = TrajectorySettings { angle_wraparound, max_duration, ..TrajectorySettings::default() };
-            Settings { partial, goal_time, stopped, joints: vec![x, y], group }
+            Settings { partial, goal_time, stopped, joints: vec![x, y], group, ..Settings::default() }
         },
     )
 }

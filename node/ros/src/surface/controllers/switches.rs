@@ -1,0 +1,198 @@
+//! Which controllers are active, and what follows when one is deactivated.
+
+use super::plan::Plan;
+use crate::surface::host::Busy;
+use crate::surface::trajectory::Joints;
+use lineshaft_core::object::AxisSet;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A controller: the axes that one action and one topic move.
+#[derive(Clone, Debug)]
+pub(in crate::surface) struct Controller {
+    /// Name of its group; without groups that of the node.
+    pub name: String,
+    pub joints: Arc<Joints>,
+}
+
+/// The controller manager that the cell names.
+#[derive(Clone, Debug)]
+pub(in crate::surface) struct Manager(String);
+
+impl Manager {
+    /// Its absolute name.
+    pub(super) fn name(&self) -> &str {
+        &self.0
+    }
+
+    /// Logs the name of the controller manager with which MoveIt finds the actions, if this one does not fit.
+    pub(super) fn log_names(&self, node: &str, controllers: &[Controller]) {
+        let namespace = self.0.rsplit_once('/').map_or("", |(namespace, _)| namespace);
+        let Some(missed) =
+            controllers.iter().find(|one| one.joints.prefix(node) != format!("{namespace}/{}", one.name))
+        else {
+            return;
+        };
+        let prefix = missed.joints.prefix(node);
+        let wanted = prefix.rsplit_once('/').map_or("", |(namespace, _)| namespace);
+        tracing::info!(
+            "controller_manager is {}: MoveIt looks for {namespace}/{}/follow_joint_trajectory, and the action is \
+             {prefix}/follow_joint_trajectory; `controller_manager: {wanted}/controller_manager` makes them the same",
+            self.0,
+            missed.name
+        );
+    }
+}
+
+/// The state of a controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct State {
+    is_active: bool,
+    /// Number of its newest trajectory, until the machine is known to have read it. A halt overtakes what waits for its cycle.
+    pending: Option<u64>,
+}
+
+/// All controllers, in the order of the groups.
+#[derive(Debug)]
+pub(in crate::surface) struct Controllers {
+    manager: Option<Manager>,
+    all: Vec<Controller>,
+    states: Mutex<Vec<State>>,
+}
+
+impl Controllers {
+    /// One for each of `joints`; all are active. Without a manager they stay so. `node` is the name of the node.
+    pub(in crate::surface) fn new(manager: Option<&str>, node: &str, joints: Vec<Joints>) -> Self {
+        let named =
+            |joints: Joints| Controller { name: joints.group().unwrap_or(node).to_owned(), joints: Arc::new(joints) };
+        let all: Vec<_> = joints.into_iter().map(named).collect();
+        let states = Mutex::new(vec![State { is_active: true, pending: None }; all.len()]);
+        Self { manager: manager.map(|name| Manager(name.to_owned())), all, states }
+    }
+
+    pub(super) fn manager(&self) -> Option<&Manager> {
+        self.manager.as_ref()
+    }
+
+    /// All, in the order of the groups.
+    pub(in crate::surface) fn all(&self) -> &[Controller] {
+        &self.all
+    }
+
+    fn states(&self) -> MutexGuard<'_, Vec<State>> {
+        // A poisoned lock means that another thread panicked between two whole changes.
+        self.states.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether each of them is active.
+    pub(super) fn active(&self) -> Vec<bool> {
+        self.states().iter().map(|state| state.is_active).collect()
+    }
+
+    /// Whether the controller at that place takes trajectories.
+    ///
+    /// # Errors
+    /// It does not; how it is activated.
+    pub(in crate::surface) fn check(&self, place: usize) -> Result<(), String> {
+        let is_active = self.states().get(place).is_none_or(|state| state.is_active);
+        if is_active { Ok(()) } else { Err(self.refusal(place)) }
+    }
+
+    fn refusal(&self, place: usize) -> String {
+        let (Some(manager), Some(controller)) = (&self.manager, self.all.get(place)) else { return String::new() };
+        let (name, manager) = (&controller.name, manager.name());
+        let what = if controller.joints.group().is_some() { "group" } else { "controller" };
+        format!(
+            "{what} {name} is inactive; activate it first (`ros2 control switch_controllers -c {manager} --activate {name}`)"
+        )
+    }
+
+    /// Hands a trajectory of the controller at that place over. No controller is switched meanwhile. `number` gives the number
+    /// of the command.
+    ///
+    /// # Errors
+    /// The controller is inactive; how it is activated.
+    pub(in crate::surface) fn while_active<T>(
+        &self,
+        place: usize,
+        hand_over: impl FnOnce() -> T,
+        number: impl FnOnce(&T) -> Option<u64>,
+    ) -> Result<T, String> {
+        let mut states = self.states();
+        let Some(state) = states.get_mut(place).filter(|state| state.is_active) else {
+            return Err(self.refusal(place));
+        };
+        let given = hand_over();
+        if self.manager.is_some() {
+            state.pending = number(&given).or(state.pending);
+        }
+        Ok(given)
+    }
+
+    /// Notes that the machine has read a trajectory: it runs, or is refused.
+    pub(in crate::surface) fn is_read(&self, place: usize, sequence: u64) {
+        if let Some(state) = self.states().get_mut(place)
+            && state.pending == Some(sequence)
+        {
+            state.pending = None;
+        }
+    }
+
+    /// Whether trajectories of the topic have to be followed until they are read.
+    pub(in crate::surface) fn is_switchable(&self) -> bool {
+        self.manager.is_some()
+    }
+
+    /// Switches all controllers of a plan, or none. `cancel` ends a trajectory that waits for its cycle, `halt` the motion of
+    /// axes; returns what `halt` has returned, if a controller was deactivated while cycles run.
+    ///
+    /// # Errors
+    /// The machine takes no more commands now; no controller was switched.
+    pub(super) fn switch<T>(
+        &self,
+        plan: &Plan,
+        cancel: impl Fn(u64) -> Result<u64, Busy>,
+        halt: impl FnOnce(AxisSet) -> Result<T, Busy>,
+    ) -> Result<Option<T>, Busy> {
+        let mut states = self.states();
+        let (mut axes, mut pending) = (AxisSet::EMPTY, Vec::new());
+        for place in &plan.deactivate {
+            if let (Some(state), Some(controller)) = (states.get(*place), self.all.get(*place))
+                && state.is_active
+            {
+                axes = axes.with(&controller.joints.axes.iter().copied().collect());
+                pending.extend(state.pending);
+            }
+        }
+        let halted = if axes.is_empty() { None } else { unless_unconfigured(halt_all(&pending, cancel, axes, halt))? };
+        for (places, is_active) in [(&plan.deactivate, false), (&plan.activate, true)] {
+            for place in places {
+                if let Some(state) = states.get_mut(*place) {
+                    *state = State { is_active, ..*state };
+                }
+            }
+        }
+        Ok(halted)
+    }
+}
+
+/// The cancels come after the trajectories that wait, the halt before them: both are needed.
+fn halt_all<T>(
+    pending: &[u64],
+    cancel: impl Fn(u64) -> Result<u64, Busy>,
+    axes: AxisSet,
+    halt: impl FnOnce(AxisSet) -> Result<T, Busy>,
+) -> Result<T, Busy> {
+    for goal in pending {
+        cancel(*goal)?;
+    }
+    halt(axes)
+}
+
+/// While no cycle runs nothing moves: there is nothing to halt.
+fn unless_unconfigured<T>(given: Result<T, Busy>) -> Result<Option<T>, Busy> {
+    match given {
+        Ok(given) => Ok(Some(given)),
+        Err(Busy::Unconfigured) => Ok(None),
+        Err(busy) => Err(busy),
+    }
+}

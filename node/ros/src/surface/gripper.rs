@@ -1,0 +1,330 @@
+//! `~/<group>/gripper_cmd` and `~/<group>/parallel_gripper_cmd`, for groups of one axis that are grippers.
+//!
+//! Law      a goal is an absolute move of the axis. A gripper that has been asked for all of its way, and does not move for
+//!          [`STALL_TIMEOUT`] without reaching its goal, has stalled: the goal ends, and the axis goes on holding its target
+//! Refuses  all goals of an inactive group; a largest effort, as axes have no limit of it; another joint, other lists than of one number, numbers that are none
+//! Source   gripper_action_controller and parallel_gripper_controller of ros2_controllers (Jazzy)
+
+use super::controllers::Controllers;
+use super::group::Group;
+use super::hub::{Answers, Hub};
+use super::signals::AxisView;
+use super::table::{self, Acted};
+use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
+use lineshaft_core::code::Code;
+use lineshaft_core::command::{Action, MoveMode};
+use lineshaft_core::event::Kind;
+use lineshaft_core::object::Object;
+use lineshaft_core::request::{Amount, MoveRequest, Rates, Units};
+use lineshaft_core::signal::Board;
+use lineshaft_core::signal::axis::AxisSignal;
+use lineshaft_core::text;
+use lineshaft_msgs::foreign::control_msgs::action::{
+    GripperCommand, GripperCommandFeedback, GripperCommandGoal, GripperCommandResult, ParallelGripperCommand,
+    ParallelGripperCommandFeedback, ParallelGripperCommandGoal, ParallelGripperCommandResult,
+};
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::task::JoinSet;
+use tokio::time::{Instant, Interval, MissedTickBehavior};
+
+/// Below this velocity (m/s, rad/s) a gripper does not move, and after this time it has stalled: the values of the controllers.
+const STALL_VELOCITY: f64 = 0.001;
+const STALL_TIMEOUT: Duration = Duration::from_secs(1);
+/// Between two looks at it, and two feedback messages.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// The axis of a gripper.
+#[derive(Clone)]
+struct Gripper {
+    /// Its object name, and its joint name.
+    axis: String,
+    joint: String,
+    view: AxisView,
+    /// A goal that ends because the gripper has stalled has succeeded.
+    allows_stalling: bool,
+    controllers: Arc<Controllers>,
+    /// Place of its group among the controllers.
+    place: usize,
+}
+
+/// What a goal asks for (m or rad, and per s); velocity 0 is the usual one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wish {
+    position: f64,
+    velocity: f64,
+    effort: f64,
+}
+
+/// Where a gripper is.
+struct Found {
+    position: f64,
+    velocity: f64,
+    effort: f64,
+    stalled: bool,
+    reached: bool,
+}
+
+/// One of the two types of goals.
+trait GripperAction: lineshaft_msgs::Action + Sized {
+    const SERVED_AS: Acted<Self>;
+
+    /// What a goal asks for.
+    ///
+    /// # Errors
+    /// What is wrong with it, in one sentence.
+    fn wish(joint: &str, goal: &Self::Goal) -> Result<Wish, String>;
+
+    fn result(joint: &str, found: &Found) -> Self::Result;
+
+    fn feedback(joint: &str, found: &Found) -> Self::Feedback;
+}
+
+impl GripperAction for GripperCommand {
+    const SERVED_AS: Acted<Self> = table::GRIPPER_CMD;
+
+    fn wish(_joint: &str, goal: &GripperCommandGoal) -> Result<Wish, String> {
+        Ok(Wish { position: goal.command.position, velocity: 0.0, effort: goal.command.max_effort })
+    }
+
+    fn result(_joint: &str, found: &Found) -> GripperCommandResult {
+        let Found { position, effort, stalled, reached, .. } = *found;
+        GripperCommandResult { position, effort, stalled, reached_goal: reached }
+    }
+
+    fn feedback(_joint: &str, found: &Found) -> GripperCommandFeedback {
+        let Found { position, effort, stalled, reached, .. } = *found;
+        GripperCommandFeedback { position, effort, stalled, reached_goal: reached }
+    }
+}
+
+impl GripperAction for ParallelGripperCommand {
+    const SERVED_AS: Acted<Self> = table::PARALLEL_GRIPPER_CMD;
+
+    fn wish(joint: &str, goal: &ParallelGripperCommandGoal) -> Result<Wish, String> {
+        let JointState { name, position, velocity, effort, .. } = &goal.command;
+        if !name.is_empty() && *name != [joint] {
+            return Err(format!("command.name is {name:?}; `{joint}` or none is expected"));
+        }
+        let one = |field: &str, list: &[f64], is_optional: bool| match list {
+            [number] => Ok(*number),
+            [] if is_optional => Ok(0.0),
+            list => {
+                let or_none = if is_optional { " or none" } else { "" };
+                Err(format!("command.{field} has {} numbers; one{or_none} is expected", list.len()))
+            }
+        };
+        Ok(Wish {
+            position: one("position", position, false)?,
+            velocity: one("velocity", velocity, true)?,
+            effort: one("effort", effort, true)?,
+        })
+    }
+
+    fn result(joint: &str, found: &Found) -> ParallelGripperCommandResult {
+        let Found { stalled, reached, .. } = *found;
+        ParallelGripperCommandResult { state: state(joint, found), stalled, reached_goal: reached }
+    }
+
+    fn feedback(joint: &str, found: &Found) -> ParallelGripperCommandFeedback {
+        ParallelGripperCommandFeedback { state: state(joint, found) }
+    }
+}
+
+fn state(joint: &str, found: &Found) -> JointState {
+    JointState {
+        name: vec![joint.to_owned()],
+        position: vec![found.position],
+        velocity: vec![found.velocity],
+        effort: vec![found.effort],
+        ..JointState::default()
+    }
+}
+
+impl Gripper {
+    fn found(&self, board: &Board, stalled: bool) -> Found {
+        let view = &self.view;
+        Found {
+            position: view.si(view.int(board, AxisSignal::ActualPosition), 0.0),
+            velocity: view.rate(board, AxisSignal::ActualVelocity),
+            effort: view.effort(board),
+            stalled,
+            reached: view.bit(board, AxisSignal::InPosition) && view.to_go(board) == 0,
+        }
+    }
+
+    /// The command of a goal.
+    fn command(&self, hub: &Hub, wish: Wish) -> Result<Action, String> {
+        self.controllers.check(self.place)?;
+        if wish.effort != 0.0 {
+            return Err(format!(
+                "the largest effort is {}; 0 is expected, as the axis has no limit of effort",
+                wish.effort
+            ));
+        }
+        let request = MoveRequest {
+            axis: self.axis.clone(),
+            mode: MoveMode::Absolute as u8,
+            units: Units::Si,
+            position: Amount::Number(wish.position),
+            rates: Rates::numbers([wish.velocity, 0.0, 0.0, 0.0]),
+            buffer_mode: 0,
+            direction: 0,
+        };
+        hub.host.config().resolve_move(&request).map(Action::Move).map_err(|error| error.to_string())
+    }
+}
+
+/// Opens both actions for each group that is a gripper.
+pub(super) fn start(
+    node: &Node,
+    hub: &Arc<Hub>,
+    groups: &[Group],
+    controllers: &Arc<Controllers>,
+    tasks: &mut JoinSet<()>,
+) -> Result<(), CreateError> {
+    let views = AxisView::all(hub.host.config(), hub.host.directory());
+    for (place, group) in groups.iter().enumerate() {
+        let (Some(settings), &[axis]) = (group.gripper, group.axes.as_slice()) else { continue };
+        let Some(view) = views.get(usize::from(axis)) else { continue };
+        let gripper = Gripper {
+            axis: hub.host.config().name(Object::Axis(axis)).to_owned(),
+            joint: hub.host.joint_names().get(axis).to_owned(),
+            view: view.clone(),
+            allows_stalling: settings.allow_stalling,
+            controllers: Arc::clone(controllers),
+            place,
+        };
+        open::<GripperCommand>(node, hub, &group.name, &gripper, tasks)?;
+        open::<ParallelGripperCommand>(node, hub, &group.name, &gripper, tasks)?;
+    }
+    Ok(())
+}
+
+fn open<A: GripperAction>(
+    node: &Node,
+    hub: &Arc<Hub>,
+    group: &str,
+    gripper: &Gripper,
+    tasks: &mut JoinSet<()>,
+) -> Result<(), CreateError> {
+    let server = A::SERVED_AS.server_as(node, &A::SERVED_AS.0.name.replacen("~/", &format!("~/{group}/"), 1))?;
+    tasks.spawn(serve(server, Arc::clone(hub), gripper.clone()));
+    Ok(())
+}
+
+async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gripper: Gripper) {
+    let name = server.name().to_string();
+    // Goals that run end with the action.
+    let mut open = JoinSet::new();
+    while let Some(event) = server.next().await {
+        while open.try_join_next().is_some() {}
+        let ActionEvent::Goal(request) = event else { continue };
+        let wish = A::wish(&gripper.joint, request.goal());
+        match wish.and_then(|wish| gripper.command(&hub, wish)) {
+            Ok(command) => {
+                let handle = request.accept();
+                match hub.submit(command) {
+                    Ok(answers) => {
+                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone()));
+                    }
+                    Err(busy) => {
+                        hub.refuse(format!("{name}: {busy}"));
+                        let found = gripper.found(&hub.host.snapshot().board, false);
+                        handle.abort(A::result(&gripper.joint, &found));
+                    }
+                }
+            }
+            Err(sentence) => {
+                hub.refuse(format!("{name}: goal rejected: {sentence}"));
+                request.reject();
+            }
+        }
+    }
+}
+
+/// Works on an accepted goal until it ends. Its result has no room for a sentence: what ended it is on `/rosout` and in `~/events`.
+async fn run<A: GripperAction>(hub: Arc<Hub>, handle: GoalHandle<A>, mut answers: Answers, gripper: Gripper) {
+    let mut ticks = tokio::time::interval(PERIOD);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let goal = answers.sequence;
+    let (mut accepted, mut cancelled) = (false, false);
+    let (mut still_since, mut stalled) = (None::<Instant>, false);
+    let code = loop {
+        tokio::select! {
+            answer = answers.next() => match answer.map(|answer| answer.event) {
+                Some(event) if event.kind == Kind::Accepted => {
+                    accepted = true;
+                    handle.execute();
+                }
+                Some(event) if matches!(event.kind, Kind::Refused | Kind::Done) => {
+                    if !event.code.is_none() && !stalled {
+                        hub.refuse(text::sentence(&event, hub.host.config()));
+                    }
+                    break event.code;
+                }
+                Some(_) => {}
+                None => break Code::DISABLED,
+            },
+            () = handle.cancel_requested(), if !cancelled => cancelled = cancel(&hub, goal, &mut ticks).await,
+            // Before that the signals are not yet of this goal.
+            _ = ticks.tick(), if accepted => {
+                let snapshot = hub.host.snapshot();
+                let board = &snapshot.board;
+                let found = gripper.found(board, false);
+                let is_still = gripper.view.to_go(board) == 0 && !found.reached && found.velocity.abs() < STALL_VELOCITY;
+                still_since = if is_still { still_since.or(Some(Instant::now())) } else { None };
+                if !stalled && still_since.is_some_and(|since| since.elapsed() >= STALL_TIMEOUT) {
+                    stalled = cancel(&hub, goal, &mut ticks).await;
+                }
+                // A client that does not read feedback is its own matter.
+                let _ = handle.feedback(&A::feedback(&gripper.joint, &Found { stalled, ..found }));
+            }
+        }
+    };
+    let result = A::result(&gripper.joint, &gripper.found(&hub.host.snapshot().board, stalled && !code.is_none()));
+    match code {
+        code if code.succeeds() => handle.succeed(result),
+        Code::CANCELLED if handle.is_cancel_requested() => handle.canceled(result),
+        Code::CANCELLED if stalled && gripper.allows_stalling => handle.succeed(result),
+        _ => handle.abort(result),
+    }
+}
+
+/// Ends a goal of the machine; false where the lane is full: again a little later.
+async fn cancel(hub: &Hub, goal: u64, ticks: &mut Interval) -> bool {
+    let is_given = hub.submit_unheard(Action::Cancel { goal }).is_ok();
+    if !is_given {
+        ticks.tick().await;
+    }
+    is_given
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_msgs::foreign::control_msgs::msg;
+
+    #[test]
+    fn goals_of_both_types_ask_for_a_position() {
+        let goal = GripperCommandGoal { command: msg::GripperCommand { position: 0.02, max_effort: 5.0 } };
+        assert_eq!(GripperCommand::wish("finger", &goal), Ok(Wish { position: 0.02, velocity: 0.0, effort: 5.0 }));
+        let of = |name: &[&str], position: &[f64], velocity: &[f64], effort: &[f64]| {
+            let command = JointState {
+                name: name.iter().map(|name| (*name).to_owned()).collect(),
+                position: position.to_vec(),
+                velocity: velocity.to_vec(),
+                effort: effort.to_vec(),
+                ..JointState::default()
+            };
+            ParallelGripperCommand::wish("finger", &ParallelGripperCommandGoal { command })
+        };
+        assert_eq!(of(&[], &[0.02], &[], &[]), Ok(Wish { position: 0.02, velocity: 0.0, effort: 0.0 }));
+        assert_eq!(of(&["finger"], &[0.02], &[0.1], &[3.0]), Ok(Wish { position: 0.02, velocity: 0.1, effort: 3.0 }));
+        let refused = |wish: Result<Wish, String>, sentence: &str| assert_eq!(wish.unwrap_err(), sentence);
+        refused(of(&["thumb"], &[0.02], &[], &[]), "command.name is [\"thumb\"]; `finger` or none is expected");
+        refused(of(&[], &[], &[], &[]), "command.position has 0 numbers; one is expected");
+        refused(of(&[], &[0.0], &[0.1, 0.2], &[]), "command.velocity has 2 numbers; one or none is expected");
+    }
+}

@@ -1,0 +1,70 @@
+//! The actions of grippers, as a client on Cyclone DDS sees them.
+
+use crate::support::{domain::Domain, peer::Peer, program::Program};
+use serde_json::{Value, json};
+use std::fs;
+
+/// The axis of `tight` is not in position before a minute has passed: it stands at its target like one that holds something.
+const CELL: &str = "
+lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}}
+axes:
+  finger: {type: linear, unit: mm, joint: left_finger, scale: {increments: 1000, per: 1 mm}, sim: {model: ideal},
+    drive: {backend: plant, address: 0, interface: position}, max_velocity: 100 mm/s, max_acceleration: 1 m/s^2}
+  thumb: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, sim: {model: ideal}, in_position_time: 1 min,
+    drive: {backend: plant, address: 1, interface: position}, max_velocity: 100 mm/s, max_acceleration: 1 m/s^2}
+groups:
+  hand: {axes: [finger], gripper: {}}
+  tight: {axes: [thumb], gripper: {allow_stalling: true}}
+  strict: {axes: [thumb], gripper: {}}
+  arm: {axes: [finger]}
+";
+
+#[test]
+fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cell = folder.path().join("cell.yaml");
+    fs::write(&cell, CELL).expect("room for a file");
+    let domain = Domain::take();
+    let mut cyclone = Peer::cyclone(&domain);
+    let arguments = ["run", cell.to_str().expect("a path of text"), "--store", "none", "--flight-recorder", "0"];
+    let program = Program::start(&arguments, &domain);
+    cyclone.run("axis-states /lineshaft");
+    let reads = cyclone.run("graph /lineshaft")["reads"].clone();
+    assert!(!reads.to_string().contains("arm/gripper_cmd"), "{reads}");
+    // Without power.
+    assert_eq!(cyclone.run("gripper /lineshaft --group hand --position 0.02")["status"], "ABORTED");
+    cyclone.run("axes /lineshaft enable");
+
+    let seen = cyclone.run("gripper /lineshaft --group hand --position 0.02");
+    assert_eq!((&seen["status"], &seen["result"]["reached_goal"]), (&json!("SUCCEEDED"), &json!(true)), "{seen:?}");
+    // Within in_position_window, an increment.
+    let is_at = |position: &Value, expected: f64| (position.as_f64().expect("a number") - expected).abs() < 1.5e-6;
+    assert!(is_at(&seen["result"]["position"], 0.02), "{seen:?}");
+    let goal = "gripper /lineshaft --group hand --parallel --joint left_finger --position 0.03 --velocity 0.05";
+    let seen = cyclone.run(goal);
+    assert_eq!((&seen["status"], &seen["result"]["reached_goal"]), (&json!("SUCCEEDED"), &json!(true)));
+    let state = &seen["result"]["state"];
+    assert!(state["name"] == json!(["left_finger"]) && is_at(&state["position"][0], 0.03), "{state}");
+    assert!(seen["feedback"].as_u64() > Some(0), "{seen:?}");
+
+    // It stands at its target, and is not in position.
+    for (group, status, position) in [("tight", "SUCCEEDED", 0.01), ("strict", "ABORTED", 0.0)] {
+        let seen = cyclone.run(&format!("gripper /lineshaft --group {group} --position {position}"));
+        let result = &seen["result"];
+        assert_eq!(
+            (&seen["status"], &result["stalled"], &result["reached_goal"]),
+            (&json!(status), &json!(true), &json!(false))
+        );
+    }
+    for (goal, sentence) in [
+        ("--position 0.01 --effort 5", "the largest effort is 5; 0 is expected, as the axis has no limit of effort"),
+        ("--parallel --joint thumb --position 0.01", "command.name is [\"thumb\"]; `left_finger` or none is expected"),
+        ("--position nan", "NaN"),
+    ] {
+        assert_eq!(cyclone.fails(&format!("gripper /lineshaft --group hand {goal}")), "the goal was rejected");
+        assert!(program.log().contains(sentence), "{sentence}: {}", program.log());
+    }
+    assert_eq!(cyclone.run("axis-states /lineshaft")["axes"]["finger"]["command_increments"], 30_000);
+}
