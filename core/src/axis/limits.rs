@@ -374,12 +374,7 @@ impl Axis {
     pub(super) fn stop_limits(&self) -> Limits {
         let limits = self.parameters.largest_limits();
         match &self.generator {
-            Generator::Follow(_) => Limits { shape: Shape::Trapezoid, ..limits },
-            // A trajectory may exceed the maximum by its margin.
-            Generator::Track(follower) => {
-                let deceleration = limits.deceleration.max(follower.max_deceleration());
-                Limits { deceleration, shape: Shape::Trapezoid, ..limits }
-            }
+            Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
             // Maxima that were lowered meanwhile hold from the next motion on.
             Generator::Plan(course) => limits.at_least(&course.limits),
             _ => limits,

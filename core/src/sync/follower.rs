@@ -244,12 +244,6 @@ impl Follower {
         self
     }
 
-    /// Highest deceleration of the slave (inc/s^2).
-    #[inline]
-    pub fn max_deceleration(&self) -> f64 {
-        self.bounds.max_deceleration
-    }
-
     /// Where the transmission wants the slave.
     pub fn target(&self) -> Position {
         self.target

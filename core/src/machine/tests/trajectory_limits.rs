@@ -185,25 +185,6 @@ fn a_way_that_only_the_stretch_leads_beyond_a_limit_is_refused() {
     assert!(rig.refusal(goal).contains("exceeds max_position"), "{}", rig.refusal(goal));
 }
 
-/// The last segment decelerates by 1.0009 times max_deceleration, down to max_position: within the margin, so no stop at the limit.
-#[test]
-fn a_deceleration_within_the_margin_ends_at_a_limit() {
-    let mut rig = up_to(10_000);
-    let end = [(0, Some(0.0), None), (9_201, Some(40_000.0), None), rest(10_000)];
-    let knots = end.iter().map(|&(position, velocity, acceleration): &Point| Knot {
-        position: if position == 9_201 { Position::from_f64(9_200.72) } else { Position::whole(position) },
-        velocity,
-        acceleration,
-    });
-    let of_x = Track { axis: X, knots: knots.collect(), ..Track::default() };
-    let times = [0, 400 * MS, 439_964_000].into();
-    let trajectory = Trajectory::new(0, times, [of_x].into(), None).expect("a sound one");
-    let goal = rig.give(Action::Trajectory(Arc::new(trajectory.within(refusing(0.001)))));
-    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
-    rig.run(441);
-    assert_eq!((rig.done(goal)[0].code, command(&rig, "x")), (Code::NONE, 10_000.0));
-}
-
 /// An axis at 1.1 times max_velocity, taken over by a trajectory with less margin: no stretch makes it slower.
 #[test]
 fn an_axis_too_fast_for_any_stretch_is_refused() {
