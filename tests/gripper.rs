@@ -4,6 +4,7 @@ use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 use std::fs;
 
+/// The thumb creeps to its target, slower than 1 mm/s: like one that holds something.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -11,7 +12,11 @@ backends: {plant: {type: sim}}
 axes:
   finger: {type: linear, unit: mm, joint: left_finger, scale: {increments: 1000, per: 1 mm}, sim: {model: ideal},
     drive: {backend: plant, address: 0, interface: position}, max_velocity: 100 mm/s, max_acceleration: 1 m/s^2}
+  thumb: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, sim: {model: second_order, bandwidth: 0.02 Hz, damping: 1},
+    max_following_error: 100 mm, drive: {backend: plant, address: 1, interface: position}, max_velocity: 100 mm/s, max_acceleration: 1 m/s^2}
 groups:
+  tight: {axes: [thumb], gripper: {allow_stalling: true}}
+  strict: {axes: [thumb], gripper: {}}
   hand: {axes: [finger], gripper: {}}
   arm: {axes: [finger]}
 ";
@@ -44,6 +49,12 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
     assert!(state["name"] == json!(["left_finger"]) && is_at(&state["position"][0], 0.03), "{state}");
     assert!(seen["feedback"].as_u64() > Some(0), "{seen:?}");
 
+    // 0.126/s * 10 mm / e = 0.46 mm/s at most, and no 1 mm of the way within seconds.
+    for (group, status, position) in [("tight", "SUCCEEDED", 0.01), ("strict", "ABORTED", -0.01)] {
+        let seen = cyclone.run(&format!("gripper /lineshaft --group {group} --position {position}"));
+        let (stalled, reached) = (&seen["result"]["stalled"], &seen["result"]["reached_goal"]);
+        assert_eq!((&seen["status"], stalled, reached), (&json!(status), &json!(true), &json!(false)), "{seen:?}");
+    }
     for (goal, sentence) in [
         ("--position 0.01 --effort 5", "the largest effort is 5; 0 is expected, as the axis has no limit of effort"),
         ("--parallel --joint thumb --position 0.01", "command.name is [\"thumb\"]; `left_finger` or none is expected"),

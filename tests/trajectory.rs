@@ -158,6 +158,21 @@ fn controller_state_shows_what_is_asked_for_and_what_is_there() {
     assert_eq!(states(&bench.cyclone.run("controller-state /lineshaft --seconds 0.5")), [] as [Value; 0]);
 }
 
+/// A goal with a later start ends the goal before at once, and its axes follow that one until then.
+#[test]
+fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {
+    let mut bench = Bench::enabled();
+    let first = bench.cyclone.run(&format!("{} --leave", all(6.0, 0.3, 0.0, 0.0)));
+    bench.cyclone.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
+    let second = bench.cyclone.run(&format!("{} --start 2 --leave", all(3.0, 0.4, 0.0, 0.0)));
+    let id = |seen: &Observations| seen["goal"].as_str().expect("an id").to_owned();
+    bench.cyclone.run(&format!("followed /lineshaft {} --expect ABORTED", id(&first)));
+    let x = bench.cyclone.run("axis-states /lineshaft")["axes"]["x"].clone();
+    assert!(x["command_velocity"].as_f64() > Some(0.01), "it moves on: {x}");
+    bench.cyclone.run(&format!("followed /lineshaft {}", id(&second)));
+    assert_eq!(bench.command("x"), 40 * 1_048_576);
+}
+
 /// From 0 to 0.1 m/s in 0.5 s, 1 s at that, and to rest in 0.5 s: 25 + 100 + 25 mm, with 1048576 inc for 10 mm.
 #[test]
 fn points_of_velocities_alone_are_integrated_where_the_node_is_told_so() {

@@ -245,6 +245,7 @@ impl Axis {
         let next = trajectory.given(track, time_ns).map_or(0.0, |motion| motion.velocity);
         let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
         let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
+        // Where the largest step is past, the largest one ahead is not known: finding it would take a pass over all points.
         let is_ahead = |step: &(f64, u32)| step.1 >= point;
         let (step, point) = steps.into_iter().filter(is_ahead).max_by(|one, other| one.0.total_cmp(&other.0))?;
         let (step, rate) =

@@ -197,7 +197,7 @@ impl Machine {
         }
     }
 
-    /// Frees the place of a run that is over, unless it leads an axis until the next one begins.
+    /// Frees the place of an ended run, unless an axis follows it until the next one begins.
     fn forget_run(&mut self, slot: usize) {
         let is_led = |axis: &Axis| axis.follows_before().is_some_and(|(of, _)| of == slot);
         if !self.state.axes.iter().any(is_led) {

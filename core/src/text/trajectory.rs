@@ -45,7 +45,7 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
             format!("{says}; trajectory_limits.on_excess is refuse, scale would stretch the time by {stretch}")
         }
         TrajectoryPlace { stretch: needed, .. } if needed.is_infinite() => {
-            format!("{says}, however long it takes: the axis is too fast where the trajectory begins")
+            format!("{says}; no longer time of the trajectory helps")
         }
         TrajectoryPlace { max_stretch, .. } => {
             let most = number_to_text(*max_stretch);

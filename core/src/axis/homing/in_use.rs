@@ -12,7 +12,7 @@ use crate::event::{Number, Refusal};
 use crate::sync::Transmission;
 use crate::vocabulary::Owner;
 
-/// What keeps the coordinate of an axis, in the words of the refusal: a [`Use`] is its place here.
+/// Texts of a refusal, one for each [`Use`] of the coordinate of an axis.
 pub(crate) const USES: [&str; 12] = {
     let mut texts = [""; 12];
     texts[Use::Target as usize] = "a goal to a target";

@@ -182,8 +182,8 @@ fn has_room(rig: &Rig) -> bool {
     rig.machine.state().runs.iter().all(Option::is_none)
 }
 
-/// The goal of the one that runs ends, and its axis stays on it until the start: there the new one takes over without a jump. Axes that
-/// the new one has not stop.
+/// The goal of the running trajectory ends, and its axis follows it until the start, where the new one takes over without a jump. Axes
+/// without a place in the new one stop.
 #[test]
 fn a_later_start_leaves_axes_on_the_trajectory_before_until_then() {
     let (mut rig, old) = under_way();
@@ -228,7 +228,7 @@ fn a_start_behind_the_end_of_the_trajectory_before_waits_there() {
     assert!(has_room(&rig));
 }
 
-/// What ends the new one while it waits stops its axes.
+/// Halt and cancel of the new trajectory stop its axes while it waits.
 #[test]
 fn what_ends_a_trajectory_that_waits_stops_its_axes() {
     let both = || vec![track(X, &[rest(14_000)]), track(Y, &[rest(0)])];

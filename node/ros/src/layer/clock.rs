@@ -111,7 +111,7 @@ impl Clock {
         self.0.is_simulated.load(Ordering::Acquire)
     }
 
-    /// The stamp of this moment: nanoseconds since the epoch; 0 while a simulation has not said any.
+    /// Present stamp (ns since the epoch); 0 before the first message of `/clock` under sim time.
     pub fn now_ns(&self) -> u64 {
         self.stamp_or(|| self.0.host.as_ref().map_or_else(system_ns, HostClock::now_ns))
     }
@@ -158,7 +158,7 @@ impl Clock {
 mod tests {
     use super::*;
 
-    /// Two hosts whose offsets differ by an hour tell what shows.
+    /// Offsets differ by an hour, so that each value shows which one was used.
     #[test]
     fn stamps_show_a_step_once_it_is_in_force_and_requests_at_once() {
         let hour = 3_600_000_000_000;

@@ -29,6 +29,9 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, Interval, MissedTickBehavior};
 
+/// This near to its target (m, rad) a gripper has reached it, whatever in_position_window says: with 0 a command is enough, and that of a
+/// gripper that holds something arrives, too.
+const GOAL_TOLERANCE: f64 = 0.001;
 /// Below this velocity (m/s, rad/s) a gripper does not move, and after this time it has stalled: the values of the controllers.
 const STALL_VELOCITY: f64 = 0.001;
 const STALL_TIMEOUT: Duration = Duration::from_secs(1);
@@ -73,7 +76,7 @@ trait GripperAction: lineshaft_msgs::Action + Sized {
     /// What a goal asks for.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence.
+    /// One sentence about the error in the goal.
     fn wish(joint: &str, goal: &Self::Goal) -> Result<Wish, String>;
 
     fn result(joint: &str, found: &Found) -> Self::Result;
@@ -143,19 +146,21 @@ fn state(joint: &str, found: &Found) -> JointState {
 }
 
 impl Gripper {
-    fn found(&self, board: &Board, stalled: bool) -> Found {
+    /// Where it is, for a goal to `target` (m, rad).
+    fn found(&self, board: &Board, target: f64, stalled: bool) -> Found {
         let view = &self.view;
+        let position = view.si(view.int(board, AxisSignal::ActualPosition), 0.0);
         Found {
-            position: view.si(view.int(board, AxisSignal::ActualPosition), 0.0),
+            position,
             velocity: view.rate(board, AxisSignal::ActualVelocity),
             effort: view.effort(board),
             stalled,
-            reached: view.bit(board, AxisSignal::InPosition) && view.to_go(board) == 0,
+            reached: (position - target).abs() <= GOAL_TOLERANCE,
         }
     }
 
     /// The command of a goal.
-    fn command(&self, hub: &Hub, wish: Wish) -> Result<Action, String> {
+    fn command(&self, hub: &Hub, wish: &Wish) -> Result<Action, String> {
         self.controllers.check(self.place)?;
         if wish.effort != 0.0 {
             return Err(format!(
@@ -222,16 +227,17 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
         let wish = A::wish(&gripper.joint, request.goal());
-        match wish.and_then(|wish| gripper.command(&hub, wish)) {
-            Ok(command) => {
+        let read = wish.and_then(|wish| Ok((wish.position, gripper.command(&hub, &wish)?)));
+        match read {
+            Ok((target, command)) => {
                 let handle = request.accept();
                 match hub.submit(command) {
                     Ok(answers) => {
-                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone()));
+                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone(), target));
                     }
                     Err(busy) => {
                         hub.refuse(format!("{name}: {busy}"));
-                        let found = gripper.found(&hub.host.snapshot().board, false);
+                        let found = gripper.found(&hub.host.snapshot().board, target, false);
                         handle.abort(A::result(&gripper.joint, &found));
                     }
                 }
@@ -245,21 +251,29 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
 }
 
 /// Works on an accepted goal until it ends. Its result has no room for a sentence: what ended it is on `/rosout` and in `~/events`.
-async fn run<A: GripperAction>(hub: Arc<Hub>, handle: GoalHandle<A>, mut answers: Answers, gripper: Gripper) {
+async fn run<A: GripperAction>(
+    hub: Arc<Hub>,
+    handle: GoalHandle<A>,
+    mut answers: Answers,
+    gripper: Gripper,
+    target: f64,
+) {
     let mut ticks = tokio::time::interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
-    let (mut accepted, mut cancelled) = (false, false);
+    // The machine has accepted the move, and ended it well: its command is at the target.
+    let (mut accepted, mut arrived, mut cancelled) = (false, false, false);
     let (mut still_since, mut stalled) = (None::<Instant>, false);
     let code = loop {
         tokio::select! {
-            answer = answers.next() => match answer.map(|answer| answer.event) {
+            answer = answers.next(), if !arrived => match answer.map(|answer| answer.event) {
                 Some(event) if event.kind == Kind::Accepted => {
                     accepted = true;
                     handle.execute();
                 }
+                Some(event) if event.kind == Kind::Done && event.code.is_none() => arrived = true,
                 Some(event) if matches!(event.kind, Kind::Refused | Kind::Done) => {
-                    if !event.code.is_none() && !stalled {
+                    if !stalled {
                         hub.refuse(text::sentence(&event, hub.host.config()));
                     }
                     break event.code;
@@ -267,23 +281,34 @@ async fn run<A: GripperAction>(hub: Arc<Hub>, handle: GoalHandle<A>, mut answers
                 Some(_) => {}
                 None => break Code::DISABLED,
             },
-            () = handle.cancel_requested(), if !cancelled => cancelled = cancel(&hub, goal, &mut ticks).await,
+            () = handle.cancel_requested(), if !cancelled => {
+                if arrived {
+                    break Code::CANCELLED;
+                }
+                cancelled = cancel(&hub, goal, &mut ticks).await;
+            }
             // Before that the signals are not yet of this goal.
             _ = ticks.tick(), if accepted => {
                 let snapshot = hub.host.snapshot();
-                let board = &snapshot.board;
-                let found = gripper.found(board, false);
-                let is_still = gripper.view.to_go(board) == 0 && !found.reached && found.velocity.abs() < STALL_VELOCITY;
+                let found = gripper.found(&snapshot.board, target, stalled);
+                // A client that does not read feedback is its own matter.
+                let _ = handle.feedback(&A::feedback(&gripper.joint, &found));
+                if arrived && found.reached {
+                    break Code::NONE;
+                }
+                let at_target = gripper.view.to_go(&snapshot.board) == 0;
+                let is_still = at_target && !found.reached && found.velocity.abs() < STALL_VELOCITY;
                 still_since = if is_still { still_since.or(Some(Instant::now())) } else { None };
                 if !stalled && still_since.is_some_and(|since| since.elapsed() >= STALL_TIMEOUT) {
-                    stalled = cancel(&hub, goal, &mut ticks).await;
+                    stalled = arrived || cancel(&hub, goal, &mut ticks).await;
                 }
-                // A client that does not read feedback is its own matter.
-                let _ = handle.feedback(&A::feedback(&gripper.joint, &Found { stalled, ..found }));
+                if stalled && arrived {
+                    break Code::CANCELLED;
+                }
             }
         }
     };
-    let result = A::result(&gripper.joint, &gripper.found(&hub.host.snapshot().board, stalled && !code.is_none()));
+    let result = A::result(&gripper.joint, &gripper.found(&hub.host.snapshot().board, target, stalled));
     match code {
         code if code.succeeds() => handle.succeed(result),
         Code::CANCELLED if handle.is_cancel_requested() => handle.canceled(result),

@@ -63,9 +63,9 @@ impl Plan {
         }
     }
 
-    /// What was done, in one sentence.
+    /// A sentence about the controllers that were switched.
     pub(super) fn summary(&self, known: &[Controller]) -> String {
-        /// So many skipped names are told.
+        /// Maximum number of skipped names in the sentence.
         const MOST: usize = 4;
         let names = |places: &[usize]| {
             let names: Vec<_> =

@@ -94,7 +94,7 @@ fn deactivation_halts_the_axes_of_the_active_groups_once() {
         switch(&all, &off),
         Ok(("controllers hand, arm are inactive".to_owned(), vec!["halt [1, 2]".to_owned()]))
     );
-    // What is so already is fine, and does nothing.
+    // A controller that is in the wanted state already is no error.
     assert_eq!(switch(&all, &off).unwrap().1, Given::new());
     let on = request(&["hand"], &["arm"], Asked::STRICT);
     let summary = "controller hand is active; controller arm is inactive".to_owned();

@@ -46,7 +46,7 @@ pub(in crate::surface) struct Own {
     pub words: &'static [&'static str],
 }
 
-/// Their values while nobody changes them.
+/// Values of all parameters at one moment.
 pub(in crate::surface) struct Values<'s>(&'s BTreeMap<String, Own>);
 
 impl Values<'_> {

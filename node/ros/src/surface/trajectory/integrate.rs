@@ -1,8 +1,8 @@
 //! Points that carry velocities alone, with the parameter `allow_integration_in_goal_trajectories`.
 //!
-//! Law      from one point to the next each joint goes by the mean of their velocities, from its command when the goal comes on: that
-//!          is what a spline that is linear in velocity goes
-//! Refuses  such points in a trajectory with a stamp: nobody knows where its joints will be then
+//! Law      between two points each joint moves with the mean of their velocities, as on a spline with linear velocity. The first point
+//!          before them is the command of the joint at the time of the goal
+//! Refuses  such points in a trajectory with a stamp: the positions of the joints at its start are not known
 //! Source   joint_trajectory_controller (Jazzy)
 
 use super::convert::{Wrong, places};
@@ -23,7 +23,7 @@ fn has_velocities_alone(point: &Point) -> bool {
 /// Gives each such point its positions. `command` is what the joints of the group are asked for when the goal comes.
 ///
 /// # Errors
-/// What is wrong with the goal for that; the rest is for [`request`](super::convert::request).
+/// The goal has a stamp, or an unknown joint. Other errors are found by [`request`](super::convert::request).
 pub(super) fn integrate(joints: &Joints, goal: &mut Goal, command: &Point) -> Result<(), Wrong> {
     let trajectory = &mut goal.trajectory;
     if trajectory.header.stamp != Time::default() {
