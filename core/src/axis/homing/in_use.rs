@@ -5,9 +5,9 @@
 //! Refuses  the first of them, by its name
 //! Source   PLCopen part 1 (MC_SetPosition)
 
-use super::super::pair::Pair;
 use super::super::{Axis, AxisState, Generator, Reference};
 use crate::code::Code;
+use crate::command::Engage;
 use crate::event::{Number, Refusal};
 use crate::sync::Transmission;
 use crate::vocabulary::Owner;
@@ -50,7 +50,8 @@ impl Axis {
     /// Returns an error where something refers to the coordinate of the axis as it is.
     pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
         let moves = self.is_on() && !self.stands_idle();
-        let waits_for_places = self.engagement.is_some_and(|waits| Pair::of(waits.request.engage).is_some());
+        let is_pair = |engage: Engage| matches!(engage, Engage::InPosition { .. });
+        let waits_for_places = self.engagement.is_some_and(|waits| is_pair(waits.request.engage));
         let used = waits_for_places.then_some(Use::Engaging);
         let used = used.or(self.touch_probes.have_window().then_some(Use::Window));
         let used = if moves { self.use_in_motion()?.or(used) } else { used };
