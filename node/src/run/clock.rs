@@ -1,8 +1,8 @@
 //! Stamps follow the system clock; what goes into recordings does not step with it.
 //!
-//! Law      offset = system clock - monotonic clock, read every [`LOOK`]. A change by more than [`CLOCK_STEP_NS`] is a step: an event
-//!          (`CLOCK_STEPPED`), of which the bridge makes the log line, is published; [`HOLD`] later stamps show the step. A smaller
-//!          change is followed by a part of [`SLEW`] of the time that passes, so that stamps never go back
+//! Law      offset = system clock - monotonic clock, read every `LOOK`. A change by more than [`CLOCK_STEP_NS`] is a step: an event
+//!          (`CLOCK_STEPPED`), of which the bridge makes the log line, is published; `HOLD` later stamps show the step. A smaller
+//!          change is followed by a part of `SLEW` of the time that passes, so that stamps never go back
 //! Reads    the system clock in the bridge; the cycle thread loads two atomics
 //! Writes   the [`HostClock`], which all stamps show
 
