@@ -189,6 +189,21 @@ fn points_of_velocities_alone_are_integrated_where_the_node_is_told_so() {
     assert_eq!(bench.command("x"), 15 * 1_048_576);
 }
 
+/// To 0.1 m at 0.1 m/s: the goal succeeds there, and x stops within its limits some millimetres further.
+#[test]
+fn goal_that_ends_in_motion_succeeds_and_the_joint_stops_after_it() {
+    let mut bench = Bench::enabled();
+    let goal = "follow /lineshaft --joint x --joint y --joint turret --point 2:0.1,0,0:0.1,0,0";
+    bench.cyclone.fails(goal);
+    assert!(bench.log().contains("0 is expected, or set allow_nonzero_velocity_at_trajectory_end"));
+    bench.cyclone.run("params /lineshaft set allow_nonzero_velocity_at_trajectory_end=true");
+    let seen = bench.cyclone.run(goal);
+    assert_eq!((&seen["status"], &seen["error"]), (&json!("SUCCEEDED"), &json!("SUCCESSFUL")));
+    let rest = bench.wait("x", "at rest", |x| x["state"] == "STANDSTILL");
+    let command = rest["command_increments"].as_i64().expect("a whole number of increments");
+    assert!(command > 10 * 1_048_576 && command < 12 * 1_048_576, "{command}");
+}
+
 /// MoveIt sends one point at time 0 where start and goal are the same; others send the same point twice, or where they are and the way.
 #[test]
 fn a_goal_where_the_joints_are_is_reached() {

@@ -19,6 +19,7 @@ mod reactions;
 mod signals;
 mod state;
 mod trajectories;
+mod trajectory_lag;
 mod virtual_master;
 
 use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, MOST_RECORDS, Pace};

@@ -1,14 +1,16 @@
 //! Trajectories: points of several axes over time, which the machine runs as one goal.
 //!
 //! Law      between two points each axis moves on a spline whose degree is decided by what both carry; up to the first point
-//!          that lies ahead it moves on one that begins where it is taken over; behind the last one it rests on the whole
-//!          increment that is nearest to it
-//! Refuses  times that do not ascend, knots that are not one for each time, an end with a velocity
+//!          that lies ahead it moves on one that begins where it is taken over; after the last one it rests on the whole
+//!          increment that is nearest to it. An axis whose last knot has a velocity goes on with that instead
+//! Refuses  times that do not ascend, knots that are not one for each time
 
+mod lag;
 mod limits;
 mod spline;
 mod stretch;
 
+pub use lag::{Lag, LagLimits};
 pub use limits::{OnExcess, TrajectoryLimits};
 pub use spline::{Reach, Spline};
 pub use stretch::{Moment, Stretch};
@@ -228,7 +230,6 @@ impl Trajectory {
         let fits = |(index, track): (usize, &Track)| {
             track.knots.len() == times_ns.len()
                 && track.knots.iter().all(Knot::is_sound)
-                && track.knots.last().is_some_and(|last| last.velocity.is_none_or(|velocity| velocity == 0.0))
                 && track.path.is_sound()
                 && track.goal.is_sound()
                 && track.start.is_none_or(|most| most > 0.0 && most.is_finite())
@@ -306,6 +307,17 @@ impl Trajectory {
         self.demands.get(track)
     }
 
+    /// The velocity with which a track ends (inc/s); 0: it ends at rest.
+    pub fn end_velocity(&self, track: usize) -> f64 {
+        let last = self.tracks.get(track).and_then(|track| track.knots.last());
+        last.and_then(|last| last.velocity).unwrap_or(0.0)
+    }
+
+    /// Whether a track ends with a velocity.
+    pub fn ends_in_motion(&self) -> bool {
+        (0..self.tracks.len()).any(|track| self.end_velocity(track) != 0.0)
+    }
+
     /// Where a track that is moved by `shift` rests at last: the whole increment that is nearest to its last point, as the target of every
     /// goal is.
     pub fn end(&self, track: usize, shift: Position) -> Option<Position> {
@@ -354,7 +366,7 @@ impl Trajectory {
     pub fn straight_end(&self, track: usize, begin: &Begin, time_ns: u64) -> Option<Position> {
         let next = self.passed(time_ns);
         let end = self.planned_end(track, begin.shift)?;
-        if next < self.demand(track)?.stands as usize {
+        if next < self.demand(track)?.stands as usize || self.end_velocity(track) != 0.0 {
             return None;
         }
         match self.under_way(track, begin, time_ns) {
@@ -368,17 +380,31 @@ impl Trajectory {
     pub fn sample(&self, track: usize, begin: &Begin, time: Moment) -> Motion {
         match self.under_way(track, begin, time.ns) {
             Some((spline, since)) => spline.at(time.since(since)),
+            None if self.end_velocity(track) != 0.0 => self.beyond_end(track, time),
             None => Motion::at_rest(self.planned_end(track, begin.shift).unwrap_or(begin.motion.position)),
         }
     }
 
+    /// The motion of a track that ends with a velocity, after its last point.
+    fn beyond_end(&self, track: usize, time: Moment) -> Motion {
+        let velocity = self.end_velocity(track);
+        let last =
+            self.tracks.get(track).and_then(|track| track.knots.last()).map_or(Position::ZERO, |last| last.position);
+        let position = last + Position::from_f64(velocity * time.since(self.end_ns()) / 1e9);
+        Motion { position, velocity, acceleration: 0.0, jerk: 0.0 }
+    }
+
     /// The segment that a track is on at a time, and when it began (ns); none behind the last one.
     fn under_way(&self, track: usize, begin: &Begin, time_ns: u64) -> Option<(Spline, u64)> {
-        let next = self.passed(time_ns);
+        self.segment(track, begin, self.passed(time_ns))
+    }
+
+    /// The segment of a track that ends at a point, and when it begins (ns).
+    fn segment(&self, track: usize, begin: &Begin, point: usize) -> Option<(Spline, u64)> {
         let knots = &self.tracks.get(track)?.knots;
-        let (knot, time) = knots.get(next).zip(self.times_ns.get(next))?;
+        let (knot, time) = knots.get(point).zip(self.times_ns.get(point))?;
         // A point at or before the begin is passed over.
-        let before = next.checked_sub(1).and_then(|before| knots.get(before).zip(self.times_ns.get(before)));
+        let before = point.checked_sub(1).and_then(|before| knots.get(before).zip(self.times_ns.get(before)));
         let (from, since) = match before {
             Some((knot, &since)) if since > begin.time_ns => (*knot, since),
             _ => (begin.motion.into(), begin.time_ns),
@@ -412,8 +438,9 @@ fn demand(times_ns: &[u64], track: &Track) -> Demand {
         }
         velocity = Some(end);
     }
-    // A trajectory ends at rest.
-    if let Some(last) = velocity.map(f64::abs).filter(|last| *last > step) {
+    // A track ends at rest, or with a velocity of its own.
+    let ends_with = track.knots.last().and_then(|last| last.velocity).unwrap_or(0.0);
+    if let Some(last) = velocity.map(|velocity| (velocity - ends_with).abs()).filter(|last| *last > step) {
         (step, peaks.step) = (last, track.knots.len().saturating_sub(1) as u32);
     }
     let end = track.knots.last().map(|last| last.position);

@@ -113,12 +113,14 @@ impl Axis {
     }
 
     /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
-    /// that is an error. A motion to a target was checked as a whole when it was planned, but for what is added to it since.
+    /// that is an error. A motion to a target and a trajectory without steps were checked as a whole when they were planned, but for
+    /// what is added to them since.
     #[inline]
     pub(super) fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
             Generator::Plan(course) => course.is_watched(),
-            Generator::Follow(_) | Generator::Track(_) => true,
+            Generator::Follow(_) => true,
+            Generator::Track(_) => !self.stays_on_track(),
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => false,
         };
         self.watch_beyond(cx.cycle);

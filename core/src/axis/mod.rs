@@ -83,7 +83,7 @@ pub(crate) use stream::STREAM;
 pub use switches::Switches;
 pub(crate) use switches::assigned_input;
 pub(crate) use touch_probe::{INDEX, MOST_RECORDS};
-pub use track::{Excess, Run, Violation};
+pub use track::{Excess, LagEstimate, LargestLag, Run, Violation, place as trajectory_place};
 pub use velocity_encoder::may_find_velocity;
 pub use waiting::MAX_WAITING;
 

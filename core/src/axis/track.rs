@@ -15,11 +15,11 @@ use crate::encoder::Lead;
 use crate::event::{Number, Refusal, TrajectoryPlace};
 use crate::parameter::{Row, Rule};
 use crate::position::Position;
-use crate::profile::Motion;
+use crate::profile::{self, Motion};
 use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{SyncMode, Transmission};
-use crate::trajectory::{Begin, Moment, Peaks, Reach, Stretch, Tolerance, Trajectory};
+use crate::trajectory::{Begin, Lag, LagLimits, Moment, Peaks, Reach, Stretch, Tolerance, Trajectory};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -47,6 +47,34 @@ pub struct Run {
     pub stretch: Stretch,
     /// Its goal has ended: it leads axes on until the trajectories begin that have replaced it.
     pub is_over: bool,
+    /// How far its axes will lag, while that is computed.
+    pub lag: Option<LagEstimate>,
+}
+
+/// How far the axes of a run will lag, as far as that is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LagEstimate {
+    /// The track that is looked at.
+    pub track: u16,
+    /// The axis of that track at the last point that was looked at, and the number of the next one; none: at its begin.
+    pub at: Option<(Lag, u32)>,
+    /// The largest lag of a track that is done.
+    pub largest: Option<LargestLag>,
+    /// The longest time after the last point that an axis of such a track takes (s).
+    pub late_s: f64,
+}
+
+/// The largest lag of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LargestLag {
+    /// The axis.
+    pub axis: u16,
+    /// Its largest lag (inc).
+    pub lag: f64,
+    /// The same in seconds at its max_velocity, by which axes of several units are compared.
+    pub seconds: f64,
+    /// The point before which it is.
+    pub point: u32,
 }
 
 impl Run {
@@ -106,6 +134,8 @@ pub(super) struct Tracker {
     moved: f64,
     /// The command is the spline itself, and shows its velocity: within half of what a cycle may change, that of its step.
     exact: bool,
+    /// It has no step of velocity that would make the axis lag.
+    smooth: bool,
     /// Lowest and highest position of all of it.
     low: Position,
     high: Position,
@@ -148,6 +178,11 @@ impl Axis {
         Some((tracker, runs.get(usize::from(tracker.slot))?.as_ref()?))
     }
 
+    /// The trajectory by which it moves until the cycle in which another one begins: not one that ends in motion before that.
+    fn led_until<'a>(&self, begins: u64, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
+        self.led_by(runs).filter(|(_, run)| !run.trajectory.ends_in_motion() || run.late_ns(begins).is_none())
+    }
+
     /// Places of the trajectory that it follows until its own begins: among those that run, among the tracks of that.
     pub fn follows_before(&self) -> Option<(usize, usize)> {
         let before = self.goal?.before?;
@@ -163,6 +198,11 @@ impl Axis {
     /// Is its command its trajectory itself?
     pub(super) fn is_on_track(&self) -> bool {
         self.leading().is_some_and(|tracker| tracker.exact)
+    }
+
+    /// Whether it goes where its trajectory was checked to go, up to the end of that: not where it lags, or will.
+    pub(super) fn stays_on_track(&self) -> bool {
+        self.leading().is_some_and(|tracker| tracker.exact && tracker.smooth)
     }
 
     /// Is it one of a trajectory?
@@ -220,7 +260,7 @@ impl Axis {
         for (reach, peaks) in self.reaches(from, run, track).into_iter().flatten() {
             self.check_track_way(trajectory, (&reach, &peaks), begin)?;
         }
-        Ok(())
+        self.check_stop_after_end(run, track, (shift, begin))
     }
 
     /// The rates of that track that exceed their limits by more than the margin.
@@ -241,8 +281,8 @@ impl Axis {
             .map_or((motion.velocity, motion.velocity), |spline| spline.end_velocities());
         let point = trajectory.point_ahead(run.begin_ns);
         let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
-        // After the last point it rests.
-        let next = trajectory.given(track, time_ns).map_or(0.0, |motion| motion.velocity);
+        // After the last point it rests, or goes on.
+        let next = trajectory.given(track, time_ns).map_or(trajectory.end_velocity(track), |motion| motion.velocity);
         let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
         let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
         // Where the largest step is past, the largest one ahead is not known: finding it would take a pass over all points.
@@ -322,6 +362,11 @@ impl Axis {
         if !self.rests() {
             return Err(self.not_at_standstill());
         }
+        if run.trajectory.end_velocity(track) != 0.0 {
+            let number = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
+            let refusal = Refusal::new(Code::TRAJECTORY_IN_THE_PAST, self.object());
+            return Err(refusal.with(number(run.trajectory.end_ns()), number(run.begin_ns)));
+        }
         let goal = run.trajectory.tracks().get(track).and_then(|track| track.goal.position);
         let most = goal.unwrap_or(self.nearness());
         let off = |from: Position| (end - from).to_f64().abs();
@@ -358,6 +403,29 @@ impl Axis {
             self.check_forward(reach.slowest)?;
         }
         Ok(())
+    }
+
+    /// Where an axis whose track ends with a velocity comes to rest; none where the track ends at rest.
+    fn rest_after_end(&self, run: &Run, track: usize, shift: Position) -> Option<Position> {
+        let velocity = run.trajectory.end_velocity(track) / run.stretch.factor();
+        let last = run.trajectory.tracks().get(track)?.knots.last()?.position + shift;
+        // The stop begins in the first cycle that is not before the end.
+        let cycle_ns = run.cycle_ns.max(1);
+        let passed = velocity * ((cycle_ns - run.duration_ns() % cycle_ns) % cycle_ns) as f64 / 1e9;
+        let stop = profile::stopping_way(Motion { velocity, ..Motion::default() }, &self.parameters.usual_limits());
+        (velocity != 0.0).then(|| last + Position::from_f64(passed + stop))
+    }
+
+    /// Checks that an axis whose track ends with a velocity can stop before a limit.
+    fn check_stop_after_end(
+        &self,
+        run: &Run,
+        track: usize,
+        (shift, from): (Position, Position),
+    ) -> Result<(), Refusal> {
+        let Some(rest) = self.rest_after_end(run, track, shift) else { return Ok(()) };
+        let point = run.trajectory.times_ns().len().saturating_sub(1) as u32;
+        self.check_track_way(&run.trajectory, (&Reach::at(rest), &Peaks::at(point)), from)
     }
 
     /// Velocity, acceleration and deceleration, where they exceed their limits by more than the margin.
@@ -399,7 +467,7 @@ impl Axis {
         if begins <= cycle {
             return present;
         }
-        if let Some((tracker, run)) = self.led_by(runs) {
+        if let Some((tracker, run)) = self.led_until(begins, runs) {
             let sample = run.sample(usize::from(tracker.track), &tracker.begin(run), begins);
             return Motion { position: sample.position + tracker.shift, ..sample };
         }
@@ -412,7 +480,7 @@ impl Axis {
     pub fn take_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
         let runs = cx.runs;
         let waits = run.begins > cx.cycle;
-        let before = self.led_by(runs).map(|(tracker, _)| tracker).filter(|_| waits);
+        let before = self.led_until(run.begins, runs).map(|(tracker, _)| tracker).filter(|_| waits);
         let from = self.motion_at(cx.cycle, run.begins, runs);
         self.abandon(cx, Code::REPLACED);
         let (begin, shift) = (self.takes_over(from, run, track), self.shift(from, run, track));
@@ -421,6 +489,7 @@ impl Axis {
         let way = run.trajectory.demand(track).map(|demand| demand.way);
         let reach = [first, way].into_iter().flatten().reduce(Reach::union).unwrap_or(Reach::at(begin.position));
         let reach = reach.moved(shift);
+        let reach = self.rest_after_end(run, track, shift).map_or(reach, |rest| reach.union(Reach::at(rest)));
         let tracker = Tracker {
             slot: slot as u16,
             track: track as u16,
@@ -428,6 +497,7 @@ impl Axis {
             waits,
             moved: from.velocity,
             exact: begin.position + shift == from.position,
+            smooth: self.track_step(from, run, track).is_none(),
             low: reach.low,
             high: reach.high,
             shift,
@@ -531,6 +601,15 @@ impl Axis {
         Some(if tracker.exact { Motion { position, ..sample } } else { Motion { position, ..next } })
     }
 
+    /// Where a run begins on it, and what limits it while it lags, both by the trajectory's time; none once it has left the run.
+    pub fn lag_of(&self, run: &Run) -> Option<(Begin, LagLimits)> {
+        let tracker = self.tracker().filter(|_| self.tracked().is_some_and(|(of, ..)| of == run.sequence))?;
+        let p = &self.parameters;
+        let acceleration = p.max_acceleration.min(p.deceleration_limit());
+        let limits = LagLimits { velocity: p.max_velocity, acceleration, cycle_s: self.cycle_s() };
+        Some((tracker.begin(run), limits.stretched(run.stretch.factor())))
+    }
+
     /// Without what rounding puts it beyond a limit.
     fn unrounded(&self, position: Position) -> Position {
         let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
@@ -559,25 +638,35 @@ impl Axis {
         if path.is_none() {
             return None;
         }
-        let age = if self.is_virtual() { 0 } else { self.delay().saturating_add(1) };
-        let answered = cycle.checked_sub(age).filter(|answered| *answered >= run.begins)?;
-        if run.late_ns(answered).is_some() {
+        if run.late_ns(cycle.checked_sub(self.age())?).is_some() {
             return None;
         }
-        let begin = tracker.begin(run);
-        let wanted = run.sample(track, &begin, answered);
-        let wanted = Motion { position: wanted.position + tracker.shift, ..wanted };
-        let now = run.sample(track, &begin, cycle);
-        // No drive measures its acceleration: the commanded one is what there is.
-        let wanted = Motion { acceleration: now.acceleration - self.command.acceleration, ..wanted };
-        self.violation(&path, wanted)
+        self.violation(&path, self.answered(cycle, (run, &tracker))?)
     }
 
-    /// Is it too far from where its trajectory has ended?
-    pub fn goal_violation(&self, run: &Run) -> Option<Violation> {
+    /// How many cycles before this one the command was that its actual values answer.
+    fn age(&self) -> u64 {
+        if self.is_virtual() { 0 } else { self.delay().saturating_add(1) }
+    }
+
+    /// What its trajectory asked for in the cycle that its actual values answer, with the error of its acceleration; none before its start.
+    fn answered(&self, cycle: u64, (run, tracker): (&Run, &Tracker)) -> Option<Motion> {
+        let answered = cycle.checked_sub(self.age()).filter(|answered| *answered >= run.begins)?;
+        let (track, begin) = (usize::from(tracker.track), tracker.begin(run));
+        let wanted = run.sample(track, &begin, answered);
+        // No drive measures its acceleration: the commanded one is what there is.
+        let acceleration = run.sample(track, &begin, cycle).acceleration - self.command.acceleration;
+        Some(Motion { position: wanted.position + tracker.shift, acceleration, ..wanted })
+    }
+
+    /// Is it too far from where its trajectory has ended, or from its trajectory where that ends in motion?
+    pub fn goal_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
         let tracker = self.tracker()?;
         let track = usize::from(tracker.track);
         let goal = run.trajectory.tracks().get(track)?.goal;
+        if run.trajectory.ends_in_motion() {
+            return self.violation(&goal, self.answered(cycle, (run, &tracker))?);
+        }
         let end = Motion::at_rest(run.trajectory.end(track, tracker.shift)?);
         self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
     }
@@ -632,7 +721,7 @@ impl Axis {
 }
 
 /// A point of a trajectory.
-fn place(trajectory: &Trajectory, point: u32) -> TrajectoryPlace {
+pub fn place(trajectory: &Trajectory, point: u32) -> TrajectoryPlace {
     let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
     TrajectoryPlace { point, time_ns, stretch: 1.0, max_stretch: 1.0 }
 }

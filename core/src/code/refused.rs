@@ -625,21 +625,21 @@ codes! {
 
     /// An axis left the path of its trajectory by more than its tolerance.
     TRAJECTORY_PATH_TOLERANCE = 10061, NoError {
-        says: "off the path of its trajectory: {what} error {asked} lies beyond tolerance {limit}",
+        says: "off the path of its trajectory: {what} error {asked} exceeds tolerance {limit}",
         cause: "An axis left the path of its trajectory by more than its tolerance.",
         remedy: "Give a slower trajectory or a wider tolerance; check the drive.",
     }
 
     /// An axis did not come within its goal tolerance in time.
     TRAJECTORY_GOAL_TOLERANCE = 10062, NoError {
-        says: "not at the goal of its trajectory in time: {what} error {asked} lies beyond tolerance {limit}",
+        says: "not at the goal of its trajectory in time: {what} error {asked} exceeds tolerance {limit}",
         cause: "An axis did not come within its goal tolerance in time.",
         remedy: "Give more goal_time_tolerance or a wider tolerance; check the drive.",
     }
 
     /// No point of the trajectory lies ahead.
     TRAJECTORY_IN_THE_PAST = 10063, NoError {
-        says: "the last point of the trajectory is at {plain}; it must lie after the present time, {bound}",
+        says: "the last point of the trajectory is at {asked}; it must be after the present time, {limit}",
         cause: "No point of the trajectory lies ahead.",
         remedy: "Check the clocks of both sides, and its start time.",
     }
@@ -685,8 +685,16 @@ codes! {
     /// Straight segments of a trajectory ask for a step of velocity.
     TRAJECTORY_STEP = 10262, NoError {
         says: "the velocity of the trajectory steps by {asked}; an axis can do {limit} in a cycle",
-        cause: "Points without velocities make straight segments, whose velocity steps from one to the next. The axis lags behind and catches up \
-            within its limits, and may come late; with trajectory_limits.on_excess refuse the trajectory is refused.",
+        cause: "Points without velocities make straight segments, whose velocity steps from one to the next by more than the axis can do, and \
+            trajectory_limits.on_excess is refuse, or the trajectory ends in motion.",
+        remedy: "Give velocities in the points.",
+    }
+
+    /// Straight segments of a trajectory make an axis lag.
+    TRAJECTORY_LAG = 10263, NoError {
+        says: "the axis will lag up to {asked} behind, and the trajectory will end {limit} late",
+        cause: "Points without velocities make straight segments, whose velocity steps from one to the next by more than the axis can do. It lags \
+            behind and catches up within its limits. The largest lag of all axes and the late end are computed from the limits.",
         remedy: "Give velocities in the points.",
     }
 

@@ -54,6 +54,8 @@ mod together;
 mod touch_probe;
 mod trajectory;
 mod trajectory_as_given;
+mod trajectory_end;
+mod trajectory_lag;
 mod trajectory_limits;
 mod trajectory_start;
 mod turned;

@@ -9,7 +9,7 @@
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::{Machine, Told};
-use crate::axis::{Axis, Excess, Run};
+use crate::axis::{Axis, Excess, LagEstimate, Run};
 use crate::code::Code;
 use crate::command::Command;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -68,7 +68,7 @@ impl Machine {
             // From motion, the way to the first point is another one with each stretch.
             self.check_run(&run)?;
         }
-        let step = self.largest_step(&run)?;
+        let steps = self.has_steps(&run)?;
         let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
             return Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine));
         };
@@ -83,14 +83,12 @@ impl Machine {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run));
         }
         self.accept(command, Object::Machine);
-        let notes = [(excess, Code::TRAJECTORY_STRETCHED), (step, Code::TRAJECTORY_STEP)];
-        for (note, code) in notes.into_iter().filter_map(|(note, code)| Some((note?, code))) {
-            let Refusal { object, parameter, asked, limit, place, .. } = note;
-            let event = Event::new(Severity::Info, Kind::Warning, object, code).of_command(command.sequence);
-            self.events.push(Event { parameter, asked, limit, place, ..event });
+        if let Some(Refusal { object, parameter, asked, limit, place, .. }) = excess {
+            let event = Event::new(Severity::Info, Kind::Warning, object, Code::TRAJECTORY_STRETCHED);
+            self.events.push(Event { parameter, asked, limit, place, ..event.of_command(command.sequence) });
         }
         if let Some(place) = self.state.runs.get_mut(slot) {
-            *place = Some(run);
+            *place = Some(Run { lag: steps.then(LagEstimate::default), ..run });
         }
         Ok(())
     }
@@ -106,7 +104,7 @@ impl Machine {
         };
         let begins = self.state.cycle.saturating_add(cycles);
         let (trajectory, stretch) = (Arc::clone(trajectory), Stretch::NONE);
-        Run { sequence, trajectory, begins, begin_ns, cycle_ns, stretch, is_over: false }
+        Run { sequence, trajectory, begins, begin_ns, cycle_ns, stretch, is_over: false, lag: None }
     }
 
     fn check_run(&self, run: &Run) -> Result<(), Refusal> {
@@ -159,17 +157,21 @@ impl Machine {
         Err(refusal.with_stretch(f64::INFINITY))
     }
 
-    /// The step of velocity for which an axis will lag most, in a trajectory that may make its axes lag.
-    fn largest_step(&self, run: &Run) -> Result<Option<Refusal>, Refusal> {
+    /// Whether axes will lag behind steps of velocity.
+    ///
+    /// # Errors
+    /// They would, and the trajectory must not make them lag, or ends in motion: the step for which an axis would lag most.
+    fn has_steps(&self, run: &Run) -> Result<bool, Refusal> {
         let tracks = run.trajectory.tracks().iter().enumerate();
         let steps = tracks.filter_map(|(track, of)| {
             let axis = self.state.axes.get(usize::from(of.axis))?;
             axis.track_step(self.start_of(axis, run), run, track)
         });
         let largest = steps.max_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, refusal)| refusal);
+        let must_not_lag = run.trajectory.limits().on_excess == OnExcess::Refuse || run.trajectory.ends_in_motion();
         match largest {
-            Some(refusal) if run.trajectory.limits().on_excess == OnExcess::Refuse => Err(refusal),
-            largest => Ok(largest),
+            Some(refusal) if must_not_lag => Err(refusal),
+            largest => Ok(largest.is_some()),
         }
     }
 
@@ -179,7 +181,10 @@ impl Machine {
             match &self.state.runs[slot] {
                 None => {}
                 Some(run) if run.is_over => self.forget_run(slot),
-                Some(_) => self.settle_trajectory(slot, told, Self::end_of),
+                Some(_) => {
+                    self.estimate_lag(slot);
+                    self.settle_trajectory(slot, told, Self::end_of);
+                }
             }
         }
     }
@@ -236,9 +241,15 @@ impl Machine {
             return Some(violated(Code::TRAJECTORY_PATH_TOLERANCE, object, violation));
         }
         let late = run.late_ns(cycle);
-        let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), axis.goal_violation(run)?))));
+        let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), axis.goal_violation(cycle, run)?))));
+        let reached = End { reached: true, ..End::new(Object::Machine, Code::NONE) };
+        if late.is_some() && run.trajectory.ends_in_motion() {
+            // Waiting for tolerances would let its axes go on.
+            let missed = |(object, violation)| violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation);
+            return Some(off.map_or(reached, missed));
+        }
         if late.is_some() && off.is_none() && axes().all(|axis| axis.is_at_end()) {
-            return Some(End { reached: true, ..End::new(Object::Machine, Code::NONE) });
+            return Some(reached);
         }
         if let Some((lasts, most)) = run.overtime_ns(cycle) {
             let end = End::new(Object::Machine, Code::TRAJECTORY_TOO_LONG);
@@ -262,7 +273,8 @@ impl Machine {
             if !self.state.axes.get(index).is_some_and(is_member) {
                 continue;
             }
-            let reached = end.reached;
+            // An axis that is still in motion stops from now on.
+            let reached = end.reached && self.state.axes[index].is_at_end();
             self.act_on(index, told, |axis, cx| if reached { axis.finish_track(cx) } else { axis.release_track(cx) });
             self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
         }

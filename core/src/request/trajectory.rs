@@ -9,6 +9,9 @@ use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajector
 /// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
 
+/// How far beyond a position limit a point is still on it (m, rad): clients round the positions that they show, to six decimals.
+pub const NO_DISTANCE: f64 = 1e-6;
+
 /// Longest time from a request to the start that it asks for (ns): 10 min. More is a wrong clock rather than a wish.
 pub const MAX_START_NS: i64 = 600_000_000_000;
 
@@ -73,6 +76,8 @@ pub struct TrajectoryRequest<N = f64> {
     pub angle_wraparound: bool,
     /// Longest time from its start to its end (ns); none: without limit.
     pub max_duration_ns: Option<u64>,
+    /// Whether its last point may have velocities, with which its axes begin to stop.
+    pub may_end_in_motion: bool,
 }
 
 impl<N> Default for TrajectoryRequest<N> {
@@ -89,6 +94,7 @@ impl<N> Default for TrajectoryRequest<N> {
             limits: TrajectoryLimits::default(),
             angle_wraparound: false,
             max_duration_ns: None,
+            may_end_in_motion: false,
         }
     }
 }
@@ -146,7 +152,7 @@ impl MachineConfig {
                 };
                 Ok(Track {
                     axis: index,
-                    knots: field.knots(place, &request.points)?,
+                    knots: field.knots(place, &request.points, request.may_end_in_motion)?,
                     path: tolerance("path tolerance", &request.path)?,
                     goal: tolerance("goal tolerance", &request.goal)?,
                     start: field.start(tolerance("start tolerance", &request.start)?)?,
@@ -255,6 +261,7 @@ impl Field<'_> {
         &self,
         place: usize,
         points: &[PointRequest<N>],
+        may_end_in_motion: bool,
     ) -> Result<Box<[Knot]>, RequestError> {
         let last = points.len() - 1;
         let knot = |(number, point): (usize, &PointRequest<N>)| {
@@ -264,21 +271,24 @@ impl Field<'_> {
                 None => Position::ZERO,
             };
             let velocity = point.velocities.get(place).map(|&asked| self.rate("velocity", at, asked, 1)).transpose()?;
-            let velocity = if number == last { self.at_rest(number, velocity)? } else { velocity };
+            let velocity = if number == last { self.end(number, velocity, may_end_in_motion)? } else { velocity };
             let acceleration = point.accelerations.get(place).map(|&asked| self.rate("acceleration", at, asked, 2));
             Ok(Knot { position, velocity, acceleration: acceleration.transpose()? })
         };
         points.iter().enumerate().map(knot).collect()
     }
 
-    /// The velocity of the last point: a trajectory ends at rest, and what is left of a velocity by rounding becomes none.
-    fn at_rest(&self, point: usize, velocity: Option<f64>) -> Result<Option<f64>, RequestError> {
+    /// The velocity of the last point; what is left of one by rounding becomes 0.
+    fn end(&self, point: usize, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
         let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
-        if let Some(velocity) = velocity.filter(moves) {
-            let value = self.axis.scale.format_rate(velocity, 1);
-            return Err(bad(self.named("velocity", Some(point)), value, "0 is expected at the last point".to_owned()));
+        match velocity.filter(moves) {
+            Some(velocity) if may_move => Ok(Some(velocity)),
+            Some(velocity) => {
+                let value = self.axis.scale.format_rate(velocity, 1);
+                Err(bad(self.named("velocity", Some(point)), value, "0 is expected at the last point".to_owned()))
+            }
+            None => Ok(velocity.map(|_| 0.0)),
         }
-        Ok(velocity.map(|_| 0.0))
     }
 
     fn position(&self, point: usize, asked: Amount) -> Result<Position, RequestError> {
@@ -291,7 +301,17 @@ impl Field<'_> {
             let value = format!("{} inc", length.nearest);
             return Err(bad(self.named("position", Some(point)), value, "within +-2^62 inc is expected".to_owned()));
         }
-        Ok(position)
+        Ok(self.on_limit(position))
+    }
+
+    /// The limit of the cell that a position exceeds by [`NO_DISTANCE`] at most, or the position.
+    fn on_limit(&self, position: Position) -> Position {
+        let p = &self.axis.parameters;
+        let near = Position::from_f64(NO_DISTANCE / self.axis.scale.rate_to_si(1.0).abs());
+        let (low, high) = (p.min_position.map(Position::whole), p.max_position.map(Position::whole));
+        let over = high.filter(|high| position > *high && position <= *high + near);
+        let under = low.filter(|low| position < *low && position >= *low - near);
+        over.or(under).unwrap_or(position)
     }
 
     /// A start tolerance; 0 is none.

@@ -1,4 +1,4 @@
-//! What is said of a place of a trajectory: clients plan in SI units, so these come first, with the units of the axis in brackets.
+//! What is said of a trajectory: clients plan in SI units, so these come first, with the units of the axis in brackets.
 
 use super::scale_of;
 use super::set::key;
@@ -7,7 +7,20 @@ use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number, TrajectoryPlace};
 use crate::unit::{Scale, number_to_text};
 
-/// Why a trajectory was refused or stretched at one of its points.
+/// Whether the numbers of a code answer a trajectory, and it is not one of [`reason`].
+pub(super) fn is_in_si(code: Code) -> bool {
+    matches!(
+        code,
+        Code::TRAJECTORY_PATH_TOLERANCE
+            | Code::TRAJECTORY_GOAL_TOLERANCE
+            | Code::TRAJECTORY_WITHOUT_TIME
+            | Code::TRAJECTORY_IN_THE_PAST
+            | Code::TRAJECTORY_START
+            | Code::TRAJECTORY_TOO_LONG
+    )
+}
+
+/// Why a trajectory was refused or stretched, or what it makes its axes do, at one of its points.
 pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineConfig) -> Option<String> {
     let scale = scale_of(event.source, config);
     let (asked, limit) = told_apart(event.asked, event.limit, &scale);
@@ -26,14 +39,20 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
             let limited = key(event);
             format!("{} {asked} exceeds {limited} {limit}", limited.trim_start_matches("max_"))
         }
-        Code::TRAJECTORY_STEP => format!("velocity steps by {asked} at {point}, the axis can do {limit} in a cycle"),
+        Code::TRAJECTORY_STEP => {
+            return Some(format!(
+                "velocity steps by {asked} at {point}, the axis can do {limit} in a cycle; give velocities in the points"
+            ));
+        }
+        Code::TRAJECTORY_LAG => {
+            return Some(format!(
+                "straight segments make the axis lag up to {asked} behind before {point}, and the trajectory end {limit} late; \
+                 give velocities in the points"
+            ));
+        }
         _ => return None,
     };
     let says = match event.code {
-        Code::TRAJECTORY_STEP if event.kind == Kind::Warning => {
-            return Some(format!("{says}: it lags behind and may come late; give velocities in the points"));
-        }
-        Code::TRAJECTORY_STEP => return Some(format!("{says}; give velocities in the points")),
         Code::ABOVE_MAX_POSITION | Code::BELOW_MIN_POSITION => format!("{says} at {point}"),
         _ => format!("{says} before {point}"),
     };
@@ -62,7 +81,7 @@ fn rounded_up(factor: f64) -> f64 {
 }
 
 /// Both values in SI units with the units of the axis in brackets, with as many digits as tell them apart.
-fn told_apart(asked: Number, limit: Number, scale: &Scale) -> (String, String) {
+pub(super) fn told_apart(asked: Number, limit: Number, scale: &Scale) -> (String, String) {
     let both = |digits: bool| {
         let text = |number| in_both_units(number, scale, digits);
         (text(asked), text(limit))
@@ -78,6 +97,9 @@ fn in_both_units(number: Number, scale: &Scale, is_precise: bool) -> String {
         Number::Acceleration(rate) => rate_text(scale, rate, 2, is_precise),
         number => super::plain(number),
     };
+    if let Number::Time(time_ns) = number {
+        return format!("{} s", number_to_text(time_ns as f64 / 1e9));
+    }
     let si = scale.in_si();
     if si.unit() == scale.unit() { of(scale) } else { format!("{} ({})", of(&si), of(scale)) }
 }

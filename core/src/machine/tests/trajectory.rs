@@ -140,7 +140,7 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
         (
             &[0],
             vec![rest(1_000)],
-            "x: the last point of the trajectory is due at once, and 1 mm away; 0.001 mm at most is allowed",
+            "x: the last point of the trajectory is due at once, and 0.001 m (1 mm) away; 0.000001 m (0.001 mm) at most is allowed",
         ),
     ];
     for (times, points, expected) in table {
@@ -186,7 +186,7 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     rig.run(25);
     assert_eq!((end(&rig, goal).code, command(&rig, "x")), (Code::NONE, 1_800.0));
     let goal = rig.give(start(-200_000_000, &[100, 200], vec![track(X, &points)], None));
-    let sentence = "machine: the last point of the trajectory is at 200 ms; it must lie after the present time, 200 ms";
+    let sentence = "machine: the last point of the trajectory is at 0.2 s; it must be after the present time, 0.2 s";
     assert_eq!(rig.refusal(goal), sentence);
 }
 
@@ -284,8 +284,8 @@ fn the_path_tolerance_stops_all_axes_with_one_event() {
     let Number::Position(error) = done.asked else { panic!("{done:?}") };
     assert!((2_001..2_200).contains(&error), "{error}");
     let sentence = crate::text::sentence(&done, rig.machine.config());
-    assert!(sentence.starts_with("x: off the path of its trajectory: position error 2."), "{sentence}");
-    assert!(sentence.ends_with(" mm lies beyond tolerance 2 mm"), "{sentence}");
+    assert!(sentence.starts_with("x: off the path of its trajectory: position error 0.002"), "{sentence}");
+    assert!(sentence.ends_with(" mm) exceeds tolerance 0.002 m (2 mm)"), "{sentence}");
     assert_eq!((rig.state("y"), rig.int("y.error"), rig.state("x")), ("STANDSTILL", 0, "STANDSTILL"));
     // An ideal drive answers with its delay, and keeps the smallest tolerance.
     for delay in [0, 3] {

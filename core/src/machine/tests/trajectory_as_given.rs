@@ -86,7 +86,7 @@ fn where_it_is_it_may_be_told_to_go() {
 fn where_it_is_not_it_cannot_go_at_once() {
     let mut rig = Rig::enabled();
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], None));
-    let sentence = "x: the last point of the trajectory is due at once, and 1.002 mm away; 0.001 mm at most is allowed";
+    let sentence = "x: the last point of the trajectory is due at once, and 0.001002 m (1.002 mm) away; 0.000001 m (0.001 mm) at most is allowed";
     assert_eq!(rig.refusal(goal), sentence);
     // As far as the goal tolerance, and there within the limits.
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], Some(1_002.0)));

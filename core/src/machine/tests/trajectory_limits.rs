@@ -171,6 +171,17 @@ fn up_to(max_position: i64) -> Rig {
     rig
 }
 
+/// 20751 inc in 346 ms: up to 6 * 20751 / 0.346^2 = 1.04e6 inc/s^2, within the margin, down to max_position.
+#[test]
+fn a_trajectory_decelerates_within_its_margin_down_to_a_limit() {
+    let mut rig = up_to(20_751);
+    let goal = rig.give(run(&[346], vec![track(X, &[rest(20_751)])], scaling(0.05, 1.0)));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let (cycles, _, hardest) = played(&mut rig, goal, "x");
+    assert_eq!((cycles, command(&rig, "x"), rig.state("x")), (346, 20_751.0, "STANDSTILL"));
+    assert!(hardest > MAX_ACCELERATION, "{hardest}");
+}
+
 /// x at 80000 inc/s, 6000 inc before max_position. Its way to point 0 stays below that as planned, but the second segment needs a stretch of
 /// sqrt(1.96) = 1.4, with which the way is 22400 inc/s times s long where more than 3 * 6000 passes the limit: 117 inc at its highest.
 #[test]
@@ -201,29 +212,41 @@ fn an_axis_too_fast_for_any_stretch_is_refused() {
 
 /// 5000 inc in 200 ms and back: from 25000 to -25000 inc/s at point 0, and an axis can do 1000 inc/s in a cycle.
 #[test]
-fn straight_segments_are_reported_or_refused() {
+fn straight_segments_are_refused_with_on_excess_refuse() {
     let mut rig = Rig::enabled();
     let points: [Point; 2] = [(5_000, None, None), (0, None, None)];
-    let said = |rig: &Rig, goal: u64| -> Vec<String> {
-        let is_one = |event: &&Event| event.command == goal && event.code == Code::TRAJECTORY_STEP;
-        let config = rig.machine.config();
-        rig.events.iter().filter(is_one).map(|event| text::sentence(event, config)).collect()
-    };
-    let step =
-        "x: velocity steps by 0.05 m/s (50 mm/s) at point 0 (0.2 s), the axis can do 0.001 m/s (1 mm/s) in a cycle";
-    let give = "give velocities in the points";
-    let goal = rig.give(run(&[200, 400], vec![track(Y, &[rest(10), rest(20)]), track(X, &points)], refusing(0.0)));
-    assert_eq!(rig.refusal(goal), format!("{step}; {give}"));
-    let goal = rig.give(run(&[200, 400], vec![track(X, &points)], scaling(0.0, 1.0)));
-    assert_eq!(said(&rig, goal), [format!("{step}: it lags behind and may come late; {give}")]);
-    played(&mut rig, goal, "x");
+    let refused = run(&[200, 400], vec![track(Y, &[rest(10), rest(20)]), track(X, &points)], refusing(0.0));
+    let goal = rig.give(refused);
+    assert_eq!(
+        rig.refusal(goal),
+        "x: velocity steps by 0.05 m/s (50 mm/s) at point 0 (0.2 s), the axis can do 0.001 m/s (1 mm/s) in a cycle; \
+         give velocities in the points"
+    );
     // One segment: 2000 inc/s to begin with, and to end with. What carries velocities has no steps.
-    let goal = rig.give(run(&[500], vec![track(X, &[(1_000, None, None)])], scaling(0.0, 1.0)));
-    assert!(said(&rig, goal)[0].starts_with("x: velocity steps by 0.002 m/s (2 mm/s) at point 0 (0.5 s)"));
-    played(&mut rig, goal, "x");
+    let goal = rig.give(run(&[500], vec![track(X, &[(1_000, None, None)])], refusing(0.0)));
+    assert!(rig.refusal(goal).starts_with("x: velocity steps by 0.002 m/s (2 mm/s) at point 0 (0.5 s)"));
     let goal = rig.give(run(&[500, 900], vec![track(X, &[(2_000, Some(4_000.0), None), rest(3_000)])], refusing(0.0)));
     assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
-    assert!(said(&rig, goal).is_empty());
+}
+
+/// 5000 inc in 100 ms and back: 100000 inc/s more at point 0, 50000 at point 1, where x stands. Begun 100 ms after point 1, only the way
+/// from rest to rest is ahead.
+#[test]
+fn a_step_that_is_past_is_none() {
+    let points: [Point; 4] = [(5_000, None, None), (0, None, None), rest(0), rest(3_000)];
+    for (start_ms, steps) in [(0, true), (-300, false)] {
+        let mut rig = Rig::enabled();
+        let times = [100, 200, 400, 800].map(|ms| ms * MS).into();
+        let of = Trajectory::new(start_ms * MS as i64, times, [track(X, &points)].into(), None).expect("a sound one");
+        let goal = rig.give(Action::Trajectory(Arc::new(of.within(refusing(0.0)))));
+        if steps {
+            assert!(rig.refusal(goal).starts_with("x: velocity steps by 0.1 m/s (100 mm/s) at point 0 (0.1 s)"));
+        } else {
+            assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+            played(&mut rig, goal, "x");
+            assert_eq!(command(&rig, "x"), 3_000.0);
+        }
+    }
 }
 
 /// What has no meaning as limits is no trajectory.

@@ -1,6 +1,6 @@
 //! Where trajectories may begin, how tracks of endless joints are turned to them, and how long they may take.
 
-use super::rig::{Rig, X, Y, config};
+use super::rig::{LINE, Rig, X, Y, config};
 use super::trajectory::{Point, track};
 use crate::code::Code;
 use crate::command::Action;
@@ -108,8 +108,7 @@ fn a_first_point_at_time_0_begins_within_the_start_tolerance() {
     let mut rig = Rig::enabled();
     let of = |first: i64| Track { start: Some(20.0), ..track(X, &[rest(first), rest(500)]) };
     let goal = rig.give(run(&[0, 300], vec![track(Y, &[rest(0), rest(100)]), of(21)]));
-    let sentence =
-        "x: the first point of the trajectory is 0.021 mm from the command; 0.02 mm is allowed (start tolerance)";
+    let sentence = "x: the first point of the trajectory is 0.000021 m (0.021 mm) from the command; 0.00002 m (0.02 mm) is allowed (start tolerance)";
     assert_eq!(rig.refusal(goal), sentence);
     rig.run(10);
     assert_eq!((rig.int("x.command.position"), rig.int("y.command.position")), (0, 0));
@@ -129,7 +128,7 @@ fn max_duration_refuses_longer_ones_and_ends_what_does_not_end() {
         Action::Trajectory(Arc::new(trajectory(&[ms], tracks).ended_after(Some(500 * MS))))
     };
     let goal = rig.give(of(501, Tolerance::default()));
-    assert_eq!(rig.refusal(goal), "machine: the trajectory takes 501 ms; at most 500 ms is allowed (max_duration)");
+    assert_eq!(rig.refusal(goal), "machine: the trajectory takes 0.501 s; at most 0.5 s is allowed (max_duration)");
     let goal = rig.give(of(500, Tolerance::default()));
     rig.run(501);
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
@@ -226,6 +225,39 @@ fn a_start_behind_the_end_of_the_trajectory_before_waits_there() {
     rig.run(200);
     assert_eq!((rig.done(new)[0].code, exactly(&rig, "x"), exactly(&rig, "y")), (Code::NONE, 11_000.0, 0.0));
     assert!(has_room(&rig));
+}
+
+/// x is taken over at 28125 or 37500 inc/s. Its drive answers with where it was 1 + delay cycles before, 28 inc at least: what it answers
+/// first is from before the start.
+#[test]
+fn the_path_is_judged_from_the_start_on() {
+    for (delay, start_ms) in [(0, 0), (3, 0), (0, 100), (3, 100)] {
+        let mut rig = Rig::of(config(delay));
+        rig.enable();
+        rig.give(run(&[400], vec![track(X, &[rest(10_000)])]));
+        rig.run(100);
+        let path = Tolerance { position: Some(1.0), ..Tolerance::default() };
+        let new = rig.give(later(start_ms, &[400], vec![Track { path, ..track(X, &[rest(14_000)]) }]));
+        assert!(rig.was_accepted(new));
+        rig.run(start_ms.unsigned_abs() + 401);
+        assert_eq!((rig.done(new)[0].code, exactly(&rig, "x")), (Code::NONE, 14_000.0), "{delay} {start_ms}");
+    }
+}
+
+/// The line, asked for 25 inc a cycle from rest, comes to 1 inc more in each: it lags by more than 100 inc where the second trajectory
+/// takes it over. The path is the one from where it is.
+#[test]
+fn who_lags_behind_the_trajectory_before_is_judged_from_where_it_is() {
+    let mut rig = Rig::enabled();
+    let old = rig.give(run(&[400], vec![track(LINE, &[(10_000, None, None)])]));
+    assert!(rig.was_accepted(old));
+    let path = Tolerance { position: Some(20.0), ..Tolerance::default() };
+    let new = rig.give(later(10, &[400], vec![Track { path, ..track(LINE, &[rest(12_000)]) }]));
+    assert!(rig.was_accepted(new));
+    rig.run(9);
+    assert!(rig.int("line.sync.error") > 100, "{}", rig.int("line.sync.error"));
+    rig.run(402);
+    assert_eq!((rig.done(new)[0].code, exactly(&rig, "line")), (Code::NONE, 12_000.0));
 }
 
 /// Halt and cancel of the new trajectory stop its axes while it waits.

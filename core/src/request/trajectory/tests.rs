@@ -59,6 +59,24 @@ fn names_and_units_become_axes_and_increments() {
     assert_eq!((y.path, x.goal), (Tolerance::default(), Tolerance::default()));
 }
 
+/// rqt sends 2.96706 for a limit of 170 deg. y has 36000 inc per turn: 17000 inc, and 1e-6 rad are 0.0057 inc.
+#[test]
+fn a_position_that_was_rounded_beyond_a_limit_is_on_it() {
+    let mut config = config();
+    let parameters = &mut config.axes[1].parameters;
+    (parameters.min_position, parameters.max_position) = (Some(-17_000), Some(17_000));
+    let inc = std::f64::consts::TAU / 36_000.0;
+    for (asked, is_on_limit) in [(2.967_06, true), (17_000.0 * inc + 0.9e-6, true), (17_000.0 * inc + 1.1e-6, false)] {
+        for sign in [1.0, -1.0] {
+            let points = vec![PointRequest { positions: vec![sign * asked], ..PointRequest::default() }];
+            let request = TrajectoryRequest { axes: vec!["y".into()], points, ..TrajectoryRequest::default() };
+            let trajectory = config.resolve_trajectory(&request).expect("a sound one");
+            let position = trajectory.tracks()[0].knots[0].position;
+            assert_eq!(position == Position::whole(sign as i64 * 17_000), is_on_limit, "{asked}: {position:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_wrong_is_refused_with_name_value_and_range() {
     let refused = |change: fn(&mut TrajectoryRequest)| {

@@ -460,15 +460,12 @@ pub const PARAMETERS: &[ParameterRow] = &[
         "false",
         "points may have velocities alone: positions are integrated from the command when the goal comes",
     ),
-    ParameterRow {
-        read_only: true,
-        ..own(
-            "allow_nonzero_velocity_at_trajectory_end",
-            "bool",
-            "false",
-            "does not exist yet: a trajectory ends at rest",
-        )
-    },
+    own(
+        "allow_nonzero_velocity_at_trajectory_end",
+        "bool",
+        "false",
+        "the last point of a trajectory may have velocities, with which the joints begin to stop",
+    ),
     ParameterRow {
         read_only: true,
         ..own(

@@ -28,6 +28,8 @@ pub(super) struct FollowJointTrajectory<'a> {
     angle_wraparound: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     max_duration: Option<String>,
+    #[serde(rename = "allow_nonzero_velocity_at_trajectory_end", skip_serializing_if = "std::ops::Not::not")]
+    ends_in_motion: bool,
 }
 
 #[derive(Serialize)]
@@ -97,6 +99,7 @@ pub(super) fn follow<'a>(id: String, run: &Trajectory, config: &'a MachineConfig
         start_tolerance: tolerances(|track| Tolerance { position: track.start, ..Tolerance::default() }),
         angle_wraparound: tracks.iter().any(|track| track.wraps),
         max_duration: run.max_duration_ns().map(|time| format!("{time} ns")),
+        ends_in_motion: run.ends_in_motion(),
         goal_time: run.goal_time_ns().map(|time| format!("{time} ns")),
         trajectory_limits: Some(run.limits()).filter(|limits| *limits != TrajectoryLimits::default()).map(|limits| {
             let TrajectoryLimits { margin, on_excess, max_stretch } = limits;

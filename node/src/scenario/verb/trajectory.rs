@@ -43,6 +43,7 @@ struct OtherKeys<'d> {
     limits: Option<Option<TrajectoryLimits>>,
     wraps: Option<Option<bool>>,
     max_duration: Option<Option<u64>>,
+    may_end_in_motion: Option<bool>,
 }
 
 impl Reader<'_> {
@@ -121,6 +122,7 @@ impl Reader<'_> {
             angle_wraparound: others.wraps?.unwrap_or(usual.angle_wraparound),
             // 0 is without limit.
             max_duration_ns: others.max_duration?.or(usual.max_duration_ns()).filter(|ns| *ns > 0),
+            may_end_in_motion: others.may_end_in_motion?,
         };
         let trajectory = self.names.config.resolve_trajectory(&request);
         let at = trajectory.as_ref().err().map_or_else(|| place(""), |error| place(&error.to_string()));
@@ -158,6 +160,9 @@ impl<'d> OtherKeys<'d> {
             limits: map.optional("trajectory_limits").map_or(Some(None), |value| trajectory_limits(&value).map(Some)),
             wraps: map.optional("angle_wraparound").map_or(Some(None), |value| value.boolean().map(Some)),
             max_duration: optional_time(map, "max_duration"),
+            may_end_in_motion: map
+                .optional("allow_nonzero_velocity_at_trajectory_end")
+                .map_or(Some(false), |value| value.boolean()),
         }
     }
 }

@@ -54,7 +54,9 @@ pub(super) enum Wrong {
     Effort { point: usize },
     #[error("points[{point}].time_from_start is {} s; {expected}", seconds(*.time_ns))]
     Time { point: usize, time_ns: i64, expected: String },
-    #[error("the velocity of `{name}` in the last point is {value:?}; 0 is expected, where a trajectory ends")]
+    #[error(
+        "the velocity of `{name}` in the last point is {value:?}; 0 is expected, or set allow_nonzero_velocity_at_trajectory_end"
+    )]
     EndsMoving { name: String, value: f64 },
     #[error("the trajectory ends {} s before now; it may have begun before, but must end later", seconds(*.ago_ns))]
     Past { ago_ns: i64 },
@@ -132,7 +134,7 @@ pub(super) fn request(
     }
     let names = &trajectory.joint_names;
     let points = points(names, &trajectory.points)?;
-    if let Some(last) = points.last() {
+    if let Some(last) = points.last().filter(|_| !settings.may_end_in_motion) {
         ends(names, &last.velocities)?;
     }
     let stamp = stamp_ns(&trajectory.header.stamp);
@@ -156,11 +158,14 @@ pub(super) fn request(
             return Err(Wrong::Component(field));
         }
     }
+    // Not one joint says then that it stands: measured velocities are coarse.
+    let ends_in_motion =
+        points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > NO_VELOCITY));
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
     let path = |place: usize| ToleranceRequest { position: positive(usual(place)[0]), ..ToleranceRequest::default() };
     let end = |place: usize| ToleranceRequest {
         position: positive(usual(place)[1]),
-        velocity: positive(settings.stopped),
+        velocity: positive(settings.stopped).filter(|_| !ends_in_motion),
         acceleration: None,
     };
     let start = |place: usize| ToleranceRequest { position: positive(usual(place)[2]), ..ToleranceRequest::default() };
@@ -176,6 +181,7 @@ pub(super) fn request(
         limits: settings.group.limits,
         angle_wraparound: settings.group.angle_wraparound,
         max_duration_ns: settings.group.max_duration_ns(),
+        may_end_in_motion: settings.may_end_in_motion,
     })
 }
 

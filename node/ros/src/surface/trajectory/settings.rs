@@ -40,6 +40,8 @@ pub(super) struct Settings {
     pub partial: bool,
     /// Points may carry velocities alone.
     pub integration: bool,
+    /// The last point may have velocities.
+    pub may_end_in_motion: bool,
     /// How long after its last point its goal tolerances may be met (s); 0: for ever.
     pub goal_time: f64,
     /// Velocity of a joint that stands (m/s, rad/s); 0: none is asked for.
@@ -66,11 +68,9 @@ pub(super) fn declare<'a>(
     }
     own.declare(switch(PARTIAL, "Goals may name some of the joints only."));
     own.declare(switch(INTEGRATION, "Points may have velocities alone: positions are integrated from the command."));
-    let mut moving_end =
-        switch(MOVING_END, "A trajectory may end in motion; else a last point with a velocity is refused.");
-    moving_end.descriptor.read_only = true;
-    moving_end.descriptor.additional_constraints = "does not exist yet: always false".to_owned();
-    own.declare(moving_end);
+    let text =
+        "The last point of a trajectory may have velocities, with which the joints begin to stop; else it is refused.";
+    own.declare(switch(MOVING_END, text));
     let mut rate = real(MONITOR_RATE, USUAL_RATE, RATES, "Feedback of follow_joint_trajectory per second [Hz].");
     rate.descriptor.read_only = true;
     own.declare(rate);
@@ -155,6 +155,7 @@ impl Settings {
         Self {
             partial: own.switch(PARTIAL),
             integration: own.switch(INTEGRATION),
+            may_end_in_motion: own.switch(MOVING_END),
             goal_time: own.real(GOAL_TIME),
             stopped: own.real(STOPPED),
             joints: joints.names.iter().map(constraints).collect(),
@@ -210,6 +211,7 @@ mod tests {
         let usual = Settings {
             partial: false,
             integration: false,
+            may_end_in_motion: false,
             goal_time: 0.0,
             stopped: 0.01,
             joints: vec![[0.0; 3]; 2],

@@ -214,10 +214,10 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
     let points = prop::collection::vec(point(), 1..5);
     let start = prop::option::of(prop::collection::vec(some(), 5));
     let limits = (0.0..0.1_f64, any::<bool>(), 1.0..10.0_f64);
-    let settings = (prop::option::of(limits), any::<bool>(), prop::option::of(0..1_u64 << 62));
+    let settings = (prop::option::of(limits), any::<bool>(), prop::option::of(0..1_u64 << 62), any::<bool>());
     (axes, units(), times, points, tolerances(), tolerances(), (start, settings)).prop_map(
         |(axes, units, (first, step, start_ns, goal_time_ns), points, path, goal, (start, settings))| {
-            let (limits, angle_wraparound, max_duration_ns) = settings;
+            let (limits, angle_wraparound, max_duration_ns, may_end_in_motion) = settings;
             let limits = limits.map(|(margin, scales, max_stretch)| TrajectoryLimits {
                 margin,
                 on_excess: if scales { OnExcess::Scale } else { OnExcess::Refuse },
@@ -233,7 +233,7 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
                 points.into_iter().enumerate().map(|(place, (positions, velocities, accelerations))| PointRequest {
                     time_ns: first + place as u64 * step,
                     positions: positions[..count].to_vec(),
-                    velocities: of(velocities.filter(|_| place < last)),
+                    velocities: of(velocities.filter(|_| place < last || may_end_in_motion)),
                     accelerations: of(accelerations),
                 });
             let tolerances = |list: Option<Vec<_>>| list.map_or(Vec::new(), |list| list[..count].to_vec());
@@ -249,6 +249,7 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
                 limits: limits.unwrap_or_default(),
                 angle_wraparound,
                 max_duration_ns,
+                may_end_in_motion,
             }
         },
     )

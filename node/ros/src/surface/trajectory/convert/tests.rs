@@ -152,12 +152,25 @@ fn settings_of_group_and_joints_are_part_of_the_request() {
 }
 
 #[test]
+fn last_point_may_have_velocities_where_the_parameter_allows_them() {
+    let mut goal = goal();
+    goal.trajectory.points[1].velocities = vec![0.0, -0.25];
+    let settings = Settings { may_end_in_motion: true, ..settings() };
+    let of = |goal: &Goal| request(&joints(), &settings, goal, NOW).expect("nothing is wrong");
+    let moving = of(&goal);
+    assert!(moving.may_end_in_motion && moving.points[1].velocities == [0.0, -0.25]);
+    assert_eq!(moving.goal[0].velocity, None, "joints that move on do not stand");
+    goal.trajectory.points[1].velocities = vec![0.0, 0.0];
+    assert_eq!(of(&goal).goal[0].velocity, Some(0.01));
+}
+
+#[test]
 fn a_trajectory_ends_at_rest() {
     let mut goal = goal();
     goal.trajectory.points[1].velocities = vec![0.0, -0.25];
     assert_eq!(
         read(&goal).unwrap_err().to_string(),
-        "the velocity of `y` in the last point is -0.25; 0 is expected, where a trajectory ends"
+        "the velocity of `y` in the last point is -0.25; 0 is expected, or set allow_nonzero_velocity_at_trajectory_end"
     );
     // What a float rounds away is no velocity: 1.19e-7, as in the controller.
     goal.trajectory.points[1].velocities = vec![1.1e-7, -1.1e-7];

@@ -1,0 +1,65 @@
+//! How far the axes of a trajectory with straight segments will lag, and how late it will end.
+//!
+//! Law      computed from the cycle on in which the trajectory is accepted, [`STEPS_PER_CYCLE`] steps in each cycle; reported
+//!          once: the largest lag of all axes, compared by the time that each takes for it at max_velocity, and the latest end
+
+use super::Machine;
+use crate::axis::{Axis, LagEstimate, LargestLag, Run, trajectory_place};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Severity};
+use crate::object::Object;
+use crate::trajectory::Lag;
+
+/// Segments, or steps of curved ones, that are looked at in a cycle.
+const STEPS_PER_CYCLE: u32 = 64;
+
+impl Machine {
+    /// Computes further how far the axes of a run will lag, if that is not known yet, and reports it once it is.
+    pub(super) fn estimate_lag(&mut self, slot: usize) {
+        let Some(run) = self.state.runs.get_mut(slot).and_then(Option::as_mut) else { return };
+        let Some(mut estimate) = run.lag.take() else { return };
+        let mut steps = 0;
+        while steps < STEPS_PER_CYCLE {
+            let Some(track) = run.trajectory.tracks().get(usize::from(estimate.track)) else {
+                let event = event(run, &estimate);
+                return event.into_iter().for_each(|event| self.events.push(event));
+            };
+            // An axis that has left ends the run.
+            let Some(axis) = self.state.axes.get(usize::from(track.axis)) else { return };
+            let Some(more) = step(&mut estimate, axis, track.axis, run) else { return };
+            steps += more;
+        }
+        run.lag = Some(estimate);
+    }
+}
+
+/// Looks at the next segment of a track. Returns how many steps that took; none where the axis has left the run.
+fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Option<u32> {
+    let (begin, limits) = axis.lag_of(run)?;
+    let (trajectory, track) = (&run.trajectory, usize::from(estimate.track));
+    let at_begin = || (Lag::new(begin.motion.velocity), trajectory.point_ahead(run.begin_ns));
+    let (mut lag, point) = estimate.at.unwrap_or_else(at_begin);
+    if let Some(steps) = lag.follow(trajectory, (track, &begin), point as usize, &limits) {
+        estimate.at = Some((lag, point.saturating_add(1)));
+        return Some(steps);
+    }
+    let (largest, point) = lag.largest();
+    let seconds = largest / limits.velocity;
+    if largest > 0.0 && estimate.largest.is_none_or(|other| seconds > other.seconds) {
+        estimate.largest = Some(LargestLag { axis: number, lag: largest, seconds, point });
+    }
+    estimate.late_s = estimate.late_s.max(lag.late_s(trajectory, track));
+    (estimate.track, estimate.at) = (estimate.track.saturating_add(1), None);
+    Some(1)
+}
+
+/// The report of a run of which all tracks were looked at; none where no axis will lag.
+fn event(run: &Run, estimate: &LagEstimate) -> Option<Event> {
+    let LargestLag { axis, lag, point, .. } = estimate.largest?;
+    // To whole microseconds.
+    let late_ns = libm::round(estimate.late_s * run.stretch.factor() * 1e6) * 1e3;
+    let event = Event::new(Severity::Info, Kind::Warning, Object::Axis(axis), Code::TRAJECTORY_LAG);
+    let event =
+        event.of_command(run.sequence).with(Number::Position(libm::round(lag) as i64), Number::Time(late_ns as i64));
+    Some(Event { place: Some(trajectory_place(&run.trajectory, point)), ..event })
+}
