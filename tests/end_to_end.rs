@@ -55,4 +55,5 @@ mod touch_probe;
 mod trajectory;
 mod tune_cli;
 mod tune_ros;
+mod users;
 mod vocabularies;

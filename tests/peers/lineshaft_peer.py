@@ -33,6 +33,7 @@ import shaft
 import streams
 import trajectories
 import tune
+import users
 import watch
 from lineshaft_msgs import (ACTIONS, AbortTriggerRequest, AXIS_STATES, CAM_STARTS, EDGES, MOVE_MODES, ENGAGES, RECORD_COMMANDS, SIDES, SYNC_MODES, UNITS, Answer,
                             AxesRequest, AxisStates, DISENGAGES, Event, GearOutRequest, ImportRequest, LEAVE_AT, MoveGoal, PhaseGoal, ProbeGoal, RecordRequest, RunGoal,
@@ -415,6 +416,7 @@ def parser():
     tune.add_commands(command)
     clock.add_commands(command)
     controllers.add_commands(command)
+    users.add_commands(command)
     command("action-conformance", conformance.action_conformance, axis="x", distance=0.005, velocity=0.02)
     command("hammer", hammer.hammer, axis="x", seconds=10.0, seed=1, rate=0.0)
     p = command("burst", hammer.burst, count=200)
