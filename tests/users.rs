@@ -46,9 +46,10 @@ fn moveit_servo_messages_are_followed_without_a_refusal() {
     run(&["as-servo /lineshaft --goals 10"]);
 }
 
+/// The user turns the spin box, whose values have six decimals.
 #[test]
 fn rqt_joint_trajectory_controller_messages_are_followed_without_a_refusal() {
-    run(&["as-rqt /lineshaft --goals 5"]);
+    run(&["as-rqt /lineshaft --spin-box --goals 5"]);
 }
 
 #[test]
@@ -63,9 +64,9 @@ fn hundred_moveit_servo_messages_are_followed_without_a_refusal() {
     run(&["as-servo /lineshaft --goals 100", "as-servo /lineshaft --goals 100 --single-point"]);
 }
 
-/// The user moves the slider of joint1 to its upper limit and back.
+/// The user moves the slider of joint1 to its upper limit and back, then the spin box, whose six decimals are beyond that limit.
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
 fn hundred_rqt_joint_trajectory_controller_messages_are_followed_without_a_refusal() {
-    run(&["as-rqt /lineshaft --goals 100"]);
+    run(&["as-rqt /lineshaft --goals 100", "as-rqt /lineshaft --goals 100 --spin-box"]);
 }
