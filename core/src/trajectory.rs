@@ -2,7 +2,7 @@
 //!
 //! Law      between two points each axis moves on a spline whose degree is decided by what both carry; up to the first point
 //!          that lies ahead it moves on one that begins where it is taken over; after the last one it rests on the whole
-//!          increment that is nearest to it. An axis whose last knot has a velocity goes on with that instead
+//!          increment that is nearest to it. An axis whose last knot has a velocity continues with that instead
 //! Refuses  times that do not ascend, knots that are not one for each time
 
 mod lag;
@@ -313,6 +313,14 @@ impl Trajectory {
         last.and_then(|last| last.velocity).unwrap_or(0.0)
     }
 
+    /// The velocity with which the last segment of a track comes to the last point (inc/s), which is another one than that where the segment
+    /// is straight.
+    pub fn last_slope(&self, track: usize) -> f64 {
+        let knots = self.tracks.get(track).map(|track| &track.knots[..]);
+        let Some(([.., from, to], [.., since, until])) = knots.zip(Some(&self.times_ns[..])) else { return 0.0 };
+        Spline::new(from, to, until.saturating_sub(*since)).end_velocities().1
+    }
+
     /// Whether a track ends with a velocity.
     pub fn ends_in_motion(&self) -> bool {
         (0..self.tracks.len()).any(|track| self.end_velocity(track) != 0.0)
@@ -440,6 +448,7 @@ fn demand(times_ns: &[u64], track: &Track) -> Demand {
     }
     // A track ends at rest, or with a velocity of its own.
     let ends_with = track.knots.last().and_then(|last| last.velocity).unwrap_or(0.0);
+    (way.slowest, way.fastest) = (way.slowest.min(ends_with), way.fastest.max(ends_with));
     if let Some(last) = velocity.map(|velocity| (velocity - ends_with).abs()).filter(|last| *last > step) {
         (step, peaks.step) = (last, track.knots.len().saturating_sub(1) as u32);
     }

@@ -120,7 +120,7 @@ impl Axis {
         let watched = match &self.generator {
             Generator::Plan(course) => course.is_watched(),
             Generator::Follow(_) => true,
-            Generator::Track(_) => !self.stays_on_track(),
+            Generator::Track(_) => !self.stays_within_limits(),
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => false,
         };
         self.watch_beyond(cx.cycle);

@@ -178,9 +178,10 @@ impl Axis {
         Some((tracker, runs.get(usize::from(tracker.slot))?.as_ref()?))
     }
 
-    /// The trajectory by which it moves until the cycle in which another one begins: not one that ends in motion before that.
+    /// The trajectory by which it moves until the cycle in which another one begins: not one that ends in motion in an earlier cycle.
     fn led_until<'a>(&self, begins: u64, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
-        self.led_by(runs).filter(|(_, run)| !run.trajectory.ends_in_motion() || run.late_ns(begins).is_none())
+        let lasts = |run: &Run| run.late_ns(begins).is_none_or(|late| late < run.cycle_ns);
+        self.led_by(runs).filter(|(_, run)| !run.trajectory.ends_in_motion() || lasts(run))
     }
 
     /// Places of the trajectory that it follows until its own begins: among those that run, among the tracks of that.
@@ -200,9 +201,13 @@ impl Axis {
         self.leading().is_some_and(|tracker| tracker.exact)
     }
 
-    /// Whether it goes where its trajectory was checked to go, up to the end of that: not where it lags, or will.
-    pub(super) fn stays_on_track(&self) -> bool {
-        self.leading().is_some_and(|tracker| tracker.exact && tracker.smooth)
+    /// Whether it stays within its software limits because its trajectory does. False while the axis lags, or may lag later, and where a
+    /// part of the trajectory is beyond a limit, as one may be that begins there.
+    pub(super) fn stays_within_limits(&self) -> bool {
+        let rounding = Position::from_f64(ROUNDING);
+        let (low, high) = (Position::whole(self.limit(false)) - rounding, Position::whole(self.limit(true)) + rounding);
+        self.leading()
+            .is_some_and(|tracker| tracker.exact && tracker.smooth && tracker.low >= low && tracker.high <= high)
     }
 
     /// Is it one of a trajectory?
@@ -260,7 +265,7 @@ impl Axis {
         for (reach, peaks) in self.reaches(from, run, track).into_iter().flatten() {
             self.check_track_way(trajectory, (&reach, &peaks), begin)?;
         }
-        self.check_stop_after_end(run, track, (shift, begin))
+        Ok(())
     }
 
     /// The rates of that track that exceed their limits by more than the margin.
@@ -273,6 +278,35 @@ impl Axis {
     /// least (inc), and the refusal of a trajectory that must not lag.
     pub fn track_step(&self, from: Motion, run: &Run, track: usize) -> Option<(f64, Refusal)> {
         let trajectory = &run.trajectory;
+        // Where the largest step is past, the largest one ahead is not known: finding it would take a pass over all points.
+        let is_ahead = |step: &(f64, u32)| step.1 >= trajectory.point_ahead(run.begin_ns);
+        let steps = self.steps(from, run, track)?.into_iter().filter(is_ahead);
+        let (step, point) = steps.max_by(|one, other| one.0.total_cmp(&other.0))?;
+        let (most, rate) = self.most_step();
+        // What rounding makes of velocities is none.
+        if step.is_nan() || step <= most {
+            return None;
+        }
+        let refusal = Refusal::new(Code::TRAJECTORY_STEP, self.object());
+        let refusal = refusal.with(Number::Velocity(step), Number::Velocity(most));
+        Some((step * step / (2.0 * rate), Refusal { place: Some(place(trajectory, point)), ..refusal }))
+    }
+
+    /// Whether no step of that track, nor one that is past, is more than the axis can do in a cycle.
+    fn is_smooth(&self, from: Motion, run: &Run, track: usize) -> bool {
+        let most = self.most_step().0;
+        self.steps(from, run, track).is_some_and(|steps| steps.iter().all(|(step, _)| *step <= most))
+    }
+
+    /// How much the velocity may change in a cycle (inc/s), and in a second.
+    fn most_step(&self) -> (f64, f64) {
+        let rate = self.parameters.max_acceleration.min(self.parameters.deceleration_limit());
+        (rate * self.cycle_s(), rate)
+    }
+
+    /// The steps of velocity where that track begins, at the first point ahead, and the largest one of its points (inc/s), with their points.
+    fn steps(&self, from: Motion, run: &Run, track: usize) -> Option<[(f64, u32); 3]> {
+        let trajectory = &run.trajectory;
         let demand = trajectory.demand(track)?;
         let motion = self.takes_over(from, run, track);
         let begin = Begin { motion, time_ns: run.begin_ns, shift: Position::ZERO };
@@ -281,23 +315,11 @@ impl Axis {
             .map_or((motion.velocity, motion.velocity), |spline| spline.end_velocities());
         let point = trajectory.point_ahead(run.begin_ns);
         let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
-        // After the last point it rests, or goes on.
+        // After the last point it rests, or continues with the velocity of that.
         let next = trajectory.given(track, time_ns).map_or(trajectory.end_velocity(track), |motion| motion.velocity);
         let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
         let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
-        // Where the largest step is past, the largest one ahead is not known: finding it would take a pass over all points.
-        let is_ahead = |step: &(f64, u32)| step.1 >= point;
-        let (step, point) = steps.into_iter().filter(is_ahead).max_by(|one, other| one.0.total_cmp(&other.0))?;
-        let (step, rate) =
-            (step / run.stretch.factor(), self.parameters.max_acceleration.min(self.parameters.deceleration_limit()));
-        let most = rate * self.cycle_s();
-        // What rounding makes of velocities is none.
-        if step.is_nan() || step <= most {
-            return None;
-        }
-        let refusal = Refusal::new(Code::TRAJECTORY_STEP, self.object());
-        let refusal = refusal.with(Number::Velocity(step), Number::Velocity(most));
-        Some((step * step / (2.0 * rate), Refusal { place: Some(place(trajectory, point)), ..refusal }))
+        Some(steps.map(|(step, point)| (step / run.stretch.factor(), point)))
     }
 
     /// What that track asks for, by the trajectory's time: from its first point on, and from the axis to the first point ahead.
@@ -407,25 +429,34 @@ impl Axis {
 
     /// Where an axis whose track ends with a velocity comes to rest; none where the track ends at rest.
     fn rest_after_end(&self, run: &Run, track: usize, shift: Position) -> Option<Position> {
-        let velocity = run.trajectory.end_velocity(track) / run.stretch.factor();
-        let last = run.trajectory.tracks().get(track)?.knots.last()?.position + shift;
+        let trajectory = &run.trajectory;
+        let (ends_with, slope) = (trajectory.end_velocity(track), trajectory.last_slope(track));
+        let velocity = if slope.abs() > ends_with.abs() { slope } else { ends_with } / run.stretch.factor();
+        let last = trajectory.tracks().get(track)?.knots.last()?.position + shift;
         // The stop begins in the first cycle that is not before the end.
         let cycle_ns = run.cycle_ns.max(1);
         let passed = velocity * ((cycle_ns - run.duration_ns() % cycle_ns) % cycle_ns) as f64 / 1e9;
         let stop = profile::stopping_way(Motion { velocity, ..Motion::default() }, &self.parameters.usual_limits());
-        (velocity != 0.0).then(|| last + Position::from_f64(passed + stop))
+        (ends_with != 0.0).then(|| last + Position::from_f64(passed + stop))
     }
 
-    /// Checks that an axis whose track ends with a velocity can stop before a limit.
-    fn check_stop_after_end(
-        &self,
-        run: &Run,
-        track: usize,
-        (shift, from): (Position, Position),
-    ) -> Result<(), Refusal> {
-        let Some(rest) = self.rest_after_end(run, track, shift) else { return Ok(()) };
-        let point = run.trajectory.times_ns().len().saturating_sub(1) as u32;
-        self.check_track_way(&run.trajectory, (&Reach::at(rest), &Peaks::at(point)), from)
+    /// Checks that an axis whose track ends with a velocity can stop within its limits.
+    ///
+    /// # Errors
+    /// It would stop beyond one.
+    pub fn check_stop_after_end(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
+        let Some(rest) = self.rest_after_end(run, track, self.shift(from, run, track)) else { return Ok(()) };
+        let rounding = Position::from_f64(ROUNDING);
+        let (low, high) = (self.limit(false), self.limit(true));
+        let beyond = if rest > Position::whole(high) + rounding {
+            Some((rest.ceil(), high))
+        } else if rest < Position::whole(low) - rounding {
+            Some((rest.floor(), low))
+        } else {
+            None
+        };
+        let refusal = Refusal::new(Code::TRAJECTORY_STOP_BEYOND_LIMIT, self.object());
+        beyond.map_or(Ok(()), |(rest, limit)| Err(refusal.with(Number::Position(rest), Number::Position(limit))))
     }
 
     /// Velocity, acceleration and deceleration, where they exceed their limits by more than the margin.
@@ -497,7 +528,7 @@ impl Axis {
             waits,
             moved: from.velocity,
             exact: begin.position + shift == from.position,
-            smooth: self.track_step(from, run, track).is_none(),
+            smooth: self.is_smooth(from, run, track),
             low: reach.low,
             high: reach.high,
             shift,
@@ -555,8 +586,11 @@ impl Axis {
         }
         let present = self.present();
         let planned = Motion { position: present.position - tracker.shift, ..present };
+        let expected = tracker.begin;
         tracker.begin = self.takes_over_at(planned, run, usize::from(tracker.track));
         (tracker.moved, tracker.waits) = (self.command.velocity, false);
+        // It was checked with the motion that was expected here, which is another one where the axis lags behind the trajectory before.
+        tracker.smooth &= tracker.begin == expected;
         let from = tracker.begin.position + tracker.shift;
         tracker.exact = from == present.position;
         self.generator = self.track_from(present, from, run.trajectory.limits().margin);
@@ -603,7 +637,8 @@ impl Axis {
 
     /// Where a run begins on it, and what limits it while it lags, both by the trajectory's time; none once it has left the run.
     pub fn lag_of(&self, run: &Run) -> Option<(Begin, LagLimits)> {
-        let tracker = self.tracker().filter(|_| self.tracked().is_some_and(|(of, ..)| of == run.sequence))?;
+        let is_member = !self.is_cancelled() && self.tracked().is_some_and(|(of, ..)| of == run.sequence);
+        let tracker = self.tracker().filter(|_| is_member)?;
         let p = &self.parameters;
         let acceleration = p.max_acceleration.min(p.deceleration_limit());
         let limits = LagLimits { velocity: p.max_velocity, acceleration, cycle_s: self.cycle_s() };
@@ -665,7 +700,11 @@ impl Axis {
         let track = usize::from(tracker.track);
         let goal = run.trajectory.tracks().get(track)?.goal;
         if run.trajectory.ends_in_motion() {
-            return self.violation(&goal, self.answered(cycle, (run, &tracker))?);
+            let (lag, most) = (self.track_error_position()?.to_f64().abs(), self.nearness());
+            let whole = |value: f64| Number::Position(value as i64);
+            return (lag > most)
+                .then(|| (whole(lag.ceil()), whole(most)))
+                .or_else(|| self.violation(&goal, self.answered(cycle, (run, &tracker))?));
         }
         let end = Motion::at_rest(run.trajectory.end(track, tracker.shift)?);
         self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })

@@ -690,6 +690,13 @@ codes! {
         remedy: "Give velocities in the points.",
     }
 
+    /// An axis that stops after the end of its trajectory would come to rest beyond a software limit.
+    TRAJECTORY_STOP_BEYOND_LIMIT = 10264, NoError {
+        says: "the stop after the last point ends at {asked}, beyond the software limit {limit}",
+        cause: "The last point of the trajectory has a velocity, and the axis would come to rest beyond min_position or max_position.",
+        remedy: "End slower, or further from the limit.",
+    }
+
     /// Straight segments of a trajectory make an axis lag.
     TRAJECTORY_LAG = 10263, NoError {
         says: "the axis will lag up to {asked} behind, and the trajectory will end {limit} late",

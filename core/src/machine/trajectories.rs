@@ -8,6 +8,7 @@
 //!          one of its axes refuses
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
+use super::trajectory_lag::STEPS_PER_CYCLE;
 use super::{Machine, Told};
 use crate::axis::{Axis, Excess, LagEstimate, Run};
 use crate::code::Code;
@@ -67,6 +68,10 @@ impl Machine {
         if run.stretch != Stretch::NONE {
             // From motion, the way to the first point is another one with each stretch.
             self.check_run(&run)?;
+        }
+        for (track, of) in trajectory.tracks().iter().enumerate() {
+            let Some(axis) = self.state.axes.get(usize::from(of.axis)) else { continue };
+            axis.check_stop_after_end(self.start_of(axis, &run), &run, track)?;
         }
         let steps = self.has_steps(&run)?;
         let Some(slot) = self.state.runs.iter().position(Option::is_none) else {
@@ -177,12 +182,13 @@ impl Machine {
 
     /// Judges the trajectories that run, after all axes have moved in this cycle.
     pub(super) fn judge_trajectories(&mut self, told: Told<'_>) {
+        let mut steps = STEPS_PER_CYCLE;
         for slot in 0..self.state.runs.len() {
             match &self.state.runs[slot] {
                 None => {}
                 Some(run) if run.is_over => self.forget_run(slot),
                 Some(_) => {
-                    self.estimate_lag(slot);
+                    self.estimate_lag(slot, &mut steps);
                     self.settle_trajectory(slot, told, Self::end_of);
                 }
             }

@@ -1,7 +1,7 @@
 //! How far the axes of a trajectory with straight segments will lag, and how late it will end.
 //!
-//! Law      computed from the cycle on in which the trajectory is accepted, [`STEPS_PER_CYCLE`] steps in each cycle; reported
-//!          once: the largest lag of all axes, compared by the time that each takes for it at max_velocity, and the latest end
+//! Law      computed from the cycle on in which the trajectory is accepted, [`STEPS_PER_CYCLE`] steps in each cycle for all
+//!          trajectories; reported once: the largest lag of all axes, compared by the time that each takes for it at max_velocity, and the latest end
 
 use super::Machine;
 use crate::axis::{Axis, LagEstimate, LargestLag, Run, trajectory_place};
@@ -11,15 +11,17 @@ use crate::object::Object;
 use crate::trajectory::Lag;
 
 /// Segments, or steps of curved ones, that are looked at in a cycle.
-const STEPS_PER_CYCLE: u32 = 64;
+pub(super) const STEPS_PER_CYCLE: u32 = 64;
+
+/// Lags up to this are not reported (inc).
+const NO_LAG: f64 = 0.5;
 
 impl Machine {
-    /// Computes further how far the axes of a run will lag, if that is not known yet, and reports it once it is.
-    pub(super) fn estimate_lag(&mut self, slot: usize) {
+    /// Computes further how far the axes of a run will lag, with what is left of the steps of this cycle, and reports it once it is known.
+    pub(super) fn estimate_lag(&mut self, slot: usize, left: &mut u32) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::as_mut) else { return };
         let Some(mut estimate) = run.lag.take() else { return };
-        let mut steps = 0;
-        while steps < STEPS_PER_CYCLE {
+        while *left > 0 {
             let Some(track) = run.trajectory.tracks().get(usize::from(estimate.track)) else {
                 let event = event(run, &estimate);
                 return event.into_iter().for_each(|event| self.events.push(event));
@@ -27,7 +29,7 @@ impl Machine {
             // An axis that has left ends the run.
             let Some(axis) = self.state.axes.get(usize::from(track.axis)) else { return };
             let Some(more) = step(&mut estimate, axis, track.axis, run) else { return };
-            steps += more;
+            *left = left.saturating_sub(more);
         }
         run.lag = Some(estimate);
     }
@@ -37,7 +39,7 @@ impl Machine {
 fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Option<u32> {
     let (begin, limits) = axis.lag_of(run)?;
     let (trajectory, track) = (&run.trajectory, usize::from(estimate.track));
-    let at_begin = || (Lag::new(begin.motion.velocity), trajectory.point_ahead(run.begin_ns));
+    let at_begin = || (Lag::new(trajectory, track, &begin), trajectory.point_ahead(run.begin_ns));
     let (mut lag, point) = estimate.at.unwrap_or_else(at_begin);
     if let Some(steps) = lag.follow(trajectory, (track, &begin), point as usize, &limits) {
         estimate.at = Some((lag, point.saturating_add(1)));
@@ -45,10 +47,10 @@ fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Opti
     }
     let (largest, point) = lag.largest();
     let seconds = largest / limits.velocity;
-    if largest > 0.0 && estimate.largest.is_none_or(|other| seconds > other.seconds) {
+    if largest > NO_LAG && estimate.largest.is_none_or(|other| seconds > other.seconds) {
         estimate.largest = Some(LargestLag { axis: number, lag: largest, seconds, point });
     }
-    estimate.late_s = estimate.late_s.max(lag.late_s(trajectory, track));
+    estimate.late_s = estimate.late_s.max(lag.late_s(trajectory));
     (estimate.track, estimate.at) = (estimate.track.saturating_add(1), None);
     Some(1)
 }

@@ -10,7 +10,7 @@ use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajector
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
 
 /// How far beyond a position limit a point is still on it (m, rad): clients round the positions that they show, to six decimals.
-pub const NO_DISTANCE: f64 = 1e-6;
+const NO_DISTANCE: f64 = 1e-6;
 
 /// Longest time from a request to the start that it asks for (ns): 10 min. More is a wrong clock rather than a wish.
 pub const MAX_START_NS: i64 = 600_000_000_000;

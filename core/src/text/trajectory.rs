@@ -1,4 +1,4 @@
-//! What is said of a trajectory: clients plan in SI units, so these come first, with the units of the axis in brackets.
+//! Texts of trajectories: clients plan in SI units, so these come first, with the units of the axis in brackets.
 
 use super::scale_of;
 use super::set::key;
@@ -17,6 +17,7 @@ pub(super) fn is_in_si(code: Code) -> bool {
             | Code::TRAJECTORY_IN_THE_PAST
             | Code::TRAJECTORY_START
             | Code::TRAJECTORY_TOO_LONG
+            | Code::TRAJECTORY_STOP_BEYOND_LIMIT
     )
 }
 
@@ -45,9 +46,12 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
             ));
         }
         Code::TRAJECTORY_LAG => {
+            let late = match event.limit {
+                Number::Time(late_ns) if late_ns > 0 => format!(", and the trajectory end {limit} late"),
+                _ => String::new(),
+            };
             return Some(format!(
-                "straight segments make the axis lag up to {asked} behind before {point}, and the trajectory end {limit} late; \
-                 give velocities in the points"
+                "straight segments make the axis lag up to {asked} behind before {point}{late}; give velocities in the points"
             ));
         }
         _ => return None,

@@ -49,14 +49,18 @@ pub struct Lag {
     largest: f64,
     /// The point at which the segment with the largest lag ends.
     point: u32,
+    /// The point at which the last moving segment ends.
+    last: u32,
     /// How long after the last moving segment the axis comes to rest (s); none before that segment.
     late_s: Option<f64>,
 }
 
 impl Lag {
-    /// An axis that is taken over with this velocity (inc/s).
-    pub fn new(velocity: f64) -> Self {
-        Self { lag: 0.0, velocity, largest: 0.0, point: 0, late_s: None }
+    /// An axis where a track takes it over.
+    pub fn new(trajectory: &Trajectory, track: usize, begin: &Begin) -> Self {
+        let stands = trajectory.demand(track).map_or(0, |demand| demand.stands);
+        let last = stands.max(trajectory.point_ahead(begin.time_ns));
+        Self { lag: 0.0, velocity: begin.motion.velocity, largest: 0.0, point: 0, last, late_s: None }
     }
 
     /// Largest lag so far (inc), and the point before which it is.
@@ -65,9 +69,9 @@ impl Lag {
     }
 
     /// Time from the last point of the trajectory until the axis rests there, by the trajectory's time (s).
-    pub fn late_s(&self, trajectory: &Trajectory, track: usize) -> f64 {
-        let stands = trajectory.demand(track).map_or(0, |demand| demand.stands as usize);
-        let holds = trajectory.times_ns.get(stands).map_or(0, |time| trajectory.end_ns().saturating_sub(*time));
+    pub fn late_s(&self, trajectory: &Trajectory) -> f64 {
+        let holds =
+            trajectory.times_ns.get(self.last as usize).map_or(0, |time| trajectory.end_ns().saturating_sub(*time));
         (self.late_s.unwrap_or(0.0) - holds as f64 / 1e9).max(0.0)
     }
 
@@ -79,12 +83,14 @@ impl Lag {
         point: usize,
         limits: &LagLimits,
     ) -> Option<u32> {
-        let demand = trajectory.demand(track).filter(|demand| point <= demand.stands as usize)?;
+        if point > self.last as usize {
+            return None;
+        }
         let (spline, since) = trajectory.segment(track, begin, point)?;
         let duration_ns = trajectory.times_ns.get(point).map_or(0, |time| time.saturating_sub(since));
         let seconds = duration_ns as f64 / 1e9;
         let (first, last) = spline.end_velocities();
-        let is_last = point == demand.stands as usize;
+        let is_last = point == self.last as usize;
         let before = self.largest;
         let mut steps = 1;
         let step = limits.acceleration * limits.cycle_s;

@@ -93,7 +93,7 @@ impl Robot {
             Err(error) => {
                 let sentence = error.to_string();
                 let sentence = sentence.strip_suffix(&format!(" at {}", error.pos())).unwrap_or(&sentence);
-                problems.push(place(error.pos()), format!("no good XML: {}", excerpt(sentence)), None);
+                problems.push(place(error.pos()), format!("not valid XML: {}", excerpt(sentence)), None);
                 Vec::new()
             }
         };
@@ -220,19 +220,29 @@ impl Joint {
                 if key == "max_velocity" { "take longer, or are refused (trajectory_limits)" } else { "are refused" };
             warnings.push(format!("{begin} in SI: plans between them {end}"));
         };
+        let mut unlimited = Vec::new();
         if let Some([lower, upper]) = self.range {
             let [least, most] = positions(axis);
-            if let Some(least) = least.filter(|least| lower < least - ROUNDING) {
-                beyond("lower", lower, "min_position", least);
-            }
-            if let Some(most) = most.filter(|most| upper > most + ROUNDING) {
-                beyond("upper", upper, "max_position", most);
+            let ends = [("lower", lower, "min_position", least, -1.0), ("upper", upper, "max_position", most, 1.0)];
+            for (what, joint, key, limit, outwards) in ends {
+                match limit {
+                    Some(limit) if (joint - limit) * outwards > ROUNDING => beyond(what, joint, key, limit),
+                    Some(limit) if (limit - joint) * outwards <= ROUNDING => {}
+                    limit => {
+                        let has = limit.map_or(format!("no {key}"), |limit| format!("{key} {limit} in SI"));
+                        unlimited.push(format!(
+                            "robot_description: joint {name}: {what} is {joint}, and axis {of} has {has}: the axis may go further than \
+                             the joint"
+                        ));
+                    }
+                }
             }
         }
         let most = axis.scale.rate_to_si(axis.parameters.max_velocity);
         if let Some(velocity) = self.velocity.filter(|velocity| *velocity > most * (1.0 + ROUNDING)) {
             beyond("velocity", velocity, "max_velocity", most);
         }
+        warnings.append(&mut unlimited);
         warnings
     }
 }
@@ -275,14 +285,14 @@ mod tests {
     fn what_is_no_urdf_is_refused_with_its_place() {
         assert_eq!(
             said("<robot name='r'>\n  <link></joint>\n</robot>"),
-            "r.urdf:2:9: no good XML: expected 'link' tag, not 'joint'\n"
+            "r.urdf:2:9: not valid XML: expected 'link' tag, not 'joint'\n"
         );
-        assert!(said("").starts_with("r.urdf:1:1: no good XML: "), "{}", said(""));
+        assert!(said("").starts_with("r.urdf:1:1: not valid XML: "), "{}", said(""));
         assert_eq!(
             said("\n<sdf version='1.7'/>"),
             "r.urdf:2:1: the file begins with <sdf>; a URDF begins with <robot>\n"
         );
-        assert!(said("<!DOCTYPE r [<!ENTITY a 'b'>]><robot/>").starts_with("r.urdf:1:1: no good XML: "));
+        assert!(said("<!DOCTYPE r [<!ENTITY a 'b'>]><robot/>").starts_with("r.urdf:1:1: not valid XML: "));
     }
 
     #[test]
@@ -372,6 +382,21 @@ mod tests {
         for (told, start) in told.iter().zip(starts) {
             assert!(told.starts_with(&format!("robot_description: joint x: {start}")), "{told}");
         }
+        // The axis may go further: within less of the joint, or where the axis has no limit.
+        assert_eq!(
+            warnings(&joint("x", "prismatic", &limit(-0.05, 0.8, 1.2))),
+            [
+                "robot_description: joint x: upper is 0.8, and axis x has max_position 0.85 in SI: the axis may go further than the joint"
+            ]
+        );
+        let told = warnings(&joint("turret", "revolute", &limit(-3.0, 3.0, 1.0)));
+        assert_eq!(
+            told,
+            [("lower", "-3", "min"), ("upper", "3", "max")].map(|(what, value, end)| format!(
+                "robot_description: joint turret: {what} is {value}, and axis turret has no {end}_position: the axis may go further \
+                 than the joint"
+            ))
+        );
         // Nothing by itself moves these.
         let others =
             joint("a", "fixed", "") + &joint("b", "floating", "") + &joint("c", "revolute", "<mimic joint='x'/>");

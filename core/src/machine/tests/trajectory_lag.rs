@@ -67,6 +67,15 @@ fn a_motion_that_is_taken_over_counts() {
     assert!((4_900_000..=5_100_000).contains(&late), "{late}");
 }
 
+/// The same place twice: the segment to the first point ahead is the last one that moves. 18000 inc/s: 162 inc, and half of 18 ms.
+#[test]
+fn points_that_only_hold_are_reported_too() {
+    let mut rig = Rig::enabled();
+    let goal = rig.give(run(&[0, 5_000], vec![track(X, &through(&[90_000, 90_000]))], 1.0));
+    let [event] = reports(&rig, goal)[..] else { panic!("{:?}", said(&rig, goal)) };
+    assert_eq!((event.asked, event.limit), (Number::Position(162), Number::Time(9_000_000)));
+}
+
 /// 5000 segments are looked at in 79 cycles. A goal that ends before that is not reported any more.
 #[test]
 fn a_long_trajectory_is_reported_some_cycles_later() {

@@ -182,6 +182,45 @@ fn a_trajectory_decelerates_within_its_margin_down_to_a_limit() {
     assert!(hardest > MAX_ACCELERATION, "{hardest}");
 }
 
+/// The highest command of x within so many cycles.
+fn highest(rig: &mut Rig, cycles: usize) -> f64 {
+    let place = |rig: &mut Rig| {
+        rig.run(1);
+        command(rig, "x")
+    };
+    (0..cycles).map(|_| place(rig)).fold(0.0, f64::max)
+}
+
+/// x lags behind the corner of the first trajectory, and is at 15750 inc with 76000 inc/s where the second one begins, which was checked
+/// with 14250 inc and -75000 inc/s.
+#[test]
+fn an_axis_that_lags_where_a_trajectory_begins_is_stopped_at_its_limit() {
+    let mut rig = up_to(20_000);
+    let points: [Point; 2] = [(15_000, None, None), (0, None, None)];
+    rig.give(run(&[200, 400], vec![track(X, &points)], scaling(0.001, 1.44)));
+    rig.run(99);
+    let later = Trajectory::new(110_000_000, [1_000 * MS].into(), [track(X, &[rest(5_000)])].into(), None);
+    let goal = rig.give(Action::Trajectory(Arc::new(later.expect("a sound one"))));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let highest = highest(&mut rig, 1_500);
+    assert!(highest <= 20_000.0, "{highest}");
+    assert_eq!(rig.done(goal)[0].code, Code::SOFTWARE_LIMIT_POSITIVE);
+}
+
+/// The largest step is past; the one at max_position is ahead.
+#[test]
+fn an_axis_with_a_step_ahead_is_stopped_at_its_limit() {
+    let mut rig = up_to(20_000);
+    let places = [5_000, 0, 0, 0, 20_000, 0].map(|place| (place, None, None));
+    let times = [100, 200, 300, 400, 1_400, 2_400].map(|ms| ms * MS).into();
+    let trajectory = Trajectory::new(-250_000_000, times, [track(X, &places)].into(), None);
+    let goal = rig.give(Action::Trajectory(Arc::new(trajectory.expect("a sound one"))));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    let highest = highest(&mut rig, 2_500);
+    assert!(highest <= 20_000.0, "{highest}");
+    assert_eq!(rig.done(goal)[0].code, Code::SOFTWARE_LIMIT_POSITIVE);
+}
+
 /// x at 80000 inc/s, 6000 inc before max_position. Its way to point 0 stays below that as planned, but the second segment needs a stretch of
 /// sqrt(1.96) = 1.4, with which the way is 22400 inc/s times s long where more than 3 * 6000 passes the limit: 117 inc at its highest.
 #[test]

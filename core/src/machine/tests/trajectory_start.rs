@@ -247,7 +247,7 @@ fn the_path_is_judged_from_the_start_on() {
 /// The line, asked for 25 inc a cycle from rest, comes to 1 inc more in each: it lags by more than 100 inc where the second trajectory
 /// takes it over. The path is the one from where it is.
 #[test]
-fn who_lags_behind_the_trajectory_before_is_judged_from_where_it_is() {
+fn an_axis_that_lags_behind_the_trajectory_before_is_judged_from_where_it_is() {
     let mut rig = Rig::enabled();
     let old = rig.give(run(&[400], vec![track(LINE, &[(10_000, None, None)])]));
     assert!(rig.was_accepted(old));

@@ -158,7 +158,7 @@ pub(super) fn request(
             return Err(Wrong::Component(field));
         }
     }
-    // Not one joint says then that it stands: measured velocities are coarse.
+    // The usual velocity tolerance is for joints at rest; it applies to no joint then, as measured velocities are coarse.
     let ends_in_motion =
         points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > NO_VELOCITY));
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();

@@ -68,8 +68,7 @@ pub(super) fn declare<'a>(
     }
     own.declare(switch(PARTIAL, "Goals may name some of the joints only."));
     own.declare(switch(INTEGRATION, "Points may have velocities alone: positions are integrated from the command."));
-    let text =
-        "The last point of a trajectory may have velocities, with which the joints begin to stop; else it is refused.";
+    let text = "The last point of a trajectory may have velocities, with which the joints begin to stop; otherwise such a trajectory is refused.";
     own.declare(switch(MOVING_END, text));
     let mut rate = real(MONITOR_RATE, USUAL_RATE, RATES, "Feedback of follow_joint_trajectory per second [Hz].");
     rate.descriptor.read_only = true;
