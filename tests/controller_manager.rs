@@ -229,3 +229,53 @@ fn without_the_key_no_service_of_a_controller_manager_exists() {
     }
     bench.program.end();
 }
+
+/// The same node for clients of rmw_fastrtps_cpp, which is the default of ROS 2: the actions of groups, controllers, touch probe, positions.
+#[test]
+fn clients_of_fast_dds_move_groups_and_switch_them() {
+    let domain = Domain::take();
+    let mut fast = Peer::fastdds(&domain);
+    let groups = "\ngroups:\n  arm: [turret, x]\n  hand: {axes: [y], gripper: {}}\n";
+    let cell = cell("controllers_fast_dds.yaml", MANAGER, groups);
+    let program = Program::start(&["run", cell.to_str().expect("a path of text")], &domain);
+    fast.run("axes /lineshaft enable");
+    let listed = fast.run(&format!("controllers {MANAGER}"))["controllers"].clone();
+    let shown = |name: &str, joints: &[&str]| {
+        let claimed: Vec<_> = joints.iter().map(|joint| format!("{joint}/position")).collect();
+        json!({"name": name, "state": "active", "type": "joint_trajectory_controller/JointTrajectoryController",
+            "claimed_interfaces": claimed})
+    };
+    assert_eq!(listed, json!([shown("arm", &["turret", "x"]), shown("hand", &["y"])]));
+
+    let goal = "follow /lineshaft/arm x,turret 1:0.05,0.3:0,0";
+    let reached = json!({"status": "SUCCEEDED", "error_code": 0, "error_string": "Goal successfully reached!"});
+    assert_eq!(fast.run(goal).all(), [reached]);
+    let seen = fast.run("gripper /lineshaft/hand 0.02");
+    assert_eq!(
+        (&seen["status"], &seen["reached_goal"], &seen["stalled"]),
+        (&json!("SUCCEEDED"), &json!(true), &json!(false))
+    );
+    fast.run(&format!("switch-controllers {MANAGER} deactivate arm"));
+    assert_eq!(fast.fails(goal), "the goal was rejected");
+    fast.run(&format!("switch-controllers {MANAGER} activate arm"));
+    // The point and its time, in SI units first; the lag of straight segments is part of the result.
+    let seen = fast.run("follow /lineshaft/arm x,turret 1:5,0:0,0");
+    let text = seen["error_string"].as_str().expect("a text");
+    assert_eq!(seen["error_code"], -1, "{text}");
+    assert!(
+        text.starts_with("x: position 5 m (5000 mm) exceeds max_position 0.85 m (850 mm) at point 0 (1 s)"),
+        "{text}"
+    );
+    let seen = fast.run("follow /lineshaft/arm x,turret 0.5:0.2,0.3 1:0.05,0.3");
+    let text = seen["error_string"].as_str().expect("a text");
+    let lags = "Goal successfully reached! x: straight segments make the axis lag up to ";
+    assert!(text.starts_with(lags) && text.ends_with(" late; give velocities in the points"), "{text}");
+
+    fast.run("touch-probe /lineshaft x y");
+    assert_eq!(fast.fails("touch-probe /lineshaft x door"), "`door` does not latch; x, y, turret can");
+    fast.run("set-position /lineshaft x 3");
+    fast.run("set-position /lineshaft x 0.5 --relative 1");
+    let seen = fast.run("joint-states --count 1");
+    assert_eq!(seen["last"]["position"][0], 3.5, "{seen:?}");
+    program.end();
+}

@@ -1,6 +1,7 @@
 // A ROS 2 peer on Fast DDS 2 for the end-to-end tests: one JSON line per observation, exit 1 on failure.
 //
 // The messages are written and read here byte by byte, from docs/contract.md, section 7.
+#include "fastdds_joints.hpp"
 #include "fastdds_load.hpp"
 #include "fastdds_move.hpp"
 #include "fastdds_values.hpp"
@@ -25,6 +26,12 @@ const char* const USAGE =
     "  load-table NODE TABLE [--x N,N..] [--y N,N..]\n"
     "  load-long-table NODE TABLE [--count 65536]    and reads it back\n"
     "  get-table NODE TABLE\n"
+    "  follow NODE[/GROUP] JOINT,JOINT.. SECONDS:POSITIONS[:VELOCITIES[:ACCELERATIONS]]..    numbers between commas\n"
+    "  gripper NODE/GROUP POSITION\n"
+    "  controllers MANAGER    and which are active\n"
+    "  switch-controllers MANAGER activate|deactivate NAME..\n"
+    "  touch-probe NODE AXIS EVENT    armed for the next rising edge\n"
+    "  set-position NODE AXIS POSITION [--relative 1]\n"
     "  result NODE move_axis GOAL [--expect SUCCEEDED]\n"
     "  cancel NODE move_axis GOAL\n"
     "  bad-requests NODE [--axis x]\n"
@@ -292,6 +299,56 @@ class Peer {
     return once(services_, name, [&] { return new Service(dds_, name, "rcl_interfaces::srv::dds_::" + type); });
   }
 
+  void follow(const Arguments& a) {
+    auto name = a[1] + "/follow_joint_trajectory";
+    auto& action = action_client(name, "control_msgs::action::dds_::FollowJointTrajectory");
+    action.run([&](Writer& w) { joints::put_follow_goal(w, joints::split(a[2], ','), a.from(3)); },
+               [](Reader& r, Object& seen) {
+                 seen.add("error_code", r.get<int32_t>());
+                 seen.add("error_string", r.text());
+               });
+  }
+
+  void gripper(const Arguments& a) {
+    auto& action = action_client(a[1] + "/gripper_cmd", "control_msgs::action::dds_::GripperCommand");
+    action.run([&](Writer& w) { w.put<double>(std::stod(a[2])).put<double>(0.0); },
+               [](Reader& r, Object& seen) {
+                 for (auto key : {"position", "effort"}) seen.add(key, r.get<double>());
+                 for (auto key : {"stalled", "reached_goal"}) seen.add(key, r.get<uint8_t>() != 0);
+               });
+  }
+
+  void controllers(const Arguments& a) {
+    // A request without fields has one byte.
+    Bytes reply = manager_service(a[1], "list_controllers", "ListControllers").call(Writer().put<uint8_t>(0).bytes());
+    Reader r(reply);
+    Object().add("controllers", r.sequence<Json>(joints::controller)).show();
+  }
+
+  void switch_controllers(const Arguments& a) {
+    Writer w;
+    bool activates = a[2] == "activate";
+    joints::put_texts(w, activates ? a.from(3) : std::vector<std::string>());
+    joints::put_texts(w, activates ? std::vector<std::string>() : a.from(3));
+    w.put<int32_t>(2).put<uint8_t>(0);  // strict, not as soon as possible
+    joints::put_duration(w, 0.0);
+    answered(manager_service(a[1], "switch_controller", "SwitchController"), w, [](Reader&, Object&) {});
+  }
+
+  void touch_probe(const Arguments& a) {
+    Writer w;
+    w.text(a[2]).text(a[3]).put<uint8_t>(0).put<uint8_t>(0).put<uint8_t>(0).put<uint8_t>(0);
+    answered(lineshaft_service(a[1], "touch_probe", "TouchProbe"), w.put<double>(0.0).put<double>(0.0),
+             [](Reader&, Object&) {});
+  }
+
+  void set_position(const Arguments& a) {
+    auto name = a.has("--relative") ? "set_position_relative" : "set_position";
+    Writer w;
+    w.text(a[2]).put<double>(std::stod(a[3])).put<uint8_t>(0);
+    answered(lineshaft_service(a[1], name, "SetPosition"), w, [](Reader&, Object&) {});
+  }
+
   void result(const Arguments& a) { move_client(a[1]).finish(from_hex(a[3]), a.text("--expect", "SUCCEEDED")); }
 
   void cancel(const Arguments& a) { move_client(a[1]).cancel(from_hex(a[3])); }
@@ -376,6 +433,15 @@ class Peer {
     return once(services_, name, [&] { return new Service(dds_, name, "lineshaft_msgs::srv::dds_::AxesCommand"); });
   }
 
+  Service& manager_service(const std::string& manager, const std::string& name, const std::string& type) {
+    auto full = manager + "/" + name;
+    return once(services_, full, [&] { return new Service(dds_, full, "controller_manager_msgs::srv::dds_::" + type); });
+  }
+
+  joints::Action& action_client(const std::string& name, const std::string& type) {
+    return once(actions_, name, [&] { return new joints::Action(dds_, name, type); });
+  }
+
   MoveClient& move_client(const std::string& node) {
     return once(moves_, node, [&] { return new MoveClient(dds_, node); });
   }
@@ -401,6 +467,7 @@ class Peer {
   std::map<std::string, std::unique_ptr<Writing>> writers_;
   std::map<std::string, std::unique_ptr<Service>> services_;
   std::map<std::string, std::unique_ptr<MoveClient>> moves_;
+  std::map<std::string, std::unique_ptr<joints::Action>> actions_;
 };
 
 const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
@@ -410,6 +477,9 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"functions", &Peer::functions}, {"load-table", &Peer::load_table},
     {"load-long-table", &Peer::load_long_table}, {"get-table", &Peer::get_table},
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
+    {"follow", &Peer::follow}, {"gripper", &Peer::gripper},
+    {"controllers", &Peer::controllers}, {"switch-controllers", &Peer::switch_controllers},
+    {"touch-probe", &Peer::touch_probe}, {"set-position", &Peer::set_position},
     {"newcomer", &Peer::newcomer}, {"visits", &Peer::visits},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},
 };

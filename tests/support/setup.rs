@@ -47,9 +47,9 @@ pub(crate) fn fastdds_peer() -> &'static Path {
     static PEER: OnceLock<PathBuf> = OnceLock::new();
     PEER.get_or_init(|| {
         let code = sources().join("fastdds_peer.cpp");
-        let parts =
-            ["fastdds_wire.hpp", "fastdds_move.hpp", "fastdds_load.hpp", "fastdds_values.hpp", "fastdds_visits.hpp"]
-                .map(|name| read(&sources().join(name)));
+        let parts = ["wire", "move", "load", "values", "visits", "joints"]
+            .map(|name| format!("fastdds_{name}.hpp"))
+            .map(|name| read(&sources().join(name)));
         made("fastdds", &(read(&code) + &parts.concat()), |folder| build(folder, &code)).join("fastdds_peer")
     })
 }
