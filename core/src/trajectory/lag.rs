@@ -126,7 +126,8 @@ impl Lag {
     /// The accelerations with which the axis comes to a trajectory with velocity `u`, each with the time that it takes.
     fn phases(&self, u: f64, limits: &LagLimits) -> [(f64, f64); 3] {
         let (a, top) = (limits.acceleration, limits.velocity);
-        let sign = if self.velocity < (u + self.closing(limits)).clamp(-top, top) { 1.0 } else { -1.0 };
+        // Not `clamp`, which panics where a state that was made up holds no number.
+        let sign = if self.velocity < (u + self.closing(limits)).max(-top).min(top) { 1.0 } else { -1.0 };
         // As if it had to speed up.
         let (lag, u, from) = (self.lag * sign, u * sign, (self.velocity - u) * sign);
         let peak = libm::sqrt(((from * from + 2.0 * a * lag) / 2.0).max(0.0));
