@@ -180,7 +180,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True, help="the program lineshaft")
     parser.add_argument("--plans", type=int, default=900, help="how many plans")
-    parser.add_argument("--folder", default="plans", help="folder for what is written")
+    parser.add_argument("--folder", default="target/plans", help="folder for what is written")
     parser.add_argument("--seed", type=int, default=1, help="seed of the plans")
     args = parser.parse_args()
     folder = pathlib.Path(args.folder)
