@@ -237,7 +237,7 @@ fn clients_of_fast_dds_move_groups_and_switch_them() {
     let mut fast = Peer::fastdds(&domain);
     let groups = "\ngroups:\n  arm: [turret, x]\n  hand: {axes: [y], gripper: {}}\n";
     let cell = cell("controllers_fast_dds.yaml", MANAGER, groups);
-    let program = Program::start(&["run", cell.to_str().expect("a path of text")], &domain);
+    let mut program = Program::start(&["run", cell.to_str().expect("a path of text")], &domain);
     fast.run("axes /lineshaft enable");
     let listed = fast.run(&format!("controllers {MANAGER}"))["controllers"].clone();
     let shown = |name: &str, joints: &[&str]| {
