@@ -67,7 +67,7 @@ fn objects_are_read_and_written_beside_the_cycles() {
     let text = "x".repeat(889);
     node.write(&format!("--axis x --object 2001 --value {text}"));
     assert_eq!(node.read("--axis x --object 2001")[0], text.as_str());
-    assert!(node.run.program.log().contains("bus0: node 1 (x): 6085h:00 Quick stop deceleration was written"));
+    node.run.program.until_log("bus0: node 1 (x): 6085h:00 Quick stop deceleration was written");
 
     let seen = node.cyclone.run("axis-states /lineshaft");
     assert_eq!(seen["axes"]["y"]["state"], "CONTINUOUS_MOTION", "{seen:?}");

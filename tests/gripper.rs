@@ -61,7 +61,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
         ("--position nan", "NaN"),
     ] {
         assert_eq!(cyclone.fails(&format!("gripper /lineshaft --group hand {goal}")), "the goal was rejected");
-        assert!(program.log().contains(sentence), "{sentence}: {}", program.log());
+        program.until_log(sentence);
     }
     assert_eq!(cyclone.run("axis-states /lineshaft")["axes"]["finger"]["command_increments"], 30_000);
 }

@@ -87,7 +87,7 @@ fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     assert_eq!(error, None, "{seen:?}; {}", program.log());
     let mut late = Peer::cyclone(&domain);
     assert_eq!(axis(&mut late, "turret")["command_increments"], target);
-    assert!(program.log().contains("the axes go on (on_loss: none)"), "{}", program.log());
+    program.until_log("the axes go on (on_loss: none)");
 }
 
 /// Ctrl-Z and fg, strace, a debugger: ROS goes on, and what was asked meanwhile is not done afterwards.

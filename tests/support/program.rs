@@ -119,6 +119,16 @@ impl Program {
         self.0.wait(timeout)
     }
 
+    /// Waits until it has written a text: lines may come later than an answer on the wire.
+    #[track_caller]
+    pub(crate) fn until_log(&self, text: &str) {
+        let end = Instant::now() + END;
+        while !self.log().contains(text) {
+            assert!(Instant::now() < end, "`{text}` is not written: {}", self.log());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
     /// What it has written to standard output and standard error so far.
     pub(crate) fn log(&self) -> String {
         self.0.log()
