@@ -122,6 +122,17 @@ fn slow() -> Rig {
     rig
 }
 
+/// x comes to the end before the trajectory, at 3000 inc/s, passes it, follows the trajectory, and comes back: an independent model of the
+/// follower with short cycles gives 4684 inc and 201.3 ms.
+#[test]
+fn an_axis_that_passes_the_end_comes_back() {
+    let mut rig = slow();
+    let goal = rig.give(run(&[300, 1_460], vec![track(X, &through(&[5_134, 450]))], 1.0));
+    let [event] = reports(&rig, goal)[..] else { panic!("{:?}", said(&rig, goal)) };
+    let (Number::Position(lag), Number::Time(late)) = (event.asked, event.limit) else { panic!("{event:?}") };
+    assert!((4_683..=4_685).contains(&lag) && (200_000_000..=203_000_000).contains(&late), "{lag} {late}");
+}
+
 /// Up to five segments for each of two axes, some of which need more time than planned.
 fn plans() -> impl Strategy<Value = (Vec<u64>, [Vec<i64>; 2])> {
     (1..6_usize).prop_flat_map(|points| {
