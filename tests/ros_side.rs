@@ -12,7 +12,7 @@ use rustix::process::{Signal, kill_process};
 use serde_json::Value;
 
 /// Within this time a client has its answer again.
-const AGAIN: &str = "answered /lineshaft --seconds 5";
+const AGAIN: &str = "answered /lineshaft --seconds 20";
 
 fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
