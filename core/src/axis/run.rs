@@ -1,4 +1,4 @@
-//! A trajectory that runs: when, how much longer than planned, and what is found about it.
+//! A running trajectory: its times, its stretch, and the lag that is computed for its axes.
 
 use crate::event::{Refusal, TrajectoryPlace};
 use crate::profile::Motion;

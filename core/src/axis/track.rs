@@ -298,9 +298,8 @@ impl Axis {
     pub fn lag_of(&self, run: &Run) -> Option<(Begin, LagLimits)> {
         let is_member = !self.is_cancelled() && self.tracked().is_some_and(|(of, ..)| of == run.sequence);
         let tracker = self.tracker().filter(|_| is_member)?;
-        let p = &self.parameters;
-        let acceleration = p.max_acceleration.min(p.deceleration_limit());
-        let limits = LagLimits { velocity: p.max_velocity, acceleration, cycle_s: self.cycle_s() };
+        let (velocity, acceleration) = (self.parameters.max_velocity, self.most_step().1);
+        let limits = LagLimits { velocity, acceleration, cycle_s: self.cycle_s() };
         Some((tracker.begin(run), limits.stretched(run.stretch.factor())))
     }
 
@@ -338,12 +337,13 @@ impl Axis {
         self.violation(&path, self.answered(cycle, (run, &tracker))?)
     }
 
-    /// How many cycles before this one the command was that its actual values answer.
+    /// Age of the command that its actual values answer (cycles).
     fn age(&self) -> u64 {
         if self.is_virtual() { 0 } else { self.delay().saturating_add(1) }
     }
 
-    /// What its trajectory asked for in the cycle that its actual values answer, with the error of its acceleration; none before its start.
+    /// Motion that its trajectory asked for in the cycle that its actual values answer, with the error of its acceleration; none before its
+    /// start.
     fn answered(&self, cycle: u64, (run, tracker): (&Run, &Tracker)) -> Option<Motion> {
         let answered = cycle.checked_sub(self.age()).filter(|answered| *answered >= run.begins)?;
         let (track, begin) = (usize::from(tracker.track), tracker.begin(run));
@@ -353,20 +353,23 @@ impl Axis {
         Some(Motion { position: wanted.position + tracker.shift, acceleration, ..wanted })
     }
 
-    /// Is it too far from where its trajectory has ended, or from its trajectory where that ends in motion?
-    pub fn goal_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
+    /// Is it too far from where its trajectory has ended, at rest?
+    pub fn goal_violation(&self, run: &Run) -> Option<Violation> {
         let tracker = self.tracker()?;
         let track = usize::from(tracker.track);
         let goal = run.trajectory.tracks().get(track)?.goal;
-        if run.trajectory.ends_in_motion() {
-            let (lag, most) = (self.track_error_position()?.to_f64().abs(), self.nearness());
-            let whole = |value: f64| Number::Position(value as i64);
-            return (lag > most)
-                .then(|| (whole(lag.ceil()), whole(most)))
-                .or_else(|| self.violation(&goal, self.answered(cycle, (run, &tracker))?));
-        }
         let end = Motion::at_rest(run.trajectory.end(track, tracker.shift)?);
         self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
+    }
+
+    /// Is its command, or are its actual values, too far from its trajectory where that ends in motion?
+    pub fn end_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
+        let tracker = self.tracker()?;
+        let goal = run.trajectory.tracks().get(usize::from(tracker.track))?.goal;
+        let (lag, most) = (self.track_error_position()?.to_f64().abs(), self.nearness());
+        let whole = |value: f64| Number::Position(value as i64);
+        let lags = (lag > most).then(|| (whole(lag.ceil()), whole(most)));
+        lags.or_else(|| self.violation(&goal, self.answered(cycle, (run, &tracker))?))
     }
 
     /// The first tolerance that does not hold. The acceleration of `wanted` is the error itself.

@@ -21,7 +21,7 @@ impl Axis {
     /// Checks that it may take that track of a run, from its motion in the cycle in which that begins, but for its rates.
     ///
     /// # Errors
-    /// What its state or its limits forbid.
+    /// Its state or its limits forbid it.
     pub fn check_track(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
@@ -72,8 +72,8 @@ impl Axis {
         self.steps(from, run, track).is_some_and(|steps| steps.iter().all(|(step, _)| *step <= most))
     }
 
-    /// How much the velocity may change in a cycle (inc/s), and in a second.
-    fn most_step(&self) -> (f64, f64) {
+    /// How much the velocity may change in a cycle (inc/s), and in a second (inc/s^2).
+    pub(super) fn most_step(&self) -> (f64, f64) {
         let rate = self.parameters.max_acceleration.min(self.parameters.deceleration_limit());
         (rate * self.cycle_s(), rate)
     }
@@ -137,9 +137,8 @@ impl Axis {
     /// The same, from a motion without the shift.
     pub(super) fn takes_over_at(&self, motion: Motion, run: &Run, track: usize) -> Motion {
         let is_near = |given: &Motion| {
-            let change = self.parameters.max_acceleration.min(self.parameters.deceleration_limit()) * self.cycle_s();
             (given.position - motion.position).to_f64().abs() <= self.nearness()
-                && (run.stretch.real(*given).velocity - motion.velocity).abs() <= change
+                && (run.stretch.real(*given).velocity - motion.velocity).abs() <= self.most_step().0
         };
         run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or_else(|| run.stretch.planned(motion))
     }
@@ -205,7 +204,8 @@ impl Axis {
     pub(super) fn rest_after_end(&self, run: &Run, track: usize, shift: Position) -> Option<Position> {
         let trajectory = &run.trajectory;
         let (ends_with, slope) = (trajectory.end_velocity(track), trajectory.last_slope(track));
-        let velocity = if slope.abs() > ends_with.abs() { slope } else { ends_with } / run.stretch.factor();
+        let planned = if slope.abs() > ends_with.abs() { slope } else { ends_with };
+        let velocity = planned / run.stretch.factor();
         let last = trajectory.tracks().get(track)?.knots.last()?.position + shift;
         // The stop begins in the first cycle that is not before the end.
         let cycle_ns = run.cycle_ns.max(1);
@@ -253,7 +253,7 @@ impl Axis {
             let is_velocity = code == Code::VELOCITY_TOO_HIGH;
             let number = if is_velocity { Number::Velocity } else { Number::Acceleration };
             let factor = if is_velocity { asked / most } else { libm::sqrt(asked / most) };
-            // What is no number exceeds everything.
+            // NaN exceeds every limit.
             let factor = if factor.is_nan() { f64::INFINITY } else { factor };
             let place = TrajectoryPlace {
                 stretch: factor * run.stretch.factor(),

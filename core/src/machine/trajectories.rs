@@ -165,7 +165,7 @@ impl Machine {
     /// Whether axes will lag behind steps of velocity.
     ///
     /// # Errors
-    /// They would, and the trajectory must not make them lag, or ends in motion: the step for which an axis would lag most.
+    /// An axis would lag, and `on_excess` is refuse, or the trajectory ends in motion. The refusal names the step with the largest lag.
     fn has_steps(&self, run: &Run) -> Result<bool, Refusal> {
         let tracks = run.trajectory.tracks().iter().enumerate();
         let steps = tracks.filter_map(|(track, of)| {
@@ -247,9 +247,11 @@ impl Machine {
             return Some(violated(Code::TRAJECTORY_PATH_TOLERANCE, object, violation));
         }
         let late = run.late_ns(cycle);
-        let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), axis.goal_violation(cycle, run)?))));
+        let in_motion = late.is_some() && run.trajectory.ends_in_motion();
+        let violation = |axis: &Axis| if in_motion { axis.end_violation(cycle, run) } else { axis.goal_violation(run) };
+        let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), violation(axis)?))));
         let reached = End { reached: true, ..End::new(Object::Machine, Code::NONE) };
-        if late.is_some() && run.trajectory.ends_in_motion() {
+        if in_motion {
             // Waiting for tolerances would let its axes go on.
             let missed = |(object, violation)| violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation);
             return Some(off.map_or(reached, missed));

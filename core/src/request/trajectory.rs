@@ -278,7 +278,7 @@ impl Field<'_> {
         points.iter().enumerate().map(knot).collect()
     }
 
-    /// The velocity of the last point; what is left of one by rounding becomes 0.
+    /// The velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
     fn end(&self, point: usize, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
         let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
         match velocity.filter(moves) {

@@ -16,14 +16,14 @@ const MOST_TURNS: u32 = 4;
 /// Lags up to this are rounding (inc).
 const NEGLIGIBLE: f64 = 0.5;
 
-/// What limits an axis that lags (inc/s, inc/s^2, s).
+/// Limits of an axis that lags.
 #[derive(Clone, Copy, Debug)]
 pub struct LagLimits {
-    /// Largest velocity while catching up.
+    /// Largest velocity while catching up (inc/s).
     pub velocity: f64,
-    /// Largest acceleration and deceleration.
+    /// Largest acceleration and deceleration (inc/s^2).
     pub acceleration: f64,
-    /// Length of a cycle, by the trajectory's time.
+    /// Length of a cycle, by the trajectory's time (s).
     pub cycle_s: f64,
 }
 
@@ -133,7 +133,7 @@ impl Lag {
         let peak = libm::sqrt(((from * from + 2.0 * a * lag) / 2.0).max(0.0));
         let most = peak.min(top - u).max(from).max(0.0);
         let speeds_up = (most - from) / a;
-        // What is left when it no longer speeds up, but for the way on which it slows down.
+        // The lag that acceleration and deceleration leave.
         let left = lag - (most * most - from * from) / (2.0 * a) - most * most / (2.0 * a);
         let cruises = if peak <= most || left <= 0.0 { 0.0 } else { left / most };
         [(a * sign, speeds_up), (0.0, cruises), (-a * sign, most / a)]

@@ -1,4 +1,4 @@
-//! Trajectories that end with a velocity: what succeeds then, and how the axes stop.
+//! Trajectories that end with a velocity: their goals, and the stops of their axes.
 
 use super::rig::{Rig, X, Y, config};
 use super::trajectory::{Point, track};
