@@ -250,6 +250,7 @@ fn clients_of_fast_dds_move_groups_and_switch_them() {
     let goal = "follow /lineshaft/arm x,turret 1:0.05,0.3:0,0";
     let reached = json!({"status": "SUCCEEDED", "error_code": 0, "error_string": "Goal successfully reached!"});
     assert_eq!(fast.run(goal).all(), [reached]);
+    assert_eq!(fast.fails(&format!("query-state /lineshaft/arm {}000000000", i32::MAX)), "no trajectory runs");
     let seen = fast.run("gripper /lineshaft/hand 0.02");
     assert_eq!(
         (&seen["status"], &seen["reached_goal"], &seen["stalled"]),

@@ -160,6 +160,40 @@ fn controller_state_shows_what_is_asked_for_and_what_is_there() {
     assert_eq!(states(&bench.cyclone.run("controller-state /lineshaft --seconds 0.5")), [] as [Value; 0]);
 }
 
+/// 0.1 m in 6 s on a cubic with a start that is known: after 3 s 0.05 m at 1.5 * 0.1 / 6 m/s. A moment that has been is answered as
+/// `reference` showed it.
+#[test]
+fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
+    let mut bench = Bench::enabled();
+    let refused = bench.cyclone.fails("query-state /lineshaft 1000000000");
+    assert!(refused.starts_with("time is 1 s, before the first cycle of the node at "), "{refused}");
+    bench.cyclone.run("controller-state /lineshaft");
+    let goal = bench.cyclone.run(&format!("{} --start 1 --leave", all(6.0, 0.1, 0.0, 0.0)));
+    let start = nanoseconds(&goal["stamp"]);
+    let ask = |plus: &str| format!("query-state /lineshaft {start} --plus {plus}");
+    let middle = bench.cyclone.run(&ask("3"));
+    assert_eq!(middle["name"], json!(["x", "y", "turret"]));
+    let number = |seen: &Observations, field: &str| seen[field][0].as_f64().expect("a number");
+    // The command may apply a few cycles later than its start was computed for.
+    for (field, expected) in [("position", 0.05), ("velocity", 0.025), ("acceleration", 0.0)] {
+        let found = number(&middle, field);
+        assert!((found - expected).abs() < 2e-4, "{field} {found} instead of {expected}");
+    }
+    let refused = bench.cyclone.fails(&ask("8"));
+    assert!(refused.starts_with("x: the trajectory lasts 6 s from its start; "), "{refused}");
+    bench.cyclone.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
+    let seen = bench.cyclone.run("controller-state /lineshaft --seconds 0.1");
+    let last = &seen.all().last().expect("a message")["state"];
+    let asked = bench.cyclone.run(&format!("query-state /lineshaft {}", nanoseconds(&last["header"]["stamp"])));
+    for (field, of) in [("position", "positions"), ("velocity", "velocities"), ("acceleration", "accelerations")] {
+        let shown = last["reference"][of][0].as_f64().expect("a number");
+        assert!((number(&asked, field) - shown).abs() < 1e-9, "{field} {} instead of {shown}", number(&asked, field));
+    }
+    bench.cyclone.run("axes /lineshaft halt x");
+    bench.wait("x", "at rest", |x| x["state"] == "STANDSTILL");
+    assert_eq!(bench.cyclone.fails(&ask("3")), "no trajectory runs");
+}
+
 /// A goal with a later start ends the goal before at once, and its axes follow that one until then.
 #[test]
 fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {

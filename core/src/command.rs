@@ -89,6 +89,8 @@ pub enum Action {
     /// Runs a trajectory of several axes as one goal: one `done` ends it, of the axis that made it end, or of the machine. Who
     /// gives it keeps a reference for as long as the machine may have one, so that none is freed in a cycle.
     Trajectory(Arc<Trajectory>),
+    /// Answers what the trajectory of one axis asks of it at a time; nothing changes.
+    QueryTrajectory(QueryTrajectory),
     /// Gives one axis its zero.
     HomeAxis(HomeAxis),
     /// Gives the present position of one axis a new value, where nothing refers to the old one; nothing moves, and what moves goes on
@@ -384,6 +386,15 @@ pub struct TouchProbe {
     pub continuous: bool,
     /// First and last position of the axis (inc) between which a latch is recorded, both included; none: anywhere.
     pub window: Option<[Length; 2]>,
+}
+
+/// A question for what a trajectory asks of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct QueryTrajectory {
+    /// The axis.
+    pub axis: u16,
+    /// When, by the time of the machine: the number of a cycle times its length (ns).
+    pub at_ns: u64,
 }
 
 /// The end of touch probes of one axis (MC_AbortTrigger).

@@ -48,8 +48,8 @@ macro_rules! kinds {
 }
 
 kinds! {
-    Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, TouchProbe, AbortTrigger, Trajectory, HomeAxis,
-    SetPosition, ShiftPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, OutAn, Cancel, SetParameters, SaveParameters,
+    Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, TouchProbe, AbortTrigger, Trajectory, QueryTrajectory,
+    HomeAxis, SetPosition, ShiftPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, OutAn, Cancel, SetParameters, SaveParameters,
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
 }
 

@@ -27,6 +27,7 @@ const char* const USAGE =
     "  load-long-table NODE TABLE [--count 65536]    and reads it back\n"
     "  get-table NODE TABLE\n"
     "  follow NODE[/GROUP] JOINT,JOINT.. SECONDS:POSITIONS[:VELOCITIES[:ACCELERATIONS]]..    numbers between commas\n"
+    "  query-state NODE[/GROUP] NANOSECONDS    since the epoch\n"
     "  gripper NODE/GROUP POSITION\n"
     "  controllers MANAGER    and which are active\n"
     "  switch-controllers MANAGER activate|deactivate NAME..\n"
@@ -335,6 +336,21 @@ class Peer {
     answered(manager_service(a[1], "switch_controller", "SwitchController"), w, [](Reader&, Object&) {});
   }
 
+  void query_state(const Arguments& a) {
+    auto name = a[1] + "/query_state";
+    auto& service = once(services_, name, [&] {
+      return new Service(dds_, name, "control_msgs::srv::dds_::QueryTrajectoryState");
+    });
+    auto ns = std::stoll(a[2]);
+    Writer w;
+    w.put<int32_t>(static_cast<int32_t>(ns / 1000000000)).put<uint32_t>(static_cast<uint32_t>(ns % 1000000000));
+    answered(service, w, [](Reader& r, Object& seen) {
+      seen.add("name", r.sequence<std::string>([](Reader& r) { return r.text(); }));
+      for (auto key : {"position", "velocity", "acceleration"})
+        seen.add(key, r.sequence<double>([](Reader& r) { return r.get<double>(); }));
+    });
+  }
+
   void touch_probe(const Arguments& a) {
     Writer w;
     w.text(a[2]).text(a[3]).put<uint8_t>(0).put<uint8_t>(0).put<uint8_t>(0).put<uint8_t>(0);
@@ -479,6 +495,7 @@ const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
     {"action-conformance", &Peer::action_conformance}, {"hammer", &Peer::hammer},
     {"follow", &Peer::follow}, {"gripper", &Peer::gripper},
     {"controllers", &Peer::controllers}, {"switch-controllers", &Peer::switch_controllers},
+    {"query-state", &Peer::query_state},
     {"touch-probe", &Peer::touch_probe}, {"set-position", &Peer::set_position},
     {"newcomer", &Peer::newcomer}, {"visits", &Peer::visits},
     {"readers", &Peer::readers}, {"samples", &Peer::samples},

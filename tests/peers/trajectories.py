@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from cyclonedds.idl import IdlStruct, types as t
 
 import ros2wire as rw
-from report import Failure, show
+from report import Failure, plain, show
 
 ERRORS = {0: "SUCCESSFUL", -1: "INVALID_GOAL", -2: "INVALID_JOINTS", -3: "OLD_HEADER_TIMESTAMP",
           -4: "PATH_TOLERANCE_VIOLATED", -5: "GOAL_TOLERANCE_VIOLATED"}
@@ -144,8 +144,27 @@ class ControllerState(IdlStruct, typename="control_msgs::msg::dds_::JointTraject
     speed_scaling_factor: t.float64 = 0.0
 
 
+@dataclass
+class QueryStateRequest(IdlStruct, typename="QueryStateRequest"):
+    time: rw.Time = field(default_factory=rw.Time)
+
+
+@dataclass
+class QueryStateResponse(IdlStruct, typename="QueryStateResponse"):
+    success: bool = False
+    message: str = ""
+    name: t.sequence[str] = field(default_factory=list)
+    position: t.sequence[t.float64] = field(default_factory=list)
+    velocity: t.sequence[t.float64] = field(default_factory=list)
+    acceleration: t.sequence[t.float64] = field(default_factory=list)
+
+
+def name_of(a, name):
+    return f"{a.node}/{a.group}/{name}" if a.group else f"{a.node}/{name}"
+
+
 def client_of(peer, a):
-    name = f"{a.node}/{a.group}/follow_joint_trajectory" if a.group else f"{a.node}/follow_joint_trajectory"
+    name = name_of(a, "follow_joint_trajectory")
     return peer.once(name, lambda: rw.ActionClient(peer.dp, name, "control_msgs/FollowJointTrajectory", FollowGoal,
                                                    FollowResult, FollowFeedback))
 
@@ -219,7 +238,7 @@ def followed(peer, a):
 
 
 def publish(peer, a):
-    name = f"{a.node}/{a.group}/joint_trajectory" if a.group else f"{a.node}/joint_trajectory"
+    name = name_of(a, "joint_trajectory")
     if name not in peer.made:
         peer.made[name] = rw.publisher(peer.dp, name, JointTrajectory, TOPIC_QOS)
         rw.wait_until(peer.made[name].get_matched_subscriptions, rw.MATCH_S, f"nobody reads {name}")
@@ -231,8 +250,7 @@ def publish(peer, a):
 
 def controller_state(peer, a):
     """All messages of some seconds, and all since the call before."""
-    stream = peer.stream(f"{a.node}/{a.group}/controller_state" if a.group else f"{a.node}/controller_state",
-                         ControllerState)
+    stream = peer.stream(name_of(a, "controller_state"), ControllerState)
     end = time.monotonic() + a.seconds
     while True:
         for m in stream.take():
@@ -242,8 +260,21 @@ def controller_state(peer, a):
         time.sleep(0.001)
 
 
+def query_state(peer, a):
+    name = name_of(a, "query_state")
+    client = peer.once(name, lambda: rw.ServiceClient(peer.dp, name, "control_msgs/QueryTrajectoryState",
+                                                      QueryStateRequest, QueryStateResponse))
+    ns = a.ns + round(a.plus * 1e9)
+    r = client.call(QueryStateRequest(rw.Time(ns // 1_000_000_000, ns % 1_000_000_000)))
+    show(**plain(r))
+    if not r.success:
+        raise Failure(r.message)
+
+
 def add_commands(command):
     command("controller-state", controller_state, group="", seconds=0.0)
+    p = command("query-state", query_state, group="", plus=0.0)
+    p.add_argument("ns", type=int, help="nanoseconds since the epoch")
 
     def joints(p):
         p.add_argument("--group", default="")

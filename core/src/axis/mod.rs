@@ -61,6 +61,7 @@ mod switches;
 mod touch_probe;
 mod track;
 mod track_check;
+mod track_query;
 mod velocity_encoder;
 mod vocabulary;
 mod waiting;
@@ -486,6 +487,7 @@ impl Axis {
             Action::Probe(request) => self.start_probe(cx, sequence, request),
             Action::TouchProbe(request) => self.arm_touch_probe(cx, sequence, request),
             Action::AbortTrigger(request) => self.abort_trigger(cx, sequence, request),
+            Action::QueryTrajectory(request) => self.query_trajectory(cx, sequence, request.at_ns),
             Action::HomeAxis(request) => self.start_homing(cx, sequence, request.method),
             Action::OutAn(request) => self.start_out_an(cx, sequence, *request),
             Action::SetPosition(request) => self.set_position(cx, sequence, request.position),

@@ -56,13 +56,18 @@ pub struct LargestLag {
 
 impl Run {
     /// Real time since the cycle in which it begins (ns).
-    fn elapsed_ns(&self, cycle: u64) -> u64 {
+    pub(super) fn elapsed_ns(&self, cycle: u64) -> u64 {
         cycle.saturating_sub(self.begins).saturating_mul(self.cycle_ns)
     }
 
     /// The trajectory's time in a cycle, from the one in which it begins on.
     pub fn time(&self, cycle: u64) -> Moment {
-        self.stretch.moment(self.begin_ns, self.elapsed_ns(cycle))
+        self.time_after(self.elapsed_ns(cycle))
+    }
+
+    /// The trajectory's time, once so much real time has passed since the cycle in which it begins (ns).
+    pub(super) fn time_after(&self, elapsed_ns: u64) -> Moment {
+        self.stretch.moment(self.begin_ns, elapsed_ns)
     }
 
     /// Real time that has passed since its last point was due (ns); none before that.
@@ -81,9 +86,9 @@ impl Run {
         (runs > most).then_some((runs, most))
     }
 
-    /// The real motion that it asks of a track in a cycle.
-    pub(super) fn sample(&self, track: usize, begin: &Begin, cycle: u64) -> Motion {
-        self.stretch.real(self.trajectory.sample(track, begin, self.time(cycle)))
+    /// The real motion that it asks of a track, once so much real time has passed since the cycle in which it begins (ns).
+    pub(super) fn sample_after(&self, track: usize, begin: &Begin, elapsed_ns: u64) -> Motion {
+        self.stretch.real(self.trajectory.sample(track, begin, self.time_after(elapsed_ns)))
     }
 }
 

@@ -58,6 +58,22 @@ impl Tracker {
     fn begin(&self, run: &Run) -> Begin {
         Begin { motion: self.begin, time_ns: run.begin_ns, shift: self.shift }
     }
+
+    /// Its run.
+    pub(super) fn run<'a>(&self, runs: &'a [Option<Run>]) -> Option<&'a Run> {
+        runs.get(usize::from(self.slot))?.as_ref()
+    }
+
+    /// The motion that its run asks of the axis, once so much real time has passed since the cycle in which that begins (ns).
+    pub(super) fn asked_after(&self, run: &Run, elapsed_ns: u64) -> Motion {
+        let sample = run.sample_after(usize::from(self.track), &self.begin(run), elapsed_ns);
+        Motion { position: sample.position + self.shift, ..sample }
+    }
+
+    /// The same in a cycle.
+    fn asked(&self, run: &Run, cycle: u64) -> Motion {
+        self.asked_after(run, run.elapsed_ns(cycle))
+    }
 }
 
 /// A tolerance that does not hold: what was found, what is allowed.
@@ -82,7 +98,7 @@ impl Axis {
     fn led_by<'a>(&self, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
         let tracker =
             self.leading().filter(|tracker| !tracker.waits && matches!(self.generator, Generator::Track(_)))?;
-        Some((tracker, runs.get(usize::from(tracker.slot))?.as_ref()?))
+        Some((tracker, tracker.run(runs)?))
     }
 
     /// The trajectory by which it moves until the cycle in which another one begins: not one that ends in motion in an earlier cycle.
@@ -158,8 +174,7 @@ impl Axis {
             return present;
         }
         if let Some((tracker, run)) = self.led_until(begins, runs) {
-            let sample = run.sample(usize::from(tracker.track), &tracker.begin(run), begins);
-            return Motion { position: sample.position + tracker.shift, ..sample };
+            return tracker.asked(run, begins);
         }
         let course = self.course(cycle, present, Aim::Stop, self.parameters.usual_limits());
         if course.has_ended(begins) { self.resting(course.at(begins).position) } else { course.at(begins) }
@@ -236,7 +251,7 @@ impl Axis {
             return;
         }
         let Some(mut tracker) = self.tracker().filter(|tracker| tracker.waits && !self.is_cancelled()) else { return };
-        let Some(run) = cx.runs.get(usize::from(tracker.slot)).and_then(Option::as_ref) else { return };
+        let Some(run) = tracker.run(cx.runs) else { return };
         if cx.cycle <= run.begins {
             return;
         }
@@ -266,8 +281,7 @@ impl Axis {
             return None;
         };
         let (track, begin) = (usize::from(tracker.track), tracker.begin(run));
-        let sample = run.sample(track, &begin, cx.cycle);
-        let sample = Motion { position: sample.position + tracker.shift, ..sample };
+        let sample = tracker.asked(run, cx.cycle);
         let change = sample.position - follower.target();
         let halt = run.trajectory.straight_end(track, &begin, run.time(cx.cycle).ns);
         follower.halt_at(halt.map(|halt| halt + tracker.shift));
@@ -346,11 +360,9 @@ impl Axis {
     /// start.
     fn answered(&self, cycle: u64, (run, tracker): (&Run, &Tracker)) -> Option<Motion> {
         let answered = cycle.checked_sub(self.age()).filter(|answered| *answered >= run.begins)?;
-        let (track, begin) = (usize::from(tracker.track), tracker.begin(run));
-        let wanted = run.sample(track, &begin, answered);
         // No drive measures its acceleration: the commanded one is what there is.
-        let acceleration = run.sample(track, &begin, cycle).acceleration - self.command.acceleration;
-        Some(Motion { position: wanted.position + tracker.shift, acceleration, ..wanted })
+        let acceleration = tracker.asked(run, cycle).acceleration - self.command.acceleration;
+        Some(Motion { acceleration, ..tracker.asked(run, answered) })
     }
 
     /// Is it too far from where its trajectory has ended, at rest?

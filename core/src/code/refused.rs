@@ -697,6 +697,20 @@ codes! {
         remedy: "End slower, or further from the limit.",
     }
 
+    /// The trajectory of an axis does not cover a time that was asked for.
+    TRAJECTORY_OTHER_TIME = 10265, NoError {
+        says: "the trajectory lasts {limit} from its start; {asked} after it was asked for",
+        cause: "query_state asked for a time before the start of the trajectory or after its last point.",
+        remedy: "Ask for a time that the trajectory covers.",
+    }
+
+    /// An axis has no trajectory, and does not stand.
+    NO_TRAJECTORY = 10266, NoError {
+        says: "the axis moves, and not by a trajectory",
+        cause: "query_state was asked while a joint moves otherwise, or stops.",
+        remedy: "Wait until it stands, or ask while its trajectory runs.",
+    }
+
     /// Straight segments of a trajectory make an axis lag.
     TRAJECTORY_LAG = 10263, NoError {
         says: "the axis will lag up to {asked} behind, and the trajectory will end {limit} late",

@@ -102,6 +102,7 @@ impl Machine {
             | Action::TouchProbe(_)
             | Action::AbortTrigger(_)
             | Action::Trajectory(_)
+            | Action::QueryTrajectory(_)
             | Action::HomeAxis(_)
             | Action::SetPosition(_)
             | Action::ShiftPosition(_)
@@ -240,6 +241,7 @@ impl Machine {
                 self.give(told, request.axis, command)
             }
             Action::AbortTrigger(request) => self.give(told, request.axis, command),
+            Action::QueryTrajectory(request) => self.give(told, request.axis, command),
             Action::HomeAxis(request) => self.give(told, request.axis, command),
             Action::SetPosition(request) => {
                 self.admit_shared_zero(request.axis)?;

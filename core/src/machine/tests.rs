@@ -57,6 +57,7 @@ mod trajectory_as_given;
 mod trajectory_end;
 mod trajectory_lag;
 mod trajectory_limits;
+mod trajectory_query;
 mod trajectory_start;
 mod turned;
 mod virtual_master;

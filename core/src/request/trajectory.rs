@@ -1,6 +1,7 @@
 //! Trajectories, in names and units.
 
 use super::{Amount, RequestError, Units};
+use crate::command::QueryTrajectory;
 use crate::config::{AxisConfig, MachineConfig};
 use crate::drive::Interface;
 use crate::position::Position;
@@ -165,6 +166,14 @@ impl MachineConfig {
             .filter(Trajectory::is_sound);
         trajectory
             .ok_or_else(|| bad("the trajectory", "not sound".to_owned(), "finite numbers are expected".to_owned()))
+    }
+
+    /// A question for what the trajectory of an axis asks of it as a command's content; `at_ns` is the number of a cycle times its length.
+    ///
+    /// # Errors
+    /// No axis is called so.
+    pub fn resolve_query_trajectory(&self, axis: &str, at_ns: u64) -> Result<QueryTrajectory, RequestError> {
+        self.find_axis(axis).map(|(axis, _)| QueryTrajectory { axis, at_ns })
     }
 
     /// The axes of a trajectory, with their places.

@@ -18,6 +18,7 @@ pub(super) fn is_in_si(code: Code) -> bool {
             | Code::TRAJECTORY_START
             | Code::TRAJECTORY_TOO_LONG
             | Code::TRAJECTORY_STOP_BEYOND_LIMIT
+            | Code::TRAJECTORY_OTHER_TIME
     )
 }
 

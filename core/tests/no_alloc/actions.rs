@@ -3,8 +3,8 @@
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
     AbortTrigger, Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
-    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, RunFunction,
-    SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition, Synchronize, TouchProbe,
+    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory,
+    RunFunction, SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use lineshaft_core::function::{Order, TYPES};
 use lineshaft_core::modulo::Direction;
@@ -108,7 +108,11 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
     }
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
-        return match numbers.below(12) {
+        return match numbers.below(13) {
+            12 => {
+                let at_ns = numbers.below(10_000) * 1_000_000;
+                Action::QueryTrajectory(QueryTrajectory { axis: numbers.below(8) as u16, at_ns })
+            }
             8..=10 => {
                 let method = [1, 3, 8, 14, 18, 25, 33, 35][numbers.below(8) as usize];
                 Action::HomeAxis(HomeAxis { axis: numbers.below(8) as u16, method: HomingMethod::Cia402(method) })

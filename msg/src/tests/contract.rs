@@ -436,7 +436,7 @@ const OWN_INTERFACES: [(&str, &str); 37] = [
 ];
 
 /// The layouts of other packages that are easy to get wrong, in the same form.
-const FOREIGN_INTERFACES: [(&str, &str, &str); 29] = [
+const FOREIGN_INTERFACES: [(&str, &str, &str); 30] = [
     (
         "control_msgs",
         "msg/JointTrajectoryControllerState",
@@ -468,6 +468,16 @@ const FOREIGN_INTERFACES: [(&str, &str, &str); 29] = [
         bool stalled reached_goal
         ---
         sensor_msgs/JointState state",
+    ),
+    (
+        "control_msgs",
+        "srv/QueryTrajectoryState",
+        "builtin_interfaces/Time time
+        ---
+        bool success
+        string message
+        string[] name
+        float64[] position velocity acceleration",
     ),
     ("controller_manager_msgs", "srv/LoadController", "string name\n---\nbool ok"),
     ("controller_manager_msgs", "srv/UnloadController", "string name\n---\nbool ok"),

@@ -37,7 +37,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 34] = [
+const VERBS: [&str; 35] = [
     "enable",
     "disable",
     "halt",
@@ -57,6 +57,7 @@ const VERBS: [&str; 34] = [
     "gear_out",
     "out_an",
     "follow_joint_trajectory",
+    "query_trajectory",
     "cancel",
     "set_parameters",
     "save_parameters",
@@ -232,6 +233,7 @@ impl Reader<'_> {
                 let (deed, id) = self.follow_joint_trajectory(arguments);
                 add(deed, id);
             }
+            "query_trajectory" => add(self.query_trajectory(arguments), None),
             "cancel" => add(self.cancel(arguments), None),
             "set_parameters" => add(self.set_parameters(arguments), None),
             "save_parameters" => add(self.axes(arguments, Action::SaveParameters), None),

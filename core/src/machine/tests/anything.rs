@@ -8,7 +8,8 @@ use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
     AbortTrigger, Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, Move, MoveMode,
-    OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, SetPosition, ShiftPosition, Synchronize, TouchProbe,
+    OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory, SetPosition, ShiftPosition, Synchronize,
+    TouchProbe,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;
@@ -363,7 +364,9 @@ fn homing() -> impl Strategy<Value = Action> {
         .prop_map(|(axis, place)| Action::SetPosition(SetPosition { axis, position: Length::whole(place) }));
     let shift = (axis(), -60_000_i64..60_000)
         .prop_map(|(axis, way)| Action::ShiftPosition(ShiftPosition { axis, distance: Length::whole(way) }));
-    prop_oneof![6 => home, 2 => set, 1 => shift]
+    let query =
+        (axis(), any::<u64>()).prop_map(|(axis, at_ns)| Action::QueryTrajectory(QueryTrajectory { axis, at_ns }));
+    prop_oneof![6 => home, 2 => set, 1 => shift, 1 => query]
 }
 
 fn telling() -> impl Strategy<Value = Action> {

@@ -1,6 +1,6 @@
 //! Trajectories that end with a velocity: their goals, and the stops of their axes.
 
-use super::rig::{Rig, X, Y, config};
+use super::rig::{LINE, Rig, X, Y, config};
 use super::trajectory::{Point, track};
 use crate::code::Code;
 use crate::command::Action;
@@ -108,6 +108,21 @@ fn missed_tolerance_ends_the_goal_at_once() {
     assert_eq!(done.code, Code::TRAJECTORY_GOAL_TOLERANCE, "{}", text::sentence(&done, rig.machine.config()));
     rig.run(45);
     assert_eq!((command(&rig, "x"), rig.state("x")), (10_400.0, "STANDSTILL"));
+}
+
+/// The line is asked for 25 inc a cycle from rest and comes to 1 inc more in each. It lags by some 200 inc where the second trajectory begins, and
+/// still does 30 ms later, where that ends in motion.
+#[test]
+fn axis_that_lags_at_the_end_in_motion_misses_it() {
+    let mut rig = Rig::enabled();
+    rig.give(run(0, &[400], vec![track(LINE, &[(10_000, None, None)])]));
+    let goal = rig.give(run(10, &[30], vec![track(LINE, &[(1_025, Some(25_000.0), None)])]));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    rig.run(40);
+    let [done] = rig.done(goal)[..] else { panic!("one end is expected") };
+    let sentence = text::sentence(&done, rig.machine.config());
+    assert_eq!(done.code, Code::TRAJECTORY_GOAL_TOLERANCE, "{sentence}");
+    assert!(command(&rig, "line") < 900.0, "{}", command(&rig, "line"));
 }
 
 /// A trajectory that starts after the end of one that ends in motion does not find it there: x stops at once.

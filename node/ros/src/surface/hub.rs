@@ -65,13 +65,21 @@ impl Answers {
     ///
     /// # Errors
     /// Its sentence.
-    pub(super) async fn accepted(mut self) -> Result<(), String> {
+    pub(super) async fn accepted(self) -> Result<(), String> {
+        let hub = Arc::clone(&self.hub);
+        let answer = self.answer().await?;
+        if answer.kind == Kind::Accepted { Ok(()) } else { Err(text::sentence(&answer, hub.host.config())) }
+    }
+
+    /// Waits until the machine has accepted or refused the command.
+    ///
+    /// # Errors
+    /// Why it never will.
+    pub(super) async fn answer(mut self) -> Result<CoreEvent, String> {
         let answer = async {
             while let Some(answer) = self.next().await {
-                match answer.event.kind {
-                    Kind::Accepted => return Ok(()),
-                    Kind::Refused => return Err(text::sentence(&answer.event, self.hub.host.config())),
-                    _ => {}
+                if matches!(answer.event.kind, Kind::Accepted | Kind::Refused) {
+                    return Ok(answer.event);
                 }
             }
             Err("the machine has stopped".to_owned())

@@ -8,6 +8,7 @@ use crate::layer::{
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, Tune};
 use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, GripperCommand, ParallelGripperCommand};
 use lineshaft_msgs::foreign::control_msgs::msg::{JointJog, JointTrajectoryControllerState};
+use lineshaft_msgs::foreign::control_msgs::srv::QueryTrajectoryState;
 use lineshaft_msgs::foreign::controller_manager_msgs::srv::{
     ListControllerTypes, ListControllers, ListHardwareComponents, ListHardwareInterfaces, LoadController,
     ReloadControllerLibraries, SwitchController, UnloadController,
@@ -147,7 +148,12 @@ impl<S: Service> Served<S> {
     }
 
     pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
-        Ok(node.service(self.0.name, self.0.qos)?.with_care(self.1))
+        self.server_as(node, self.0.name)
+    }
+
+    /// The service of a group of axes.
+    pub(super) fn server_as(&self, node: &NodeHandle, name: &str) -> Result<ServiceServer<S>, CreateError> {
+        Ok(node.service(name, self.0.qos)?.with_care(self.1))
     }
 }
 
@@ -403,6 +409,11 @@ pub(super) const CONTROLLER_STATE: Topic<JointTrajectoryControllerState> = Topic
     Qos::STREAM,
     "what these joints are asked for and where they are, `controller_state_rate` times a second; with `groups:` one for each, `~/<group>/controller_state`; see below",
 );
+pub(super) const QUERY_STATE: Served<QueryTrajectoryState> = Served::new(
+    "~/query_state",
+    Qos::SERVICE,
+    "what the trajectory of these joints asks of them at a time; with `groups:` one for each, `~/<group>/query_state`; see below",
+);
 pub(super) const LIST_CONTROLLERS: Served<ListControllers> = Served::new(
     "/controller_manager/list_controllers",
     Qos::SERVICE,
@@ -622,6 +633,7 @@ pub const ROWS: &[Row] = &[
     PARALLEL_GRIPPER_CMD.0,
     JOINT_TRAJECTORY.0,
     CONTROLLER_STATE.0,
+    QUERY_STATE.0,
     LIST_CONTROLLERS.0,
     LIST_CONTROLLER_TYPES.0,
     LIST_HARDWARE_COMPONENTS.0,

@@ -7,8 +7,8 @@ use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
     AbortTrigger, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
-    MasterPosition, MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, RunFunction, SetEncoderPosition,
-    SetMasterPosition, SetPosition, Setpoint, ShiftPosition, Synchronize as Coupling, TouchProbe,
+    MasterPosition, MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, QueryTrajectory, RunFunction,
+    SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, ShiftPosition, Synchronize as Coupling, TouchProbe,
 };
 use lineshaft_core::function::Order;
 use lineshaft_core::machine::Machine;
@@ -217,6 +217,8 @@ fn touch_probes_name_what_latches_and_their_window() {
     desk.is(&Action::AbortTrigger(none), r#"{"abort_trigger":{"axis":"x"}}"#);
     let of_mark = AbortTrigger { source: Some(Object::Io(0)), ..none };
     desk.is(&Action::AbortTrigger(of_mark), r#"{"abort_trigger":{"axis":"x","event":"mark"}}"#);
+    let query = QueryTrajectory { axis: 0, at_ns: 1_000_000_007 };
+    desk.is(&Action::QueryTrajectory(query), r#"{"query_trajectory":{"axis":"x","time":"1000000007 ns"}}"#);
 }
 
 /// To x, in mode position.

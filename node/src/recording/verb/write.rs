@@ -83,6 +83,10 @@ enum Verb<'a> {
         #[serde(skip_serializing_if = "Option::is_none")]
         event: Option<&'a str>,
     },
+    QueryTrajectory {
+        axis: &'a str,
+        time: String,
+    },
     HomeAxis(HomeAxis<'a>),
     SetPosition {
         axis: Cow<'a, str>,
@@ -327,6 +331,9 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
             axis: axis(request.axis, config),
             event: request.source.map(|source| latching(source, config)),
         },
+        Action::QueryTrajectory(request) => {
+            Verb::QueryTrajectory { axis: axis(request.axis, config), time: format!("{} ns", request.at_ns) }
+        }
         Action::HomeAxis(request) => Verb::HomeAxis(home_axis(id, request, config)),
         Action::SetPosition(request) => set_position(axis(request.axis, config).into(), request.position),
         Action::ShiftPosition(request) => Verb::SetPosition {

@@ -157,6 +157,18 @@ fn plan_that_was_cut_off_is_refused() {
 }
 
 #[test]
+fn plan_that_lacks_joints_of_its_group_is_refused_unless_that_is_allowed() {
+    let one =
+        |text: &str| text.replacen("- turret\n", "", 1).replacen("  - -0.0\n", "", 1).replacen("  - 1.0e-02\n", "", 1);
+    let bench = Bench::with(&one(ECHO).replacen("  - 0.0\n  - 0.0\n", "  - 0.0\n", 1));
+    let sentence = "plan.yaml:7:3: joint_names has 1 of x, turret; all are expected, or some with allow_partial_joints_goal: true\n";
+    assert_eq!(bench.problems(), sentence);
+    assert!(bench.read("{file: plan.yaml, allow_partial_joints_goal: true}", "").is_ok());
+    assert!(bench.read("{file: plan.yaml, allow_partial_joints_goal: false}", "").is_err());
+    assert!(problem("steps", "{at: 0, do: {follow_joint_trajectory: {joints: [x], points: [{time: 1 s, positions: [0]}], ^allow_partial_joints_goal: true}}}").starts_with("unknown key"));
+}
+
+#[test]
 fn plan_beside_what_it_says_and_files_that_are_none_are_refused() {
     let bench = Bench::with(ECHO);
     assert_eq!(

@@ -4,8 +4,9 @@ use super::plan::Plan;
 use super::{Deed, Reader, UNITS, amount, number};
 use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Document, Map, Value};
-use crate::scenario::names::Names;
+use crate::scenario::{moment, names::Names};
 use lineshaft_core::command::Action;
+use lineshaft_core::object::Object;
 use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::trajectory::TrajectoryLimits;
 use lineshaft_core::unit::{Dimension, Scale, excerpt};
@@ -47,22 +48,32 @@ struct OtherKeys<'d> {
 }
 
 impl Reader<'_> {
+    pub(super) fn query_trajectory(&self, value: &Value<'_>) -> Option<Deed> {
+        let mut map = value.map("query_trajectory")?;
+        let (axis, time) = (map.required("axis"), map.required("time"));
+        map.finish();
+        let (axis, at_ns) = (axis?.text()?.to_owned(), moment::nanoseconds(&time?)?);
+        self.settle(value, self.names.config.resolve_query_trajectory(&axis, at_ns).map(Action::QueryTrajectory))
+    }
+
     pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let file = map.optional("file");
         let given = if let Some(file) = &file { refuse_keys_of_file(file, &mut map) } else { self.given(&mut map) };
+        let partial = file.as_ref().and_then(|_| map.optional("allow_partial_joints_goal"));
+        let may_lack_joints = partial.map_or(Some(false), |value| value.boolean());
         let others = OtherKeys::read(&mut map);
         map.finish();
         let deed = match &file {
             None => given.and_then(|given| self.trajectory(given, others, |_| value)),
-            Some(file) => self.plan(file, others),
+            Some(file) => may_lack_joints.and_then(|may_lack_joints| self.plan(file, others, may_lack_joints)),
         };
         (deed, id.flatten())
     }
 
     /// A trajectory whose points stand in a file.
-    fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>) -> Option<Deed> {
+    fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>, may_lack_joints: bool) -> Option<Deed> {
         let Some(folder) = self.names.folder else {
             file.refuse("file is for scenarios; points are expected here", None);
             return None;
@@ -71,11 +82,34 @@ impl Reader<'_> {
         let deed = document.root("the trajectory").and_then(|root| {
             let plan = Plan::read(&root)?;
             let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
+            if !may_lack_joints {
+                self.check_joints(&given.joints, &plan.joints);
+            }
             self.trajectory(given, others, |sentence| plan.place_of(sentence))
         });
         let is_good = document.problems().is_empty();
         file.add_problems(document.into_problems());
         deed.filter(|_| is_good)
+    }
+
+    /// Refuses a plan with some of the joints of a group, as the action does.
+    fn check_joints(&self, joints: &[Joint<'_>], place: &Value<'_>) {
+        let config = self.names.config;
+        let driven = (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_some()).map(|(place, _)| place);
+        let groups = match self.names.groups {
+            [] => vec![driven.collect()],
+            groups => groups.iter().map(|group| group.axes.clone()).collect(),
+        };
+        let has =
+            |axes: &[u16], joint: &Joint<'_>| axes.iter().any(|axis| config.name(Object::Axis(*axis)) == joint.axis);
+        // Of several groups the one with the fewest joints is meant. Joints of no group are told by another sentence.
+        let around = groups.iter().filter(|axes| joints.iter().all(|joint| has(axes, joint)));
+        let Some(group) = around.min_by_key(|axes| axes.len()).filter(|axes| axes.len() > joints.len()) else { return };
+        let joint_of =
+            |&axis: &u16| self.names.joints.map_or(config.name(Object::Axis(axis)), |joints| joints.get(axis));
+        let known: Vec<_> = group.iter().map(joint_of).collect();
+        let sentence = format!("joint_names has {} of {}", joints.len(), known.join(", "));
+        place.refuse(format!("{sentence}; all are expected, or some with allow_partial_joints_goal: true"), None);
     }
 
     /// Joints, units and points that stand in the verb.

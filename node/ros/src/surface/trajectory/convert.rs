@@ -78,7 +78,7 @@ pub(super) enum Wrong {
     GoalTime { time_ns: i64 },
 }
 
-fn seconds(time_ns: i64) -> f64 {
+pub(super) fn seconds(time_ns: i64) -> f64 {
     time_ns as f64 / 1e9
 }
 

@@ -1,4 +1,4 @@
-//! `~/follow_joint_trajectory`, `~/joint_trajectory` and `~/controller_state`, for all axes with a drive or for each group of the cell.
+//! `~/follow_joint_trajectory`, `~/joint_trajectory`, `~/controller_state` and `~/query_state`, for all axes with a drive or for each group of the cell.
 //!
 //! Law      a goal is checked in itself here and rejected with a sentence, or becomes one trajectory of the machine, which
 //!          judges state, limits and tolerances and tells one end. Action and topic share the axes: the newer one counts
@@ -13,6 +13,7 @@ mod ending;
 mod integrate;
 mod joints;
 mod points;
+mod query_state;
 mod settings;
 mod topic;
 
@@ -32,7 +33,7 @@ use settings::Settings;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Opens action and topics for each of `controllers`.
+/// Opens action, topics and service for each of `controllers`.
 pub(super) fn start(
     node: &Node,
     hub: &Arc<Hub>,
@@ -53,7 +54,9 @@ pub(super) fn start(
         let taker =
             Taker { hub: Arc::clone(hub), controllers: Arc::clone(controllers), place, joints: Arc::clone(joints) };
         tasks.spawn(action::serve(action, taker.clone()));
-        tasks.spawn(topic::serve(topic, taker));
+        tasks.spawn(topic::serve(topic, taker.clone()));
+        let query = table::QUERY_STATE.server_as(node, &joints.name_of(&table::QUERY_STATE.0))?;
+        tasks.spawn(query_state::serve(query, taker));
         let state = table::CONTROLLER_STATE.publisher_as(node, &joints.name_of(&table::CONTROLLER_STATE.0))?;
         tasks.spawn(controller_state::publish(state, Arc::clone(hub), Arc::clone(joints)));
     }

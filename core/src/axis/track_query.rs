@@ -1,0 +1,46 @@
+//! What the trajectory of an axis asks of it at any time, for who plans from there (`query_state` of joint_trajectory_controller).
+//!
+//! Law      t = (time of the machine - time of the cycle in which the trajectory begins), on the trajectory that covers it: its own, or the
+//!          one that leads it until that begins. Of an axis that stands without a trajectory it is where it stands
+//! Refuses  a time before the begin and after the last point; an axis that moves otherwise, or stops
+//! Source   joint_trajectory_controller of ros2_controllers (Jazzy)
+
+use super::run::{Run, place};
+use super::{Axis, Context};
+use crate::code::Code;
+use crate::event::{Event, Kind, Number, Refusal, Severity, TrajectoryPlace};
+use crate::profile::Motion;
+
+impl Axis {
+    /// Answers a query for a time of the machine, which is the number of the cycle times its length.
+    pub(super) fn query_trajectory(&self, cx: &mut Context<'_>, sequence: u64, at_ns: u64) -> Result<(), Refusal> {
+        let (motion, place) = self.trajectory_at(cx.runs, at_ns)?;
+        let event = Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE).of_command(sequence);
+        let rates = (Number::Velocity(motion.velocity), Number::Acceleration(motion.acceleration));
+        cx.events.push(Event { position: motion.position, place, ..event.with(rates.0, rates.1) });
+        Ok(())
+    }
+
+    /// What is asked of it, with the next point where a trajectory does.
+    fn trajectory_at(&self, runs: &[Option<Run>], at_ns: u64) -> Result<(Motion, Option<TrajectoryPlace>), Refusal> {
+        if !self.has_track() || self.is_cancelled() {
+            let stands = self.rests() && !self.has_track();
+            let refusal = || self.refuse(Code::NO_TRAJECTORY);
+            return stands.then(|| (self.resting(self.command.position), None)).ok_or_else(refusal);
+        }
+        let mut outside = self.refuse(Code::NO_TRAJECTORY);
+        // The own one first: the one before leads the axis until then only.
+        for tracker in self.trackers() {
+            let Some(run) = tracker.run(runs) else { continue };
+            let elapsed = i128::from(at_ns) - i128::from(run.begins) * i128::from(run.cycle_ns);
+            let lasts = run.duration_ns();
+            if let Some(elapsed) = u64::try_from(elapsed).ok().filter(|elapsed| *elapsed <= lasts) {
+                let ahead = run.trajectory.point_ahead(run.time_after(elapsed).ns);
+                return Ok((tracker.asked_after(run, elapsed), Some(place(&run.trajectory, ahead))));
+            }
+            let ns = |time: i128| Number::Time(time.clamp(i64::MIN.into(), i64::MAX.into()) as i64);
+            outside = self.refuse(Code::TRAJECTORY_OTHER_TIME).with(ns(elapsed), ns(lasts.into()));
+        }
+        Err(outside)
+    }
+}
