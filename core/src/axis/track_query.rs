@@ -39,7 +39,10 @@ impl Axis {
                 return Ok((tracker.asked_after(run, elapsed), Some(place(&run.trajectory, ahead))));
             }
             let ns = |time: i128| Number::Time(time.clamp(i64::MIN.into(), i64::MAX.into()) as i64);
-            outside = self.refuse(Code::TRAJECTORY_OTHER_TIME).with(ns(elapsed), ns(lasts.into()));
+            // From time 0 of the trajectory, which is up to a cycle before that in which it begins.
+            let since_start = i128::from(run.begin_ns);
+            let (asked, last) = (ns(since_start + elapsed), ns(since_start + i128::from(lasts)));
+            outside = self.refuse(Code::TRAJECTORY_OTHER_TIME).with(asked, last);
         }
         Err(outside)
     }

@@ -7,7 +7,6 @@
 use super::Taker;
 use super::convert::seconds;
 use crate::layer::{Request, ServiceServer};
-use crate::surface::hub::Answers;
 use lineshaft_core::command::{Action, QueryTrajectory};
 use lineshaft_core::event::{Event, Kind, Number};
 use lineshaft_core::unit::Scale;
@@ -20,48 +19,36 @@ pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        match taker.ask(&message.time) {
-            Ok(asked) => {
-                let taker = taker.clone();
-                open.spawn(async move { reply.send_soon(taker.response(asked).await) });
-            }
-            Err(message) => reply.send_soon(QueryTrajectoryStateResponse { message, ..Default::default() }),
-        }
+        let taker = taker.clone();
+        open.spawn(async move {
+            let response = taker.states(&message.time).await;
+            let refusal = |message| QueryTrajectoryStateResponse { message, ..Default::default() };
+            // A client that has gone is no fault of the machine; the layer logs it.
+            let _ = reply.send(response.unwrap_or_else(refusal)).await;
+        });
     }
 }
 
 impl Taker {
-    /// Asks the machine for each joint.
-    fn ask(&self, time: &Time) -> Result<Vec<Answers>, String> {
+    /// Asks the machine for one joint after the other, so that a refusal is told once.
+    async fn states(&self, time: &Time) -> Result<QueryTrajectoryStateResponse, String> {
         let Self { hub, controllers, joints, place } = self;
         controllers.check(*place)?;
-        let snapshot = hub.host.snapshot();
-        let at_ns = machine_ns(
-            time,
-            snapshot.cycle.saturating_mul(hub.host.config().cycle_ns),
-            hub.clock.stamp(snapshot.stamp_ns),
-        )?;
-        let query = |&axis: &u16| hub.submit(Action::QueryTrajectory(QueryTrajectory { axis, at_ns }));
-        joints.axes.iter().map(query).collect::<Result<_, _>>().map_err(|busy| busy.to_string())
-    }
-
-    async fn response(&self, asked: Vec<Answers>) -> QueryTrajectoryStateResponse {
-        let mut answers = Vec::with_capacity(asked.len());
-        for one in asked {
-            match one.answer().await {
-                Ok(answer) => answers.push(answer),
-                Err(message) => return QueryTrajectoryStateResponse { message, ..Default::default() },
+        let (snapshot, config) = (hub.host.snapshot(), hub.host.config());
+        let now_ns = snapshot.cycle.saturating_mul(config.cycle_ns);
+        let at_ns = machine_ns(time, now_ns, hub.clock.stamp(snapshot.stamp_ns))?;
+        let mut answers = Vec::with_capacity(joints.axes.len());
+        for &axis in &joints.axes {
+            let query = Action::QueryTrajectory(QueryTrajectory { axis, at_ns });
+            let answer = hub.submit(query).map_err(|busy| busy.to_string())?.answer().await?;
+            if answer.kind == Kind::Refused {
+                return Err(joints.sentence(&answer, config));
             }
+            answers.push(answer);
         }
-        let config = self.hub.host.config();
-        if let Some(refused) = answers.iter().find(|answer| answer.kind == Kind::Refused) {
-            let message = self.joints.sentence(refused, config);
-            return QueryTrajectoryStateResponse { message, ..Default::default() };
-        }
-        let scales = self.joints.axes.iter().filter_map(|&axis| config.axes.get(usize::from(axis)));
-        let mut response = states(&answers, scales.map(|axis| axis.scale));
-        response.name.clone_from(&self.joints.names);
-        response
+        let axes = joints.axes.iter().filter_map(|&axis| config.axes.get(usize::from(axis)));
+        let response = states(&answers, axes.map(|axis| axis.scale));
+        Ok(QueryTrajectoryStateResponse { name: joints.names.clone(), ..response })
     }
 }
 
