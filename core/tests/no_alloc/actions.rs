@@ -102,17 +102,17 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
             }
             2 => Action::Refuse("nobody knows what this is".into()),
             3 => Action::Note { code: Code::NOTES[numbers.below(Code::NOTES.len() as u64) as usize], number: 7 },
-            4 | 5 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
+            4 => Action::Cancel { goal: sequence.saturating_sub(1 + numbers.below(20)) },
+            5 => Action::QueryTrajectory(QueryTrajectory {
+                axis: (numbers.below(20) % 8) as u16,
+                at_ns: sequence * 1_000_000,
+            }),
             _ => Action::vocabulary(module(numbers)),
         };
     }
     if numbers.below(30) == 0 {
         let set = AxisSet::one(numbers.below(u64::from(AXES)) as u16);
-        return match numbers.below(13) {
-            12 => {
-                let at_ns = numbers.below(10_000) * 1_000_000;
-                Action::QueryTrajectory(QueryTrajectory { axis: numbers.below(8) as u16, at_ns })
-            }
+        return match numbers.below(12) {
             8..=10 => {
                 let method = [1, 3, 8, 14, 18, 25, 33, 35][numbers.below(8) as usize];
                 Action::HomeAxis(HomeAxis { axis: numbers.below(8) as u16, method: HomingMethod::Cia402(method) })

@@ -465,7 +465,8 @@ fn ends(action: &Action) -> usize {
         Action::Abort => 3,
         // What a vocabulary does has no end of its own.
         Action::Vocabulary(_) | Action::OutAn(_) => 0,
-        Action::AbortTrigger(_) | Action::SetPosition(_) | Action::ShiftPosition(_) => 0,
+        Action::AbortTrigger(_) | Action::QueryTrajectory(_) => 0,
+        Action::SetPosition(_) | Action::ShiftPosition(_) => 0,
         Action::LoadTable { .. } | Action::LoadProgram { .. } => 0,
         Action::Note { .. } | Action::SetParameters(_) | Action::SetOutputs(_) => 0,
         Action::SaveParameters(_) | Action::ResetParameters { .. } => 0,
