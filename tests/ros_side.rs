@@ -119,7 +119,8 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
     program.thaw();
     assert_eq!(peer.answer().1, None);
     assert_eq!(axis(&mut peer, "y")["state"], "DISABLED");
-    assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
+    // On a busy machine a late answer may be reported; the side is not lost for that.
+    assert!(!program.log().contains("all axes halt"), "it was lost for nothing: {}", program.log());
 }
 
 /// A node that stands still for longer than any limit of its ROS side, 5 times `loss_timeout`, has not lost that side when it goes on.
@@ -134,7 +135,8 @@ fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
     Peer::cyclone(&domain).run("axes /lineshaft reset_errors x");
     let turret = axis(&mut Peer::cyclone(&domain), "turret");
     assert_eq!(turret["state"], "CONTINUOUS_MOTION", "{}", program.log());
-    assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
+    // On a busy machine a late answer may be reported; the side is not lost for that.
+    assert!(!program.log().contains("all axes halt"), "it was lost for nothing: {}", program.log());
 }
 
 /// Both processes are killed, and with them nobody is left to say good-bye: the next one says it.
