@@ -1,4 +1,4 @@
-//! What the trajectory of an axis asks of it at any time, for who plans from there (`query_state` of joint_trajectory_controller).
+//! The motion that a trajectory asks of an axis at any time (`query_state` of joint_trajectory_controller).
 //!
 //! Law      t = (time of the machine - time of the cycle in which the trajectory begins), on the trajectory that covers it: its own, or the
 //!          one that leads it until that begins. Of an axis that stands without a trajectory it is where it stands
@@ -21,7 +21,7 @@ impl Axis {
         Ok(())
     }
 
-    /// What is asked of it, with the next point where a trajectory does.
+    /// Its motion at that time, with the next point if a trajectory leads it then.
     fn trajectory_at(&self, runs: &[Option<Run>], at_ns: u64) -> Result<(Motion, Option<TrajectoryPlace>), Refusal> {
         if !self.has_track() || self.is_cancelled() {
             let stands = self.rests() && !self.has_track();

@@ -101,7 +101,7 @@ fn waiting_trajectory_and_the_one_before_cover_their_times() {
     assert!(is_near(before, [5_000.0, 37_500.0, 0.0]), "{before:?}");
     let end = ask(&mut rig, X, (begins, 400.0)).expect("of the one that waits").0;
     assert!(is_near(end, [14_000.0, 0.0, 0.0]), "{end:?}");
-    // Once it has begun, the one before is over.
+    // Once it has begun, it has replaced the one before.
     rig.run(begins - cycle(&rig) + 2);
     assert!(ask(&mut rig, X, (start, 200.0)).is_err());
 }

@@ -102,7 +102,7 @@ impl Reader<'_> {
         };
         let has =
             |axes: &[u16], joint: &Joint<'_>| axes.iter().any(|axis| config.name(Object::Axis(*axis)) == joint.axis);
-        // Of several groups the one with the fewest joints is meant. Joints of no group are told by another sentence.
+        // Of several groups the one with the fewest joints is meant. Joints of no group are refused elsewhere.
         let around = groups.iter().filter(|axes| joints.iter().all(|joint| has(axes, joint)));
         let Some(group) = around.min_by_key(|axes| axes.len()).filter(|axes| axes.len() > joints.len()) else { return };
         let joint_of =

@@ -30,7 +30,7 @@ pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker
 }
 
 impl Taker {
-    /// Asks the machine for one joint after the other, so that a refusal is told once.
+    /// Asks the machine for one joint after the other, so that a refusal is reported once.
     async fn states(&self, time: &Time) -> Result<QueryTrajectoryStateResponse, String> {
         let Self { hub, controllers, joints, place } = self;
         controllers.check(*place)?;
