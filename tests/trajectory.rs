@@ -67,6 +67,18 @@ impl Bench {
         seen["goal"].as_str().expect("an id").to_owned()
     }
 
+    /// Position, velocity and acceleration that are asked of x: as a query says for the moment of a message, and as the message shows.
+    fn asked_and_shown(&mut self) -> [[f64; 3]; 2] {
+        let seen = self.cyclone.run("controller-state /lineshaft --seconds 0.1");
+        let last = &seen.all().last().expect("a message")["state"];
+        let asked = self.cyclone.run(&format!("query-state /lineshaft {}", nanoseconds(&last["header"]["stamp"])));
+        [
+            ["position", "velocity", "acceleration"].map(|field| asked[field][0].as_f64().expect("a number")),
+            ["positions", "velocities", "accelerations"]
+                .map(|field| last["reference"][field][0].as_f64().expect("a number")),
+        ]
+    }
+
     /// What stands on /rosout so far.
     fn log(&mut self) -> String {
         let seen = self.cyclone.run("log --seconds 1");
@@ -174,21 +186,20 @@ fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
     let middle = bench.cyclone.run(&ask("3"));
     assert_eq!(middle["name"], json!(["x", "y", "turret"]));
     let number = |seen: &Observations, field: &str| seen[field][0].as_f64().expect("a number");
-    // The command may apply a few cycles later than its start was computed for.
+    // The trajectory is as much later as a busy machine has missed cycles since it was accepted: 40 ms at most.
     for (field, expected) in [("position", 0.05), ("velocity", 0.025), ("acceleration", 0.0)] {
         let found = number(&middle, field);
-        assert!((found - expected).abs() < 2e-4, "{field} {found} instead of {expected}");
+        assert!((found - expected).abs() < 1e-3, "{field} {found} instead of {expected}");
     }
     let refused = bench.cyclone.fails(&ask("8"));
     assert!(refused.starts_with("x: the trajectory lasts 6 s from its start; "), "{refused}");
     bench.cyclone.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
-    let seen = bench.cyclone.run("controller-state /lineshaft --seconds 0.1");
-    let last = &seen.all().last().expect("a message")["state"];
-    let asked = bench.cyclone.run(&format!("query-state /lineshaft {}", nanoseconds(&last["header"]["stamp"])));
-    for (field, of) in [("position", "positions"), ("velocity", "velocities"), ("acceleration", "accelerations")] {
-        let shown = last["reference"][of][0].as_f64().expect("a number");
-        assert!((number(&asked, field) - shown).abs() < 1e-9, "{field} {} instead of {shown}", number(&asked, field));
-    }
+    let mut tries = (0..10).map(|_| bench.asked_and_shown());
+    let is_same = |[asked, shown]: [[f64; 3]; 2]| (0..3).all(|one| (asked[one] - shown[one]).abs() < 1e-9);
+    assert!(
+        tries.any(is_same),
+        "no answer was as it was shown; cycles that are missed between both explain one of them"
+    );
     bench.cyclone.run("axes /lineshaft halt x");
     bench.wait("x", "at rest", |x| x["state"] == "STANDSTILL");
     assert_eq!(bench.cyclone.fails(&ask("3")), "no trajectory runs");
