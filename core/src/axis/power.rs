@@ -10,6 +10,10 @@ use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to switch on, and to leave its fault (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
+/// How long each level of a bit stands whose edge a drive has to see: at least so long (ns), and so many cycles. Some drives look at their
+/// control word in every fourth cycle alone.
+const LEVEL_NS: u64 = 50_000_000;
+const LEVEL_CYCLES: u64 = 5;
 
 /// What the axis wants of its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -250,9 +254,7 @@ impl Axis {
             Power::Off => control::DISABLE_VOLTAGE,
             Power::DriveStops { .. } => control::QUICK_STOP,
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => control::ENABLE,
-            // The reset needs a rising edge: every other cycle without the bit.
-            Power::Resetting { since } if cx.cycle.saturating_sub(since) % 2 == 1 => control::FAULT_RESET,
-            Power::Resetting { .. } => control::DISABLE_VOLTAGE,
+            Power::Resetting { since } => reset_word(cx.cycle.saturating_sub(since), self.setup.cycle_ns),
             Power::SwitchingOn { .. } => match self.shown.state() {
                 DriveState::SwitchOnDisabled => control::SHUTDOWN,
                 DriveState::Ready => control::SWITCH_ON,
@@ -301,6 +303,55 @@ impl Axis {
             Interface::Torque | Interface::Voltage => {
                 let (_, is_done) = self.close_loop();
                 (0.0, self.close_effort(self.regulator_output(), is_done))
+            }
+        }
+    }
+}
+
+/// How long each level of a bit stands whose edge a drive has to see (cycles; never 0).
+pub(super) fn level_of(cycle_ns: u64) -> u64 {
+    LEVEL_NS.div_ceil(cycle_ns.max(1)).max(LEVEL_CYCLES)
+}
+
+/// The control word of a reset, so many cycles after it began. The reset needs a rising edge: bit 7 was low before, is low in the first cycle,
+/// and then stands high and low in turn until the fault is left, or the time is over.
+fn reset_word(elapsed: u64, cycle_ns: u64) -> u16 {
+    match elapsed.checked_sub(1) {
+        Some(passed) if (passed / level_of(cycle_ns)).is_multiple_of(2) => control::FAULT_RESET,
+        _ => control::DISABLE_VOLTAGE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYCLES: [u64; 6] = [125_000, 341_333, 1_000_000, 4_000_000, 20_000_000, 100_000_000];
+
+    /// 50 ms are 400 cycles of 125 us and 50 of 1 ms; of 20 ms they are 3, and 5 are the least.
+    #[test]
+    fn each_level_of_the_reset_stands_for_50_ms_and_five_cycles() {
+        for (cycle_ns, level) in CYCLES.into_iter().zip([400, 147, 50, 13, 5, 5]) {
+            let high = |elapsed| reset_word(elapsed, cycle_ns) == control::FAULT_RESET;
+            assert!(!high(0));
+            for elapsed in 0..6 * level {
+                assert_eq!(high(elapsed + 1), (elapsed / level).is_multiple_of(2), "{cycle_ns} ns, {elapsed}");
+            }
+        }
+    }
+
+    /// Drives that look at their control word in every nth cycle see the edge, whichever cycle they begin with.
+    #[test]
+    fn a_drive_that_looks_seldom_leaves_its_fault() {
+        for cycle_ns in CYCLES {
+            for (every, first) in (1..=5_u64).flat_map(|every| (0..every).map(move |first| (every, first))) {
+                let (mut state, mut last, mut elapsed) = (DriveState::Fault, control::DISABLE_VOLTAGE, first);
+                while state == DriveState::Fault {
+                    let word = reset_word(elapsed, cycle_ns);
+                    (state, last) = (state.next(word, last), word);
+                    elapsed += every;
+                    assert!(elapsed <= 12, "every {every} from {first} at {cycle_ns} ns");
+                }
             }
         }
     }
