@@ -1,11 +1,15 @@
 //! Homing that the drive runs by itself.
 //!
-//! Law      mode 6 is asked for; once the drive shows it, bit 4 starts homing with the number of the method. Meanwhile the command is
-//!          where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin anew (a new epoch)
-//! Refuses  bit 13, mode 6 not shown in time, or a way of more than homing.max_distance: an error. Whatever else ends homing takes the axis over from its motion, in its
-//!          own mode, and brakes it
+//! Law      mode 6 is asked for; once the drive shows it, and bit 4 was low for 50 ms, bit 4 starts homing with the number of the method.
+//!          Meanwhile the command is where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin anew
+//!          (a new epoch). Bits that stood before count once the drive has cleared one of them: it may do so late. Methods 35 and 37
+//!          alone need no time, and may leave them as they are
+//! Refuses  bit 13, mode 6 or a begin not shown in time, or a way of more than homing.max_distance: an error. A drive that moves has
+//!          begun, and is not taken out of mode 6 for the time. Whatever else ends homing takes the axis over from its motion, in its own
+//!          mode, and brakes it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
 
+use super::super::power::level_of;
 use super::super::{Axis, Context};
 use super::{Run, Stage};
 use crate::code::Code;
@@ -20,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 /// How long a drive may take to show mode 6, and then to show that it has begun (ns).
 const TIMEOUT_NS: u64 = 5_000_000_000;
-/// One that shows no begin within that long had nothing to do (ns): its old bits are the new ones.
+/// A method that needs no way has had its effect within that long (ns): old bits are the new ones.
 const INSTANT_NS: u64 = 50_000_000;
 
 /// How far the drive is.
@@ -30,15 +34,74 @@ pub(super) struct InDrive {
     since: u64,
     /// Bit 4 is set.
     started: bool,
-    /// Bit 12 was seen to be 0 after that.
+    /// The drive has shown that it began, after that.
     begun: bool,
+    /// The bits that it showed in the cycle before.
+    shown: u16,
+    /// Bit 13 stands since before it began: it is that of another homing.
+    old_error: bool,
     /// Where the axis was when homing began.
     from: Position,
 }
 
+/// What a drive shows of its homing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// It is under way.
+    UnderWay,
+    /// The zero is known, and the axis stands there.
+    Done,
+    /// It has failed.
+    Failed,
+    /// It shows no begin, and the time is over.
+    NoBegin,
+}
+
+/// How long bit 4 is set, and what that lets one see.
+#[derive(Clone, Copy, Debug)]
+struct Since {
+    /// (ns)
+    time_ns: u64,
+    /// The words of the drive may answer it.
+    answers: bool,
+    /// The method takes no time.
+    is_instant: bool,
+}
+
 impl InDrive {
     pub(super) fn since(cycle: u64, from: Position) -> Self {
-        Self { since: cycle, started: false, begun: false, from }
+        Self { since: cycle, started: false, begun: false, shown: 0, old_error: false, from }
+    }
+
+    /// Bit 4 is set from this cycle on.
+    fn start(self, cycle: u64, status: u16) -> Self {
+        let old_error = status & STATUS_HOMING_ERROR != 0;
+        // Where no zero is known yet, one that is known is new.
+        let begun = status & STATUS_HOMING_ATTAINED == 0;
+        Self { since: cycle, started: true, begun, shown: status, old_error, ..self }
+    }
+
+    /// Takes the status word of a cycle behind [`start`](Self::start).
+    fn take(&mut self, status: u16, since: Since) -> Shown {
+        let shows = |bit: u16| status & bit != 0;
+        let leaves_target = self.shown & STATUS_TARGET_REACHED != 0 && !shows(STATUS_TARGET_REACHED);
+        self.begun |= !shows(STATUS_HOMING_ATTAINED) || since.answers && leaves_target;
+        self.old_error &= shows(STATUS_HOMING_ERROR);
+        self.shown = status;
+        let is_late = since.time_ns > TIMEOUT_NS;
+        if !since.answers {
+            return Shown::UnderWay;
+        }
+        if shows(STATUS_HOMING_ERROR) {
+            // It may fail at once, for the same reason as before.
+            return if self.old_error && !is_late { Shown::UnderWay } else { Shown::Failed };
+        }
+        let counts = self.begun || since.is_instant && since.time_ns > INSTANT_NS;
+        match shows(STATUS_HOMING_ATTAINED) && shows(STATUS_TARGET_REACHED) {
+            true if counts => Shown::Done,
+            _ if !self.begun && is_late => Shown::NoBegin,
+            _ => Shown::UnderWay,
+        }
     }
 }
 
@@ -73,27 +136,36 @@ impl Axis {
             }
             return;
         }
-        if !drive.started {
-            drive = InDrive { since: cx.cycle, started: true, ..drive };
-        } else if elapsed > self.delay().saturating_add(1) {
-            let shows = |bit: u16| input.status & bit != 0;
-            drive.begun |= !shows(STATUS_HOMING_ATTAINED);
-            let over = drive.begun || time > INSTANT_NS;
-            if over && shows(STATUS_HOMING_ERROR) {
-                return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
-            }
-            if over && shows(STATUS_HOMING_ATTAINED) && shows(STATUS_TARGET_REACHED) {
-                let reference = self.actual.position - Position::whole(self.turn_counts(input.count));
-                let zero = reference + Position::whole(run.offset);
-                if !zero.is_legal() {
-                    let asked = Number::Position(zero.nearest());
-                    return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
+        if drive.started {
+            let answers = elapsed > self.delay().saturating_add(1);
+            match drive.take(input.status, Since { time_ns: time, answers, is_instant: matches!(run.method, 35 | 37) })
+            {
+                Shown::Done => return self.take_zero_of_drive(cx, input.count, run.offset),
+                Shown::Failed => {
+                    return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
                 }
-                return self.take_zero(cx, zero);
+                Shown::NoBegin if !self.moves() => {
+                    return self.fail_homing(cx, Code::HOMING_IN_DRIVE_TIMEOUT, Number::None, Number::None);
+                }
+                Shown::NoBegin | Shown::UnderWay => {}
             }
+        } else if elapsed >= level_of(self.setup.cycle_ns) {
+            // Bit 4 of the homing before was seen to go.
+            drive = drive.start(cx.cycle, input.status);
         }
         run.stage = Stage::InDrive(drive);
         self.homing.run = Some(run);
+    }
+
+    /// The drive has its zero where it counts 0; `offset` is added to that.
+    fn take_zero_of_drive(&mut self, cx: &mut Context<'_>, count: i64, offset: i64) {
+        let reference = self.actual.position - Position::whole(self.turn_counts(count));
+        let zero = reference + Position::whole(offset);
+        if !zero.is_legal() {
+            let asked = Number::Position(zero.nearest());
+            return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
+        }
+        self.take_zero(cx, zero);
     }
 
     /// What the drive is asked for while it homes; nothing else is asked of it then.
@@ -117,5 +189,63 @@ impl Axis {
             mode: Mode::Homing(order),
             ..output
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ATTAINED: u16 = STATUS_HOMING_ATTAINED;
+    const REACHED: u16 = STATUS_TARGET_REACHED;
+    const ERROR: u16 = STATUS_HOMING_ERROR;
+
+    /// What comes of status words, each from a time on (ms), the first one before bit 4 is set; and when.
+    fn homed(method: i64, words: &[(u64, u16)]) -> (Shown, u64) {
+        let status = |ms: u64| words.iter().rev().find(|(from, _)| *from <= ms).map_or(0, |(_, status)| *status);
+        let mut drive = InDrive::since(0, Position::ZERO).start(0, status(0));
+        for ms in 1..20_000 {
+            let since = Since { time_ns: ms * 1_000_000, answers: ms > 1, is_instant: matches!(method, 35 | 37) };
+            let shown = drive.take(status(ms), since);
+            if shown != Shown::UnderWay {
+                return (shown, ms);
+            }
+        }
+        (Shown::UnderWay, 20_000)
+    }
+
+    /// CiA 402-2, homing mode: bits 12 and 10 are 0 while it runs, and both 1 once it is over.
+    #[test]
+    fn a_first_homing_is_over_with_both_bits() {
+        assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ATTAINED), (950, ATTAINED | REACHED)]), (Shown::Done, 950));
+        assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ERROR)]), (Shown::Failed, 900));
+    }
+
+    /// Bits of the homing before stand for 200 ms, or for 4 s: they are none of this one.
+    #[test]
+    fn bits_that_are_cleared_late_are_not_the_end() {
+        let both = ATTAINED | REACHED;
+        for clears in [3, 200, 4_000] {
+            assert_eq!(homed(1, &[(0, both), (clears, 0), (9_000, both)]), (Shown::Done, 9_000));
+            assert_eq!(homed(1, &[(0, both), (clears, ATTAINED), (9_000, both)]), (Shown::Done, 9_000), "bit 10 alone");
+            assert_eq!(homed(1, &[(0, both), (clears, REACHED), (9_000, both)]), (Shown::Done, 9_000), "bit 12 alone");
+            assert_eq!(homed(1, &[(0, ERROR), (clears, 0), (9_000, both)]), (Shown::Done, 9_000), "the old error");
+            assert_eq!(homed(1, &[(0, ERROR), (clears, 0), (9_000, ERROR)]), (Shown::Failed, 9_000));
+        }
+    }
+
+    /// Methods 35 and 37 need no way: old bits hold after 50 ms. All others have begun within 5 s.
+    #[test]
+    fn bits_that_stay_end_nothing_but_methods_without_a_way() {
+        let both = ATTAINED | REACHED;
+        for method in [35, 37] {
+            assert_eq!(homed(method, &[(0, both)]), (Shown::Done, 51));
+        }
+        for method in [1, 17, 33, 34] {
+            assert_eq!(homed(method, &[(0, both)]), (Shown::NoBegin, 5_001));
+        }
+        assert_eq!(homed(1, &[(0, ERROR)]), (Shown::Failed, 5_001));
+        // Bit 10 that is not yet there when bit 4 rises is no end, either.
+        assert_eq!(homed(1, &[(0, ATTAINED), (30, both), (200, ATTAINED), (900, both)]), (Shown::Done, 900));
     }
 }

@@ -4,7 +4,7 @@ use super::super::rig::{Rig, X, Y, couple, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::command::Action;
-use crate::drive::{MODE_CSP, Mode};
+use crate::drive::{MODE_CSP, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
@@ -162,6 +162,46 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
     rig.run(1);
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+}
+
+/// Bits 10 and 12 of the first homing stand long after bit 4 has risen for the second one: the axis is moved meanwhile, and not homed.
+#[test]
+fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
+    let mut rig = in_drive(0, 0);
+    let first = home(&mut rig, 3);
+    assert_eq!(run_to_end(&mut rig, first).code, Code::NONE);
+    let away = rig.give(Action::Move(to(X, -9_000)));
+    assert_eq!(run_to_end(&mut rig, away).code, Code::NONE);
+    rig.tamper = |inputs| inputs.drive[0].status |= STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
+    let second = home(&mut rig, 3);
+    rig.run(300);
+    assert_eq!((rig.done(second).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 10_000.0));
+    assert!(matches!(rig.outputs().drive[0].mode, Mode::Homing(_)));
+    rig.tamper = |_| {};
+    assert_eq!(run_to_end(&mut rig, second).code, Code::NONE);
+    rig.run(10);
+    assert_eq!((rig.int("x.actual.count"), rig.int("x.actual.position"), rig.int("x.homed")), (0, 0, 1));
+}
+
+/// A drive that shows no begin within 5 s is an error once it stands; while it moves it stays in mode 6.
+#[test]
+fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
+    let mut rig = in_drive(0, 0);
+    rig.plant.drive(0).unwrap().stick(4, 0);
+    rig.tamper = |inputs| {
+        inputs.drive[0].status |= STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
+        inputs.drive[0].status &= !STATUS_HOMING_ERROR;
+    };
+    // 32,000 inc to the limit switch take 6.4 s.
+    let slow = rig.set("homing.velocity", Value::Real(5_000.0));
+    assert!(rig.was_accepted(slow));
+    let sequence = home(&mut rig, 3);
+    rig.run(6_000);
+    assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 5_000.0));
+    assert!(matches!(rig.outputs().drive[0].mode, Mode::Homing(_)));
+    rig.run(500);
+    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+    assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
 }
 
 /// A drive that finds nothing, and has nothing that ends its way.
