@@ -111,6 +111,9 @@ impl Axis {
         let was_held = std::mem::replace(&mut self.position_loop.is_held, is_held);
         if was_held && !is_held {
             self.position_loop.pid.begin_anew();
+            if self.setup.law == Law::Integer {
+                self.vocabularies.begin_loop_anew();
+            }
         }
         self.note_stepped() || is_held
     }

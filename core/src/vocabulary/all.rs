@@ -213,6 +213,11 @@ impl Vocabularies {
         self.saia.open_loop();
     }
 
+    /// That PID was not stepped while the axis was held: it goes on with its sum, and no change of the error.
+    pub(crate) fn begin_loop_anew(&mut self) {
+        self.saia.begin_loop_anew();
+    }
+
     /// Tells all whom it concerns.
     pub(crate) fn notice(&mut self, notice: Notice) {
         match notice {

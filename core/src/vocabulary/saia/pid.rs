@@ -1,6 +1,8 @@
 //! The regulator of the module.
 //!
-//! Law      U(n) = kp e(n) + clamp(ki SUM e, -IL, +IL) + kd (e(n') - e(n'-1)); n each sample, n' each SampI + 1 samples
+//! Law      U(n) = kp e(n) + clamp(ki SUM e, -IL, +IL) + kd (e(n') - e(n'-1)); n each sample, n' each SampI + 1 samples.
+//!          Between two cycles e lies on a straight line, on which the samples of a cycle are spaced evenly, the last one at its end. A cycle is no whole
+//!          number of samples, so that e(n') - e(n'-1) is scaled to the interval of the chip. SUM has whole counts
 //! Reads    the error, setpoint minus actual (counts)
 //! Writes   U and the output code; a drive that closes its own position loop does not hear it
 //! Refuses  nothing: every value saturates
@@ -57,40 +59,71 @@ pub(super) struct Options {
 }
 
 /// The regulator between two samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pid {
     sum: i32,
-    /// Error of the last derivative sample.
-    before: i32,
+    /// Error of the last derivative sample (counts).
+    before: f64,
+    /// Samples since then, and the time that they took (chip samples).
+    taken: i32,
+    since: f64,
     /// Derivative part, held until the next derivative sample.
-    held: i64,
+    held: f64,
     /// Samples until then.
     wait: i32,
     /// Integral part of the last sample.
     integral: i32,
     output: i32,
+    /// Error at the end of the last cycle that had samples (counts); none before the first.
+    last: Option<f64>,
+    /// Time since then (chip samples).
+    elapsed: f64,
+    /// The next cycle has no past, but for the sum.
+    begins_anew: bool,
 }
 
 /// Largest magnitude of the sum: 24 bit with sign.
 const MOST_SUM: i32 = (1 << 23) - 1;
 
 impl Pid {
-    /// One sample: U, within 16 bit.
-    pub(super) fn step(&mut self, gains: &Gains, options: Options, error: i64) -> i32 {
-        let error = error.clamp(i16::MIN.into(), i16::MAX.into()) as i32;
-        self.sum = self.grow(gains, options, error);
+    /// A cycle that is `length` chip samples long and has `count` of them; `error` (counts) is that of its end. U after the last one, within 16 bit.
+    pub(super) fn cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
+        let error = error as f64;
+        if std::mem::take(&mut self.begins_anew) {
+            (self.before, self.held, self.wait, self.last) = (word(error), 0.0, 0, None);
+        }
+        self.elapsed += length;
+        if count == 0 {
+            return self.output;
+        }
+        let elapsed = std::mem::take(&mut self.elapsed);
+        // Before the first cycle there is no line, and no time.
+        let span = if self.last.is_some() { elapsed / count as f64 } else { 1.0 };
+        let last = self.last.replace(error).unwrap_or(error);
+        for number in 1..=count {
+            let share = number as f64 / count as f64;
+            self.step(gains, options, last + (error - last) * share, span);
+        }
+        self.output
+    }
+
+    /// One sample, `span` (chip samples) after the one before: U, within 16 bit.
+    pub(super) fn step(&mut self, gains: &Gains, options: Options, error: f64, span: f64) -> i32 {
+        let error = word(error);
+        self.sum = self.grow(gains, options, error.round() as i32);
         let limit = i64::from(gains.limit);
-        let part = part(gains, options, self.sum).min(limit).max(-limit);
-        self.integral = part as i32;
+        self.integral = part(gains, options, self.sum).min(limit).max(-limit) as i32;
+        self.taken = self.taken.saturating_add(1);
+        self.since += span;
         if self.wait > 0 {
             self.wait -= 1;
         } else {
-            self.held = i64::from(gains.derivative) * i64::from(error.saturating_sub(self.before));
-            self.before = error;
-            self.wait = gains.interval;
+            let change = (error - self.before) * (f64::from(self.taken) / self.since);
+            self.held = f64::from(gains.derivative) * change;
+            (self.before, self.taken, self.since, self.wait) = (error, 0, 0.0, gains.interval);
         }
-        let sum = i64::from(gains.proportional) * i64::from(error) + part + self.held;
-        self.output = sum.clamp(i16::MIN.into(), i16::MAX.into()) as i32;
+        let sum = f64::from(gains.proportional) * error + f64::from(self.integral) + self.held;
+        self.output = word(sum.round()) as i32;
         self.output
     }
 
@@ -109,6 +142,11 @@ impl Pid {
         *self = Self::default();
     }
 
+    /// Nothing was sampled for a while, in which the error may have changed: the sum stands, and that change is no motion.
+    pub(super) fn begin_anew(&mut self) {
+        self.begins_anew = true;
+    }
+
     /// clamp(ki SUM, -IL, +IL), as `frdits` reads it (A11).
     pub(super) fn integral(&self) -> i32 {
         self.integral
@@ -121,12 +159,23 @@ impl Pid {
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        let word = |value: i32| i16::try_from(value).is_ok();
+        let is_word = |value: i32| i16::try_from(value).is_ok();
         let sum = (-MOST_SUM - 1..=MOST_SUM).contains(&self.sum);
-        // A difference of two errors times a factor.
-        let held = self.held.unsigned_abs() <= 65_535 * 32_767;
-        sum && held && word(self.before) && word(self.output) && word(self.integral) && (0..=255).contains(&self.wait)
+        let is_time = |time: f64| time.is_finite() && time >= 0.0;
+        let times = is_time(self.since) && is_time(self.elapsed) && (0..=256).contains(&self.taken);
+        sum && times
+            && self.held.is_finite()
+            && word(self.before) == self.before
+            && self.last.is_none_or(f64::is_finite)
+            && is_word(self.output)
+            && is_word(self.integral)
+            && (0..=255).contains(&self.wait)
     }
+}
+
+/// A number within 16 bit.
+fn word(value: f64) -> f64 {
+    value.clamp(f64::from(i16::MIN), f64::from(i16::MAX))
 }
 
 fn part(gains: &Gains, options: Options, sum: i32) -> i64 {

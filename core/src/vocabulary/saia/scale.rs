@@ -106,6 +106,11 @@ pub(super) fn samples(left: &mut u64, cycle_ns: u64) -> u64 {
     time / SAMPLE
 }
 
+/// The length of a cycle in chip samples, of which it has no whole number.
+pub(super) fn in_samples(cycle_ns: u64) -> f64 {
+    cycle_ns.saturating_mul(3) as f64 / SAMPLE as f64
+}
+
 /// Nearest, half away from zero; the cast saturates, and what is no number is beyond every range.
 fn whole(value: f64) -> i64 {
     if value.is_nan() { i64::MAX } else { value.round() as i64 }

@@ -171,11 +171,15 @@ impl Saia {
         self.pid.clear();
     }
 
+    /// It was not stepped while the axis was held: what has changed meanwhile is no motion to be damped.
+    pub(crate) fn begin_loop_anew(&mut self) {
+        self.pid.begin_anew();
+    }
+
     /// A cycle in chip samples, of which it has some and a rest (SAIA-SW-01).
     fn sample(&mut self, p: &Parameters, gains: &Gains, cycle_ns: u64, error: i64) {
         let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
-        for _ in 0..scale::samples(&mut self.sample_rest, cycle_ns) {
-            self.pid.step(gains, options, error);
-        }
+        let count = scale::samples(&mut self.sample_rest, cycle_ns);
+        self.pid.cycle(gains, options, error, (count, scale::in_samples(cycle_ns)));
     }
 }

@@ -12,7 +12,7 @@ use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
 /// 1 Nm on 5e-4 kg m^2: 2000 rad/s^2 at the rated torque, 20000 inc/s^2 for each rad/s^2 of 10000 inc/rad.
-fn motor() -> MotorData {
+pub(super) fn motor() -> MotorData {
     MotorData {
         inertia: 2.5e-4,
         friction: Friction::default(),
@@ -24,7 +24,7 @@ fn motor() -> MotorData {
 }
 
 /// x takes efforts up to the rated torque: 2e7 inc/s^2, against 1e6 of max_acceleration.
-fn torque_config() -> MachineConfig {
+pub(super) fn torque_config() -> MachineConfig {
     let mut config = config(0);
     let axis = &mut config.axes[1];
     axis.interface = Interface::Torque;

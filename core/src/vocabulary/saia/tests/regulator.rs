@@ -7,9 +7,14 @@ use proptest::prelude::*;
 
 const PLAIN: Options = Options { clamp_sum: false, chip_integral: false };
 
+/// A sample one chip sample after the one before.
+fn sample(pid: &mut Pid, gains: &Gains, options: Options, error: i64) -> i32 {
+    pid.step(gains, options, error as f64, 1.0)
+}
+
 fn outputs(gains: Gains, options: Options, errors: &[i64]) -> Vec<i32> {
     let mut pid = Pid::default();
-    errors.iter().map(|error| pid.step(&gains, options, *error)).collect()
+    errors.iter().map(|error| sample(&mut pid, &gains, options, *error)).collect()
 }
 
 /// Proves: SAIA-PID-01
@@ -53,13 +58,13 @@ fn the_chip_takes_the_top_16_of_24_bits_of_the_sum() {
     // The sum keeps to 24 bits, the error to 16.
     let mut pid = Pid::default();
     for _ in 0..1000 {
-        pid.step(&gains, chip, i64::MAX);
+        sample(&mut pid, &gains, chip, i64::MAX);
         assert!(pid.is_sound());
     }
     assert_eq!(pid.integral(), 32_767);
     // 2^23 - 1 needs 257 samples of -32 768 to turn its sign.
     for _ in 0..256 {
-        pid.step(&gains, chip, i64::MIN);
+        sample(&mut pid, &gains, chip, i64::MIN);
     }
     assert!(pid.integral() < 0);
     let one = Gains { proportional: 1, ..Gains::default() };
@@ -71,11 +76,11 @@ fn the_chip_takes_the_top_16_of_24_bits_of_the_sum() {
 fn off_means_no_output_and_no_history() {
     let gains = Gains { proportional: 1, integral: 1, derivative: 1, limit: 1000, interval: 5 };
     let mut pid = Pid::default();
-    let first = pid.step(&gains, PLAIN, 50);
-    pid.step(&gains, PLAIN, 70);
+    let first = sample(&mut pid, &gains, PLAIN, 50);
+    sample(&mut pid, &gains, PLAIN, 70);
     pid.clear();
     assert_eq!((pid.code(1.0, false), pid.integral()), (0, 0));
-    assert_eq!(pid.step(&gains, PLAIN, 50), first);
+    assert_eq!(sample(&mut pid, &gains, PLAIN, 50), first);
 }
 
 /// Proves: SAIA-EXT-06, SAIA-CAP-11, SAIA-CAP-12
@@ -84,13 +89,61 @@ fn the_output_is_the_top_12_or_8_bits() {
     let gains = Gains { proportional: 1, ..Gains::default() };
     for (error, analog, pwm) in [(0, 0, 0), (32_767, 2047, 127), (-32_768, -2048, -128), (16, 1, 0), (256, 16, 1)] {
         let mut pid = Pid::default();
-        pid.step(&gains, PLAIN, error);
+        sample(&mut pid, &gains, PLAIN, error);
         assert_eq!((pid.code(1.0, false), pid.code(1.0, true)), (analog, pwm), "{error}");
         assert_eq!(
             pid.code(1e6, false),
             [0, 2047, -2048, 2047, 2047][[0, 32_767, -32_768, 16, 256].iter().position(|e| *e == error).unwrap()]
         );
     }
+}
+
+/// An error that rises by 3 counts in each cycle: kd 100 sees what it rises by in SampI + 1 samples of 341.333 us, however long the cycle is.
+///
+/// Proves: SAIA-PID-01, SAIA-PID-02, SAIA-SW-01
+#[test]
+fn the_derivative_part_sees_its_interval_at_every_cycle_length() {
+    for cycle_ns in [125_000, 250_000, 341_333, 500_000, 700_000, 1_000_000, 2_000_000, 4_000_000, 20_000_000] {
+        for interval in [0, 1, 2, 15] {
+            let gains = Gains { derivative: 100, interval, ..Gains::default() };
+            let (mut pid, mut rest) = (Pid::default(), 0);
+            for cycle in 0..500 {
+                let due = (scale::samples(&mut rest, cycle_ns), scale::in_samples(cycle_ns));
+                let output = pid.cycle(&gains, PLAIN, 3 * cycle, due);
+                let expected = 100.0 * 3.0 * f64::from(interval + 1) * (2048.0 / 6e6) / (cycle_ns as f64 * 1e-9);
+                // Two intervals of 16 samples in cycles that may have one in three.
+                if cycle > 100 {
+                    assert!(
+                        (f64::from(output) - expected).abs() <= 0.501,
+                        "{cycle_ns} {interval}: {output} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Between two cycles the error lies on a straight line: from 0 to 90 in three samples it is 30, 60 and 90, whose sum is 180. In the first cycle there
+/// is no line yet. Where nothing was sampled for a while, the change meanwhile is none.
+///
+/// Proves: SAIA-PID-01, SAIA-SW-01
+#[test]
+fn the_error_between_two_cycles_lies_on_a_line() {
+    let gains = Gains { integral: 1, limit: 32_767, ..Gains::default() };
+    let mut pid = Pid::default();
+    let sums = [30, 0, 90].map(|error| {
+        pid.cycle(&gains, PLAIN, error, (3, 3.0));
+        pid.integral()
+    });
+    assert_eq!(sums, [90, 90 + 20 + 10, 120 + 180]);
+    // Both laws add the error of the last sample alone, and its change from 60.
+    let gains = Gains { proportional: 2, derivative: 5, ..Gains::default() };
+    let mut pid = Pid::default();
+    let outputs = [0, 90, 90].map(|error| pid.cycle(&gains, PLAIN, error, (3, 3.0)));
+    assert_eq!(outputs, [0, 2 * 90 + 5 * 30, 2 * 90]);
+    pid.begin_anew();
+    assert_eq!(pid.cycle(&gains, PLAIN, 300, (3, 3.0)), 2 * 300);
+    assert!(pid.is_sound());
 }
 
 /// 1 ms holds 2.93 samples: 2, 3, 3.. and in a second 2929.
@@ -118,8 +171,8 @@ fn the_integral_part_of_the_axis_is_read_within_its_limit() {
     rig.run(4);
     rig.does(&[], "frdits");
     let read = rig.int("x.saia.rintts");
-    // 100 counts in the 2 or 3 samples of one cycle, times 2.
-    assert!(read == 400 || read == 600, "{read}");
+    // 0 to 100 counts in the 2 or 3 samples of one cycle, 100 to 0 in those of the next: 33, 67, 100 and 67, 33, 0, or 50, 100 and 50, 0; times 2.
+    assert!(read == 500 || read == 600, "{read}");
     rig.plant.drive(0).unwrap().jump(-1000);
     rig.run(4);
     rig.does(&[], "frdits");
@@ -140,7 +193,7 @@ proptest! {
         let options = Options { clamp_sum: options.0, chip_integral: options.1 };
         let mut pid = Pid::default();
         for error in errors {
-            let output = pid.step(&gains, options, error);
+            let output = sample(&mut pid, &gains, options, error);
             prop_assert!((-32_768..=32_767).contains(&output));
             prop_assert!(pid.integral().abs() <= limit && pid.is_sound());
         }
