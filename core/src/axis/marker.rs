@@ -11,6 +11,7 @@
 use super::cam_marks::CamMarks;
 use super::conditioning::shift;
 use super::smooth::{Curve, fallback};
+use super::spread::Spread;
 use super::{Axis, Context};
 use crate::code::Code;
 use crate::drive::MAX_LATCHES;
@@ -29,31 +30,6 @@ const OFFSET_LATER: i64 = 1_000;
 const MEAN_TIME: f64 = 64.0;
 /// A spread over so little of SYNCVFTIME.
 const SPREAD_SHARE: f64 = 100.0;
-
-/// A correction that is spread over the way of the master, or over a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Spread {
-    left: Position,
-    /// What is left of that way (inc), or of that time (cycles).
-    over: f64,
-    /// It is a time.
-    is_time: bool,
-}
-
-impl Spread {
-    /// What it gives in a cycle in which the master moves by `change` (inc), `most` (inc) either way.
-    fn step(&mut self, change: f64, most: f64) -> Position {
-        let passed = if self.is_time { 1.0 } else { change.abs() };
-        let left = self.left.to_f64();
-        let wanted = if passed >= self.over { left } else { left * (passed / self.over) };
-        let step = wanted.max(-most).min(most);
-        self.over = (self.over - passed).max(0.0);
-        // Bit for bit all of it.
-        let way = if step == left { self.left } else { Position::from_f64(step) };
-        self.left = self.left - way;
-        way
-    }
-}
 
 /// A coupling by marks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -144,15 +120,14 @@ impl MarkPath {
             && self.first.is_legal()
             && self.ordered.is_legal()
             && self.velocity.is_finite()
-            && self.spread.over >= 0.0
-            && self.spread.left.is_legal()
+            && self.spread.is_sound()
             && self.cam.is_sound()
             && self.curve.is_none_or(|curve| curve.is_sound())
     }
 
     /// What of a correction is not given yet.
     pub(super) fn left(&self) -> Position {
-        self.spread.left
+        self.spread.left()
     }
 
     /// The offset in force, where `wanted` is asked for.
@@ -449,7 +424,7 @@ impl Axis {
                     self.add_late(correction, rates, ratio.abs());
                 }
             } else if let Some((over, is_time)) = spread_over(&asked, tau, cycle_ms) {
-                path.spread = Spread { left: path.spread.left + correction, over, is_time };
+                path.spread.add(correction, over, is_time);
             } else {
                 at_once += correction;
             }
@@ -581,11 +556,5 @@ mod tests {
         assert_eq!(over(plain, Some(50.0), 1.0), Some((1.0, true)));
         assert_eq!(over(filtered, Some(50_000.0), 1.0), Some((500.0, false)));
         assert_eq!(over(plain, None, 1.0), None);
-        // 100 inc over 1000 cycles: 0.1 in each, and all of it in the end.
-        let mut spread = Spread { left: Position::whole(100), over: 1_000.0, is_time: true };
-        let first = spread.step(10.0, f64::INFINITY);
-        assert!((first.to_f64() - 0.1).abs() < 1e-9);
-        let rest = (1..1_000).fold(first, |sum, _| sum + spread.step(0.0, f64::INFINITY));
-        assert_eq!((rest, spread.left), (Position::whole(100), Position::ZERO));
     }
 }

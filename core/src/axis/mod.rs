@@ -54,6 +54,7 @@ mod shown;
 mod skew;
 mod smooth;
 mod source;
+mod spread;
 mod stops;
 mod stream;
 mod stream_limit;

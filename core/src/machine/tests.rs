@@ -44,6 +44,7 @@ mod resets;
 mod set_position;
 mod sets;
 mod smooth;
+mod spread_marks;
 mod state;
 mod stops;
 mod stream;
