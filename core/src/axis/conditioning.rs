@@ -218,13 +218,16 @@ impl Axis {
         let passed_on = next.change;
         // Of a master that goes backwards, and is not followed, it has none.
         let velocity = if state.keeps_backward { passed_on.to_f64() } else { lead.velocity * cycle_s };
+        // What a filter gives up is no motion of the master in this cycle.
+        let mut owed = Position::ZERO;
         if let Some(filtering) = filtering {
             let cycle_us = cycle_s * 1e6;
             let filter = state.filter.get_or_insert(MasterFilter::settled(velocity));
             next.uneven = lead.uneven * filter.smooths(&filtering, cycle_us);
             next.change = filter.step(next.change, &filtering, cycle_us);
         } else if let Some(filter) = state.filter.take() {
-            next.change += filter.owed();
+            owed = filter.owed();
+            next.change += owed;
         }
         if !by_position {
             return Conditioned { lead: next, ..Conditioned::default() };
@@ -259,7 +262,7 @@ impl Axis {
         }
         let way = marks.way + step(&mut state.late, most);
         state.by_rule &= state.late.is_some();
-        let beside = Beside { way, added, ahead: sync.ahead(cycle_s), band };
+        let beside = Beside { way, added: added + owed, ahead: sync.ahead(cycle_s), band };
         Conditioned { lead: next, beside }
     }
 

@@ -385,7 +385,8 @@ impl Follower {
         if added != 0.0 {
             self.transmission.forget(added);
         }
-        let led = change.to_f64() - added * self.transmission.signed_slope();
+        let added = added * self.transmission.signed_slope();
+        let led = change.to_f64() - added;
         let led_by = Position::from_f64(led * beside.ahead);
         let change = change + beside.way + (led_by - self.led_by);
         self.led_by = led_by;
@@ -396,8 +397,9 @@ impl Follower {
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
         // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
-        // change, is no acceleration.
-        let uneven = self.uneven().min((geared - self.recent[0]).abs());
+        // change, is no acceleration. What comes beside is no change of it.
+        let of_leader = geared - added - beside.way.to_f64();
+        let uneven = self.uneven().min((of_leader - self.recent[0]).abs());
         let own = self.uneven().min((led - self.recent[0]).abs());
         let alone = self.can_follow(led, self.recent[0], own, cycle_s, bounds);
         self.note_change(led);

@@ -114,6 +114,40 @@ fn an_offset_may_change_on_its_way() {
     step_to(&mut rig, -200);
 }
 
+/// A counted leader that stands makes no step of a count: an offset begins with max_acceleration, 1000 inc/s a cycle, with and without a time (which asks for 15.6 times as much), and
+/// so does what a filter owes when it is switched off.
+/// Proves: MACS-SYNC-13, MACS-SYNC-14
+#[test]
+fn an_offset_behind_a_counted_leader_that_stands_keeps_the_acceleration() {
+    let run = |rig: &mut Rig, changes: &[(&str, i64)], most: f64| {
+        let mut before = rig.real("x.command.velocity");
+        let given = set(rig, changes);
+        assert!(rig.was_accepted(given));
+        for cycle in 0..300 {
+            let velocity = rig.real("x.command.velocity");
+            assert!((velocity - before).abs() <= most * (1.0 + 1e-9), "{changes:?} {cycle}: {before} {velocity}");
+            before = velocity;
+            rig.run(1);
+        }
+    };
+    for (offset, time) in [(1_000, 0), (-1_000, 0), (1_000, 20), (-1_000, 20)] {
+        let mut rig = on(TO_BELT, (1, 1), &[("syncmpulsm", 1_000), ("syncofftime", time)]);
+        rig.run(20);
+        run(&mut rig, &[("syncposoffs", offset)], 1_000.0);
+        assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (offset, 1));
+    }
+    let mut rig = on(TO_BELT, (1, 1), &[("syncvftime", -200_000)]);
+    for _ in 0..100 {
+        rig.plant.jump_encoder(0, 10);
+        rig.run(1);
+    }
+    rig.run(1_500);
+    // It has come 50 inc too far, of which a 2000th goes back in each cycle: that ends, too.
+    assert!((rig.real("x.sync.filter_error") + 50.0).abs() < 5.0, "{}", rig.real("x.sync.filter_error"));
+    run(&mut rig, &[("syncvftime", 0)], 1_000.0 + 50.0);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (1_000, 0));
+}
+
 /// SYNCPOSOFFS is at most 1073741823 / SYNCFACTS.
 /// Proves: MACS-SYNC-03
 #[test]
