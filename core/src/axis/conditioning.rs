@@ -279,9 +279,11 @@ impl Axis {
         let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
         let lacked = follower.settle(position);
         let late = &mut self.conditioning.late;
-        let whole = late.map_or(Position::ZERO, |late| late.left()) + lacked;
+        // What the rule has taken back of this cycle has not come: the trapezoid begins where the slave lets it.
+        let before = late.map(|late| late.held_to(late.speed() - lacked.to_f64()));
+        let whole = before.map_or(Position::ZERO, |late| late.left()) + lacked;
         // One that stands has nothing to make up for.
-        *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, late.as_ref()));
+        *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
         self.conditioning.by_rule = late.is_some();
     }
 

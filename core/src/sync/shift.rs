@@ -54,6 +54,13 @@ impl Shift {
         Self { stops: true, ..self }
     }
 
+    /// The same, of whose last change only `done` (inc per cycle) has come about: it speeds up from there.
+    #[must_use]
+    pub fn held_to(self, done: f64) -> Self {
+        let (low, high) = (self.speed.min(0.0), self.speed.max(0.0));
+        Self { speed: done.max(low).min(high), ..self }
+    }
+
     /// What is left of it, as a share of all of it: more than 1 where it still turns round. Of one that stops nothing is.
     pub fn share_left(&self) -> f64 {
         if self.stops || self.whole == Position::ZERO { 0.0 } else { self.left.to_f64() / self.whole.to_f64() }
@@ -114,6 +121,20 @@ mod tests {
         // 1.5 up, 8.5 for the rest: seven at full speed, then 1.5 in three steps.
         assert_eq!(speeds.len(), 3 + 7 + 3);
         assert_eq!(speeds[10..], [0.75, 0.5, 0.25]);
+    }
+
+    /// At 1 inc per cycle: nothing of that has come about, a part, or the opposite.
+    #[test]
+    fn one_that_was_held_speeds_up_from_what_has_come() {
+        let mut shift = Shift::new(Position::whole(-100), 1_000.0, 250_000.0, 1e-3, None);
+        for _ in 0..4 {
+            shift.step();
+        }
+        for (done, speed) in [(0.0, 0.0), (-0.5, -0.5), (2.0, 0.0), (-3.0, -1.0), (-1.0, -1.0)] {
+            let mut held = shift.held_to(done);
+            assert_eq!((held.speed(), held.left()), (speed, shift.left()));
+            assert_eq!(held.step().0.to_f64(), (speed - 0.25).max(-1.0));
+        }
     }
 
     #[test]

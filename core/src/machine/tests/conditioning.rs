@@ -366,6 +366,55 @@ fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
     assert_eq!((place(&rig, X), rig.int("x.in_sync"), rig.int("x.sync.error")), (place(&rig, LINE), 1, 0));
 }
 
+/// x stands 1000 inc ahead of its master, which has gone back (revers 2); syncofftime 500 for 1000 inc.
+fn kept_back_by_the_rule() -> Rig {
+    let mut config = config(0);
+    let p = &mut config.axes[1].parameters;
+    (p.macs.revers, p.sync.mark_distance, p.sync.offset_time) = (2, 1_000, 500);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 1)));
+    rig.give(line_to(3_000));
+    rig.run(800);
+    rig.give(line_to(2_000));
+    rig.run(800);
+    assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (3_000, -1_000));
+    rig
+}
+
+/// It is worked off by all of the trapezoid: 25000 inc/s^2, which are 25 inc/s a cycle, up to 2500 inc/s in the 100th, and at rest after 500 cycles.
+/// Proves: MACS-DIR-07, MACS-SYNC-14
+#[test]
+fn what_the_rule_has_kept_back_begins_with_its_ramp() {
+    let mut rig = kept_back_by_the_rule();
+    rig.give(line_at(10_000.0));
+    for cycle in 1..=600 {
+        let slower = rig.real("line.command.velocity") - rig.real("x.command.velocity");
+        let expected = (25.0 * f64::from(cycle)).min(2_500.0).min(25.0 * f64::from(500 - cycle)).max(0.0);
+        assert!((slower - expected).abs() <= 76.0, "{cycle}: {slower}, {expected} expected");
+        rig.run(1);
+    }
+    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
+}
+
+/// A master at 1000 inc/s is slower than the trapezoid: once that is as fast, the slave stands, and stays there until it slows down.
+/// Proves: MACS-DIR-06, MACS-DIR-07
+#[test]
+fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
+    let mut rig = kept_back_by_the_rule();
+    rig.give(line_at(1_000.0));
+    let mut before = 0.0;
+    for cycle in 1..=1_200 {
+        let velocity = rig.real("x.command.velocity");
+        assert!((0.0..=1_000.0 + 1e-6).contains(&velocity), "{cycle}: {velocity}");
+        assert!((velocity - before).abs() <= 200.0 + 25.0 + 1.0, "{cycle}: {before} {velocity}");
+        assert!(!(60..=900).contains(&cycle) || velocity == 0.0, "{cycle}: {velocity}");
+        before = velocity;
+        rig.run(1);
+    }
+    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
+}
+
 /// Uncoupled and coupled anew, the slave begins with where both are.
 #[test]
 fn each_coupling_begins_with_nothing_kept() {
