@@ -35,6 +35,8 @@ pub(super) struct CamMarks {
     count: u8,
     /// The side of the cam in the cycle before.
     seen: Option<Seat>,
+    /// Its period (inc); 0 before the first cycle.
+    period: i64,
     /// What was added to the master in the cycle before.
     pub given: Position,
     /// The master does not count yet.
@@ -107,6 +109,11 @@ impl CamMarks {
         }
         (self.waiting, self.count) = (kept, count as u8);
         (passed, lost)
+    }
+
+    /// The period of the cam (inc), once it is known.
+    pub(super) fn period(&self) -> Option<i64> {
+        Some(self.period).filter(|period| *period > 0)
     }
 
     /// Nothing is known of the cam any more.
@@ -200,6 +207,7 @@ impl Axis {
         let value = value + distance.saturating_mul(sense) as f64;
         let seat = Seat { past: value.rem_euclid(period as f64), by: (period, distance) };
         let mark = seat.passed(path.cam.seen.replace(seat), way.to_f64());
+        path.cam.period = period;
         Some(CamSide { period, wait: wait_of(distance, period), sense: sense as f64, change: way, mark })
     }
 

@@ -48,6 +48,8 @@ pub(super) struct Conditioning {
     shift: Option<Shift>,
     /// The way on which a slave makes up for what the rule has kept it from.
     pub(super) late: Option<Shift>,
+    /// Its increments per increment of what SYNCOFFTIME is for.
+    pub(super) late_slope: f64,
     /// It is what the rule has kept it from, and no correction for marks.
     by_rule: bool,
     /// Cycles until the rule is told again once it keeps the slave from something.
@@ -75,6 +77,7 @@ impl Conditioning {
             && self.backward >= Position::ZERO
             && self.backward.is_legal()
             && self.mean.is_none_or(f64::is_finite)
+            && self.late_slope.is_finite()
             && self.marks.is_none_or(|marks| marks.is_sound())
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
@@ -139,6 +142,20 @@ impl Conditioning {
         Some(Band { velocity: mean, share: share as f64 / 100.0 })
     }
 
+    /// The rates of now, by which all is worked off; none: at once. For the marks of a cam SYNCOFFTIME is the time of its period.
+    fn rates(&self, sync: &Synchronization, is_gear: bool) -> Option<OffsetRates> {
+        let period = self.marks.as_ref().and_then(|marks| marks.cam.period()).filter(|_| !is_gear);
+        Synchronization { mark_distance: period.unwrap_or(sync.mark_distance), ..*sync }.offset_rates()
+    }
+
+    /// What is under way goes on with these rates.
+    fn go_on_at(&mut self, rates: OffsetRates, cycle_s: f64) {
+        let OffsetRates { velocity, acceleration } = rates;
+        let slope = self.late_slope;
+        self.shift = self.shift.map(|shift| shift.at_rates(velocity, acceleration, cycle_s));
+        self.late = self.late.map(|late| late.at_rates(velocity * slope, acceleration * slope, cycle_s));
+    }
+
     /// What a new offset, or one under way, adds to the master's change.
     fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> Position {
         let mut way = Position::ZERO;
@@ -151,7 +168,7 @@ impl Conditioning {
                 way = whole;
             }
         }
-        way + step(&mut self.shift, most)
+        way + give(&mut self.shift, rates, most)
     }
 }
 
@@ -167,6 +184,11 @@ fn step(shift: &mut Option<Shift>, most: f64) -> Position {
         *shift = None;
     }
     way
+}
+
+/// The same; without rates all of it at once.
+fn give(shift: &mut Option<Shift>, rates: Option<OffsetRates>, most: f64) -> Position {
+    if rates.is_some() { step(shift, most) } else { shift.take().map_or(Position::ZERO, |shift| shift.left()) }
 }
 
 impl Axis {
@@ -232,6 +254,9 @@ impl Axis {
         if !by_position {
             return Conditioned { lead: next, ..Conditioned::default() };
         }
+        if let Some(rates) = state.rates(&sync, is_gear) {
+            state.go_on_at(rates, cycle_s);
+        }
         let band = state.band(sync.velocity_band, velocity * slope, lead.uneven > 0.0, cycle_s);
         // What comes beside leaves the velocity of the master by no more than the band has, and is no faster than the goal.
         let most = band.map_or(f64::INFINITY, |band| {
@@ -247,20 +272,21 @@ impl Axis {
             (next.change, next.uneven) = (marks.master, lead.uneven);
             return Conditioned { lead: next, ..Conditioned::default() };
         }
+        let rates = state.rates(&sync, is_gear);
         next.change += Position::from_f64(passed_on.to_f64() * marks.gear);
         let mut added = marks.master;
         if is_gear {
             let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
-            added += state.step_offset(wanted, sync.offset_rates(), cycle_s, most / slope.abs());
+            added += state.step_offset(wanted, rates, cycle_s, most / slope.abs());
         } else if state.marks.is_some() {
             // Of the master of a cam.
-            added += step(&mut state.shift, of_master);
+            added += give(&mut state.shift, rates, of_master);
         }
         next.change += added;
         if let Some(path) = state.marks.as_mut().filter(|_| !is_gear) {
             path.cam.given = next.change - passed_on;
         }
-        let way = marks.way + step(&mut state.late, most);
+        let way = marks.way + give(&mut state.late, rates, most);
         state.by_rule &= state.late.is_some();
         let beside = Beside { way, added: added + owed, ahead: sync.ahead(cycle_s), band };
         Conditioned { lead: next, beside }
@@ -269,13 +295,19 @@ impl Axis {
     /// What the rule of reversing has kept the slave at `position` from, it makes up for in syncofftime, where that is one.
     pub(super) fn make_up_later(&mut self, position: Position) {
         let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
-        let rates = self.parameters.sync.offset_rates().filter(|_| conditions);
         let Some(follower) = self.generator.follower_mut() else { return };
         let is_barred = follower.is_barred() && follower.mode().keeps_position();
         let silent = &mut self.conditioning.silent;
         *silent = if is_barred { SILENCE } else { silent.saturating_sub(1) };
-        let Some(OffsetRates { velocity, acceleration }) = rates.filter(|_| is_barred) else { return };
-        let slope = follower.transmission().slope();
+        if !is_barred || !conditions {
+            return;
+        }
+        let is_gear = follower.transmission().cam().is_none();
+        let rates = self.conditioning.rates(&self.parameters.sync, is_gear);
+        let Some(OffsetRates { velocity, acceleration }) = rates else { return };
+        // Marks of a slave have its own increments.
+        let is_own = follower.mode() == SyncMode::SlaveMarker;
+        let slope = if is_own { 1.0 } else { follower.transmission().slope() };
         let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
         let lacked = follower.settle(position);
         let late = &mut self.conditioning.late;
@@ -284,6 +316,7 @@ impl Axis {
         let whole = before.map_or(Position::ZERO, |late| late.left()) + lacked;
         // One that stands has nothing to make up for.
         *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
+        self.conditioning.late_slope = slope;
         self.conditioning.by_rule = late.is_some();
     }
 

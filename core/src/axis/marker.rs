@@ -519,6 +519,7 @@ impl Axis {
         let whole = late.map_or(Position::ZERO, |late| late.left()) + way;
         if way != Position::ZERO {
             *late = Some(shift(whole, rates, cycle_s, late.as_ref()));
+            self.conditioning.late_slope = slope;
         }
     }
 }

@@ -62,3 +62,4 @@ mod trajectory_query;
 mod trajectory_start;
 mod turned;
 mod virtual_master;
+mod worked_off;

@@ -54,6 +54,13 @@ impl Shift {
         Self { stops: true, ..self }
     }
 
+    /// The same with another velocity (inc/s) and acceleration (inc/s^2) from here on.
+    #[must_use]
+    pub fn at_rates(self, velocity: f64, acceleration: f64, cycle_s: f64) -> Self {
+        let Self { left, stops, .. } = self;
+        Self { left, stops, ..Self::new(self.whole, velocity, acceleration, cycle_s, Some(&self)) }
+    }
+
     /// The same, of whose last change only `done` (inc per cycle) has come about: it speeds up from there.
     #[must_use]
     pub fn held_to(self, done: f64) -> Self {
@@ -135,6 +142,22 @@ mod tests {
             assert_eq!((held.speed(), held.left()), (speed, shift.left()));
             assert_eq!(held.step().0.to_f64(), (speed - 0.25).max(-1.0));
         }
+    }
+
+    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle, with half of both after the fifth cycle, when 6.5 are left: it slows down to 0.5 in steps of 0.125.
+    #[test]
+    fn one_may_change_its_rates() {
+        let mut shift = Shift::new(Position::whole(10), 1_000.0, 250_000.0, 1e-3, None);
+        for _ in 0..5 {
+            shift.step();
+        }
+        assert_eq!((shift.speed(), shift.left().to_f64()), (1.0, 6.5));
+        let same = shift.at_rates(1_000.0, 250_000.0, 1e-3);
+        assert_eq!(same, shift);
+        let mut slower = shift.at_rates(500.0, 125_000.0, 1e-3);
+        let speeds = [(); 5].map(|()| slower.step().0.to_f64());
+        assert_eq!(speeds, [0.875, 0.75, 0.625, 0.5, 0.5]);
+        assert_eq!(slower.left().to_f64(), 6.5 - 3.25);
     }
 
     #[test]

@@ -8,11 +8,11 @@ use crate::position::Position;
 use crate::sync::SyncMode;
 use proptest::prelude::*;
 
-const TO_LINE: Leader = Leader::AxisCommand(LINE);
-const TO_BELT: Leader = Leader::Encoder(0);
+pub(super) const TO_LINE: Leader = Leader::AxisCommand(LINE);
+pub(super) const TO_BELT: Leader = Leader::Encoder(0);
 
 /// x, with these parameters, on what leads it.
-fn on(leader: Leader, (numerator, denominator): (i64, i64), changes: &[(&str, i64)]) -> Rig {
+pub(super) fn on(leader: Leader, (numerator, denominator): (i64, i64), changes: &[(&str, i64)]) -> Rig {
     let mut rig = Rig::enabled();
     let given = set(&mut rig, changes);
     assert!(rig.was_accepted(given), "{}", rig.refusal(given));
@@ -21,16 +21,16 @@ fn on(leader: Leader, (numerator, denominator): (i64, i64), changes: &[(&str, i6
 }
 
 /// The master goes gently: a fifth of what its slave can.
-fn line_at(velocity: f64) -> Action {
+pub(super) fn line_at(velocity: f64) -> Action {
     Action::Move(Move { acceleration: 200_000.0, ..at(LINE, velocity) })
 }
 
-fn line_to(target: i64) -> Action {
+pub(super) fn line_to(target: i64) -> Action {
     let gently = Move { velocity: 10_000.0, acceleration: 100_000.0, deceleration: 100_000.0, ..to(LINE, target) };
     Action::Move(gently)
 }
 
-fn place(rig: &Rig, axis: u16) -> Position {
+pub(super) fn place(rig: &Rig, axis: u16) -> Position {
     rig.machine.state.leads.get(Leader::AxisCommand(axis)).position
 }
 
@@ -112,40 +112,6 @@ fn an_offset_may_change_on_its_way() {
     // 25000 inc/s^2 are 25 inc/s a cycle.
     assert!(at_once < 25.1, "{at_once}");
     step_to(&mut rig, -200);
-}
-
-/// A counted leader that stands makes no step of a count: an offset begins with max_acceleration, 1000 inc/s a cycle, with and without a time (which asks for 15.6 times as much), and
-/// so does what a filter owes when it is switched off.
-/// Proves: MACS-SYNC-13, MACS-SYNC-14
-#[test]
-fn an_offset_behind_a_counted_leader_that_stands_keeps_the_acceleration() {
-    let run = |rig: &mut Rig, changes: &[(&str, i64)], most: f64| {
-        let mut before = rig.real("x.command.velocity");
-        let given = set(rig, changes);
-        assert!(rig.was_accepted(given));
-        for cycle in 0..300 {
-            let velocity = rig.real("x.command.velocity");
-            assert!((velocity - before).abs() <= most * (1.0 + 1e-9), "{changes:?} {cycle}: {before} {velocity}");
-            before = velocity;
-            rig.run(1);
-        }
-    };
-    for (offset, time) in [(1_000, 0), (-1_000, 0), (1_000, 20), (-1_000, 20)] {
-        let mut rig = on(TO_BELT, (1, 1), &[("syncmpulsm", 1_000), ("syncofftime", time)]);
-        rig.run(20);
-        run(&mut rig, &[("syncposoffs", offset)], 1_000.0);
-        assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (offset, 1));
-    }
-    let mut rig = on(TO_BELT, (1, 1), &[("syncvftime", -200_000)]);
-    for _ in 0..100 {
-        rig.plant.jump_encoder(0, 10);
-        rig.run(1);
-    }
-    rig.run(1_500);
-    // It has come 50 inc too far, of which a 2000th goes back in each cycle: that ends, too.
-    assert!((rig.real("x.sync.filter_error") + 50.0).abs() < 5.0, "{}", rig.real("x.sync.filter_error"));
-    run(&mut rig, &[("syncvftime", 0)], 1_000.0 + 50.0);
-    assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (1_000, 0));
 }
 
 /// SYNCPOSOFFS is at most 1073741823 / SYNCFACTS.
@@ -364,55 +330,6 @@ fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
     assert!((slowest - 7_500.0).abs() < 30.0, "{slowest}");
     rig.run(500);
     assert_eq!((place(&rig, X), rig.int("x.in_sync"), rig.int("x.sync.error")), (place(&rig, LINE), 1, 0));
-}
-
-/// x stands 1000 inc ahead of its master, which has gone back (revers 2); syncofftime 500 for 1000 inc.
-fn kept_back_by_the_rule() -> Rig {
-    let mut config = config(0);
-    let p = &mut config.axes[1].parameters;
-    (p.macs.revers, p.sync.mark_distance, p.sync.offset_time) = (2, 1_000, 500);
-    let mut rig = Rig::of(config);
-    rig.enable();
-    rig.give(Action::Synchronize(couple(X, TO_LINE, 1, 1)));
-    rig.give(line_to(3_000));
-    rig.run(800);
-    rig.give(line_to(2_000));
-    rig.run(800);
-    assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (3_000, -1_000));
-    rig
-}
-
-/// It is worked off by all of the trapezoid: 25000 inc/s^2, which are 25 inc/s a cycle, up to 2500 inc/s in the 100th, and at rest after 500 cycles.
-/// Proves: MACS-DIR-07, MACS-SYNC-14
-#[test]
-fn what_the_rule_has_kept_back_begins_with_its_ramp() {
-    let mut rig = kept_back_by_the_rule();
-    rig.give(line_at(10_000.0));
-    for cycle in 1..=600 {
-        let slower = rig.real("line.command.velocity") - rig.real("x.command.velocity");
-        let expected = (25.0 * f64::from(cycle)).min(2_500.0).min(25.0 * f64::from(500 - cycle)).max(0.0);
-        assert!((slower - expected).abs() <= 76.0, "{cycle}: {slower}, {expected} expected");
-        rig.run(1);
-    }
-    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
-}
-
-/// A master at 1000 inc/s is slower than the trapezoid: once that is as fast, the slave stands, and stays there until it slows down.
-/// Proves: MACS-DIR-06, MACS-DIR-07
-#[test]
-fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
-    let mut rig = kept_back_by_the_rule();
-    rig.give(line_at(1_000.0));
-    let mut before = 0.0;
-    for cycle in 1..=1_200 {
-        let velocity = rig.real("x.command.velocity");
-        assert!((0.0..=1_000.0 + 1e-6).contains(&velocity), "{cycle}: {velocity}");
-        assert!((velocity - before).abs() <= 200.0 + 25.0 + 1.0, "{cycle}: {before} {velocity}");
-        assert!(!(60..=900).contains(&cycle) || velocity == 0.0, "{cycle}: {velocity}");
-        before = velocity;
-        rig.run(1);
-    }
-    assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
 }
 
 /// Uncoupled and coupled anew, the slave begins with where both are.
