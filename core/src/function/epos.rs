@@ -224,7 +224,8 @@ impl Epos {
             }
             Phase::Halted if goes => {
                 self.take_share(share);
-                self.phase = Phase::Run;
+                // Behind a stop E1 decides again whether the ramp down to this multiple begins (AMK-EPOS-35, A-44).
+                (self.phase, self.is_settled) = (Phase::Run, false);
                 return true;
             }
             _ => {}

@@ -478,6 +478,39 @@ fn a_stop_ramp_is_not_put_off() {
     assert_eq!(bench.sink % 1000, 0);
 }
 
+/// 20 inc a call, by 1 up and down, by 4 at E2. The ramp down to 2500 begins in call 126, as E1 is 0; E2 stops it in call 131 with 84 inc left.
+/// The next edge of E1 continues the order, and E1 decides again in the call in which the ramp down would begin. Calls and places are those of
+/// a model of whole numbers.
+///
+/// Proves: AMK-EPOS-21, AMK-EPOS-25, AMK-EPOS-31, AMK-EPOS-35
+#[test]
+fn modulo_order_stopped_on_its_last_ramp_and_continued_runs_on_while_e1_is_1() {
+    let stopped = || {
+        let mut bench = started(&[
+            ("ba", 16),
+            ("travel", 2500),
+            ("velocity", 600_000),
+            ("acceleration", 50_000),
+            ("stop_decel", 200_000),
+        ]);
+        assert_eq!(bench.run(E1, 100), (1810, A2));
+        assert_eq!(bench.run(0, 25), (2310, A2), "call 125");
+        assert_eq!(bench.run(0, 5), (2395, MOVES), "19, 18, 17, 16, 15");
+        assert_eq!(bench.ways(E2, 3), [11, 7, 3]);
+        assert_eq!(bench.run(0, 17), (2416, A1), "call 150");
+        bench
+    };
+    let mut bench = stopped();
+    assert_eq!(bench.step(E1), (2417, MOVES));
+    assert_eq!(bench.run(E1, 19), (2626, A2), "1 + 2 + .. + 20 from 2416 on");
+    assert_eq!(bench.run(E1, 230), (7226, A2), "call 400");
+    assert_eq!((bench.until_rest(0), bench.sink), (24, 7500));
+    // A short edge goes to the end that was left: up to 9 inc a call and down again, in 18 calls.
+    let mut bench = stopped();
+    bench.step(E1);
+    assert_eq!((bench.until_rest(0), bench.sink), (17, 2500));
+}
+
 /// Without bit 2: at full speed 100 inc behind the reference it stands, by no ramp. With it: 122.7 on, and back.
 ///
 /// Proves: AMK-EPOS-04, AMK-EPOS-16, AMK-EPOS-17, AMK-EPOS-37, AMK-EPOS-39, AMK-EPOS-40, AMK-EPOS-41, AMK-EPOS-O4
