@@ -469,7 +469,7 @@ codes! {
         cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
         remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
             dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767. \
-            epos: stop_decel no less than acceleration, sf_cycle 2 to 18 with bit 1 of `ba`.",
+            epos: stop_decel no less than acceleration; with bit 1 of `ba` 1 to 9 ms between two calls, sf_cycle 2 to 18.",
     }
 
     /// Fewer tables than a set counts.

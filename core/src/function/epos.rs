@@ -7,14 +7,14 @@
 //!          source, where that is the velocity; the zero pulse of the axis that is the sink
 //! Writes   the sink, from where it stands, from the reference on counted from there; A1 = 1 at rest, A2 = 1 at n_comm, modulo alone
 //! Refuses  substitutional and modulo at once, or substitutional without an axis; a travel of 0 for either; an end against the approach without
-//!          bit 2; no velocity; a stop ramp below the other; an external velocity without a source or without its resolution
+//!          bit 2; no velocity; a cycle beyond 1 to 9 ms for a reference; a stop ramp below the other; an external velocity without a source or without its resolution
 //! Source   AMK-EPOS-01 to -61 with A-37 to A-53
 
 mod ramp;
 
 use super::field::{Field, Words, number, place};
 use super::program::{Asked, Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
-use super::time::check_cycle;
+use super::time::{check_cycle, check_cycle_bounds};
 use crate::code::Code;
 use ramp::{FARTHEST, FASTEST, INC, approach, approach_end, change, is_enough, length, parts, velocity};
 use serde::{Deserialize, Serialize};
@@ -30,7 +30,14 @@ pub(super) const FIELDS: &[Field] = &[
          while it moves; bit 4: modulo",
         "AMK-EPOS-49",
     ),
-    Field::new("sf_cycle", 0, 131, "0.5 ms", "the slot's cycle; 0: not compared", "AMK-EPOS-50"),
+    Field::new(
+        "sf_cycle",
+        0,
+        131,
+        "0.5 ms",
+        "the slot's cycle; 0: not compared; with bit 1 of ba 2 to 18, also where it is left out",
+        "AMK-EPOS-50",
+    ),
     Field::new(
         "travel",
         i32::MIN as i64,
@@ -64,6 +71,8 @@ pub(super) const FIELDS: &[Field] = &[
 ];
 
 const STEEPEST: i64 = 100_000_000;
+/// Least and largest cycle of a search for the reference (0.5 ms; AMK-EPOS-44, -50).
+const SEARCH_CYCLES: (i64, i64) = (2, 18);
 /// Overrides of 100 %.
 const FULL: i64 = 1024;
 /// Largest override of the velocity.
@@ -387,8 +396,8 @@ impl Program for Epos {
             return fault(Code::AMK_NO_REFERENCE, "ba", ba, 0);
         }
         let half_ms = words.get(at("sf_cycle"));
-        if mode.substitutional && half_ms != 0 && !(2..=18).contains(&half_ms) {
-            return fault(Code::AMK_BEYOND, "sf_cycle", half_ms, if half_ms < 2 { 2 } else { 18 });
+        if mode.substitutional {
+            check_cycle_bounds(half_ms, SEARCH_CYCLES, field("sf_cycle"), setting)?;
         }
         check_cycle(half_ms, field("sf_cycle"), setting)?;
         if (mode.substitutional || mode.modulo) && live.travel == 0 {

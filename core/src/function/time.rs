@@ -1,8 +1,8 @@
 //! Times of the sources, in half milliseconds, counted in calls.
 //!
 //! Law      calls = ceil(time * 0.5 ms / call), lead = mean way per call * time * 0.5 ms / call, both exact
-//! Refuses  a cycle time that is not the one of the slot, a mean over more calls than there is room for
-//! Source   AMK-BINEA-29, AMK-BINEA-31, AMK-CAM-10, AMK-CTX-03, C8
+//! Refuses  a cycle time that is not the one of the slot, a cycle beyond the bounds of a mode, a mean over more calls than there is room for
+//! Source   AMK-BINEA-29, AMK-BINEA-31, AMK-CAM-10, AMK-EPOS-50, AMK-CTX-03, C8
 
 use super::program::{Fault, Setting};
 use super::window::Window;
@@ -21,6 +21,25 @@ pub(super) fn check_cycle(half_ms: i64, field: u16, setting: &Setting<'_>) -> Re
     }
     let fault = Fault::new(Code::AMK_CYCLE_MISMATCH).of(field);
     Err(Fault { asked: Number::Count(half_ms), limit: Number::Time(call), ..fault })
+}
+
+/// Refuses a cycle beyond the bounds of a mode (0.5 ms), whether the set names it or leaves it to the slot.
+pub(super) fn check_cycle_bounds(
+    half_ms: i64,
+    (low, high): (i64, i64),
+    field: u16,
+    setting: &Setting<'_>,
+) -> Result<(), Fault> {
+    let call = i64::try_from(setting.call_ns).unwrap_or(i64::MAX);
+    let is_named = half_ms != 0;
+    let (asked, unit) = if is_named { (half_ms, 1) } else { (call, HALF_MS) };
+    let (low, high) = (low.saturating_mul(unit), high.saturating_mul(unit));
+    if (low..=high).contains(&asked) {
+        return Ok(());
+    }
+    let number = |value| if is_named { Number::Count(value) } else { Number::Time(value) };
+    let limit = number(if asked < low { low } else { high });
+    Err(Fault { asked: number(asked), limit, ..Fault::new(Code::AMK_BEYOND).of(field) })
 }
 
 /// How many calls a time lasts.
@@ -90,6 +109,26 @@ mod tests {
         let fault = check_cycle(2, 3, &of_call(750_000)).unwrap_err();
         assert_eq!((fault.code, fault.field), (Code::AMK_CYCLE_MISMATCH, Some(3)));
         assert_eq!((fault.asked, fault.limit), (Number::Count(2), Number::Time(750_000)));
+    }
+
+    /// Proves: AMK-EPOS-50
+    #[test]
+    fn cycle_bounds_hold_for_the_cycle_of_the_slot_where_the_set_names_none() {
+        let fault = |half_ms, call_ns| {
+            let bounded = check_cycle_bounds(half_ms, (2, 18), 3, &setting(call_ns, [None; 8]));
+            bounded.err().map(|fault| (fault.code, fault.field, fault.asked, fault.limit))
+        };
+        let of = |asked, limit| Some((Code::AMK_BEYOND, Some(3), asked, limit));
+        for call_ns in [1_000_000, 1_023_998, 9_000_000] {
+            assert_eq!(fault(0, call_ns), None, "{call_ns}");
+        }
+        let (low, high) = (Number::Time(1_000_000), Number::Time(9_000_000));
+        assert_eq!(fault(0, 999_999), of(Number::Time(999_999), low));
+        assert_eq!(fault(0, 9_000_001), of(Number::Time(9_000_001), high));
+        assert_eq!(fault(0, u64::MAX), of(Number::Time(i64::MAX), high));
+        assert_eq!((fault(2, 1), fault(18, 1)), (None, None), "the set names it");
+        assert_eq!(fault(1, 500_000), of(Number::Count(1), Number::Count(2)));
+        assert_eq!(fault(19, 9_500_000), of(Number::Count(19), Number::Count(18)));
     }
 
     #[test]

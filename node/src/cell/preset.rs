@@ -3,7 +3,7 @@
 //! Refuses  in preset amkasyn: a cycle off its grid, calls too far apart, slots above 15, axes behind the eighth, more encoders, analog
 //!          outputs and words than it addresses, sinks and lines that its types do not have, tables longer than a data block, more cams
 //! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
-//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19; AMK-EPOS-50, -57, -58
+//!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19; AMK-EPOS-44, -50, -57, -58
 
 use super::backends::{Backend, Context, Hardware, node_and_channel};
 use super::devices::memory_name;
@@ -13,11 +13,14 @@ use lineshaft_core::config::{Line, MachineConfig, MemoryKind, SinkConfig, SlotCo
 use lineshaft_core::function::{Kind, OnAxisError};
 use lineshaft_core::object::{Leader, Object};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 
 /// Grid of cycles, and unit of the cycle in a parameter set (ns).
 const GRID_NS: u64 = 500_000;
 /// The longest cycle that a parameter set tells.
 const LONGEST_NS: u64 = 131 * GRID_NS;
+/// Time between two calls of an epos that searches its reference (ns).
+const SEARCH_NS: RangeInclusive<u64> = 2 * GRID_NS..=18 * GRID_NS;
 const LAST_SLOT: u16 = 15;
 /// AW1 to AW8.
 const AXES: u16 = 8;
@@ -153,7 +156,7 @@ impl Holder<'_, '_> {
         }
     }
 
-    /// The time between two calls, of the types whose set tells at most 131 units of it.
+    /// The time between two calls: of the types whose set tells at most 131 units of it, and of a search for a reference.
     fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
         let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl | Kind::Epos);
         let cycle_ns = self.machine.cycle_ns;
@@ -163,6 +166,16 @@ impl Holder<'_, '_> {
         {
             let allowed = format!("1..{} for type {}", LONGEST_NS / cycle_ns.max(1), slot.kind.name());
             refuse(&value, &format!("cycle_factor is {}", slot.factor), &allowed);
+        }
+        if let Some(value) = at(entry, "ba")
+            && is_search(slot)
+            && !SEARCH_NS.contains(&slot.call_ns(cycle_ns))
+        {
+            let ms = |ns: u64| format!("{} ms", ns as f64 / 1e6);
+            let (low, high) = (ms(*SEARCH_NS.start()), ms(*SEARCH_NS.end()));
+            let is =
+                format!("{}, substitutional, with {} between two calls", named(&value), ms(slot.call_ns(cycle_ns)));
+            refuse(&value, &is, &format!("{low} to {high}"));
         }
     }
 
@@ -305,6 +318,12 @@ impl Holder<'_, '_> {
             }
         }
     }
+}
+
+/// Whether a function is an epos that searches its reference (bit 1 of `ba`).
+fn is_search(slot: &SlotConfig) -> bool {
+    let ba = slot.kind.description().find("ba").and_then(|(_, place)| slot.values.get(place));
+    slot.kind == Kind::Epos && ba.is_some_and(|ba| ba >> 1 & 1 == 1)
 }
 
 /// Cams of each track, and of all of them.

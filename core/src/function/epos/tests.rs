@@ -3,6 +3,7 @@
 use super::super::program::{LINES, Occasion, Reading};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
+use crate::event::Number;
 use proptest::prelude::*;
 
 const MS: u64 = 1_000_000;
@@ -731,6 +732,33 @@ fn what_a_mode_has_no_use_for_is_refused_with_its_field() {
     assert_eq!(code(&[("ba", 2)]), Some(Code::AMK_NO_REFERENCE));
 }
 
+/// ID 2 is 1 ms at least, and `sf_cycle` 2 to 18: a slot of 0.5 ms has no search, whether its set names the cycle or leaves it out.
+///
+/// Proves: AMK-EPOS-44, AMK-EPOS-50
+#[test]
+fn search_for_reference_needs_a_cycle_of_1_to_9_ms() {
+    let refused = |call_ns: u64, ba: i64, sf_cycle: i64| {
+        let mut bench = example(&[]);
+        bench.call_ns = call_ns;
+        bench.checked(&[("ba", ba), ("sf_cycle", sf_cycle)]).err().map(|fault| (fault.code, fault.asked, fault.limit))
+    };
+    let of = |asked, limit| Some((Code::AMK_BEYOND, asked, limit));
+    let (low, high) = (Number::Time(MS as i64), Number::Time(9 * MS as i64));
+    for ba in [2, 6] {
+        assert_eq!(refused(500_000, ba, 0), of(Number::Time(500_000), low));
+        assert_eq!(refused(341_333, ba, 0), of(Number::Time(341_333), low));
+        assert_eq!(refused(500_000, ba, 1), of(Number::Count(1), Number::Count(2)));
+        assert_eq!(refused(9_500_000, ba, 0), of(Number::Time(9_500_000), high));
+        for (call_ns, sf_cycle) in [(MS, 0), (MS, 2), (1_023_999, 0), (9 * MS, 0), (9 * MS, 18)] {
+            assert_eq!(refused(call_ns, ba, sf_cycle), None, "{call_ns} {sf_cycle}");
+        }
+    }
+    // Relative and modulo orders have no such bounds.
+    for ba in [0, 16] {
+        assert_eq!((refused(500_000, ba, 0), refused(500_000, ba, 1), refused(10 * MS, ba, 0)), (None, None, None));
+    }
+}
+
 /// What happens in a call.
 #[derive(Clone, Debug)]
 enum Happening {
@@ -823,7 +851,7 @@ proptest! {
         velocity in prop::sample::select(vec![i64::from(i32::MIN), 1, i64::from(i32::MAX)]),
         rates in prop::sample::select(vec![(1, 1), (1, STEEPEST), (STEEPEST, STEEPEST)]),
         turns in prop::sample::select(vec![(1, 1), (i64::from(i32::MAX), 1), (1, i64::from(i32::MAX))]),
-        call_ns in prop::sample::select(vec![1, 62_500, MS, u64::MAX]),
+        call_ns in prop::sample::select(vec![1, 62_500, MS, 9 * MS, u64::MAX]),
         calls in prop::collection::vec((0_u8..4, any::<i64>(), prop::option::of(any::<i64>()), any::<[i64; 2]>()), 1..100),
     ) {
         let mut bench = example(&[

@@ -206,6 +206,32 @@ fn a_cycle_off_the_grid_is_refused() {
     assert_eq!(held(&text("750 us")), "2:8: cycle is `750 us`; preset amkasyn allows multiples of 0.5 ms");
 }
 
+/// Proves: AMK-EPOS-44, AMK-EPOS-50
+#[test]
+fn search_of_an_epos_needs_a_cycle_of_1_to_9_ms() {
+    let text = |ba: i64, cycle: &str, factor: u32| {
+        let function = format!(
+            "  f: {{slot: 0, type: epos, sink: x1, ba: {ba}, travel: 1, velocity: 1, acceleration: 1, stop_decel: 1, \
+             drive_resolution: 1, cycle_factor: {factor}}}\n"
+        );
+        cell(&function).replace("cycle: 1 ms", cycle)
+    };
+    for (cycle, factor, time) in [("cycle: 0.5 ms", 1, "0.5"), ("cycle: 0.5 ms", 19, "9.5"), ("cycle: 10 ms", 1, "10")]
+    {
+        for ba in [2, 6] {
+            let problems = held(&text(ba, cycle, factor));
+            let sentence = format!(
+                "ba is `{ba}`, substitutional, with {time} ms between two calls; preset amkasyn allows 1 ms to 9 ms"
+            );
+            assert!(problems.ends_with(&sentence) && problems.lines().count() == 1, "{problems}");
+        }
+        assert_eq!(held(&text(0, cycle, factor)), "", "relative");
+    }
+    for (cycle, factor) in [("cycle: 1 ms", 1), ("cycle: 0.5 ms", 2), ("cycle: 0.5 ms", 18), ("cycle: 9 ms", 1)] {
+        assert_eq!(held(&text(2, cycle, factor)), "", "{cycle}");
+    }
+}
+
 #[test]
 fn all_that_is_beyond_the_preset_is_told_at_once_and_only_where_the_cell_is_good() {
     let text = cell("  f: {slot: 20, type: cam, source: x9, cams: [60, 61], tables: [t257], outputs: [q0, q0]}\n");
