@@ -1,7 +1,7 @@
 //! The place that all tracks share, and its velocity.
 //!
 //! Law      x = source cut to 32 bits (ba 0); sum of differences mod modulo (ba 1); sum of modulo * call / cycle time mod modulo,
-//!          fractions kept (ba 2); lead = mean(dx) * dead time / call
+//!          fractions kept (ba 2); lead = mean(dx) * dead time / call, in each mode
 //! Source   AMK-CAM-03 to -05, AMK-CAM-10, -11, A-55, A-59
 
 use super::hysteresis::Ring;
@@ -9,6 +9,9 @@ use crate::function::program::Seen;
 use crate::function::time::{self, HALF_MS, floor_ratio, wrapped};
 use crate::function::window::Window;
 use serde::{Deserialize, Serialize};
+
+/// Parts of an increment in the ways of the time mode.
+const PARTS: i128 = 1 << 28;
 
 /// What x is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,12 +65,14 @@ impl Master {
                 self.x = wrapped(self.x.wrapping_add(change % self.modulo.max(1)), self.modulo);
                 window.push(change);
             }
-            Base::Time => self.run(turn_ns(cycle_time), seen.call_ns),
+            Base::Time => {
+                self.run(turn_ns(cycle_time), seen.call_ns);
+                window.push(self.way(seen.call_ns));
+            }
         }
     }
 
-    /// Time mode. A new cycle time takes the fraction over, rounded once, and counts at once in the lead as well: its velocity
-    /// is told, not measured.
+    /// Time mode. A new cycle time takes the fraction over, rounded once.
     fn run(&mut self, turn_ns: i64, call_ns: u64) {
         if turn_ns != self.turn_ns {
             let (rest, turn) = (i128::from(self.rest) * i128::from(turn_ns), i128::from(self.turn_ns.max(1)));
@@ -82,15 +87,34 @@ impl Master {
         self.x = wrapped(self.x.saturating_add(whole), self.modulo);
     }
 
+    /// Time mode: the increments of a call in 2^-28 inc, rounded down.
+    fn way(&self, call_ns: u64) -> i64 {
+        let (way, turn) = (i128::from(self.modulo) * i128::from(call_ns), i128::from(self.turn_ns.max(1)));
+        let whole = floor_ratio(way, turn);
+        // A call is below 2^34 inc; what saturates is a state from outside.
+        let rest = floor_ratio((way - i128::from(whole) * turn).saturating_mul(PARTS), turn);
+        whole.saturating_mul(PARTS as i64).saturating_add(rest)
+    }
+
+    /// Time mode: how far the mean velocity leads in a dead time, with the fraction of x.
+    fn time_lead(&self, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
+        let (turn, dead_ns) = (i128::from(self.turn_ns.max(1)), i128::from(dead_time) * i128::from(HALF_MS));
+        let (sum, count) = window.mean();
+        if sum == count * i128::from(self.way(call_ns)) {
+            // All calls of the mean have the present velocity, which is exact.
+            return floor_ratio(i128::from(self.modulo) * dead_ns + i128::from(self.rest), turn);
+        }
+        let ahead = sum.saturating_mul(dead_ns).div_euclid(count * i128::from(call_ns.max(1)));
+        let fraction = i128::from(self.rest).saturating_mul(PARTS).div_euclid(turn);
+        floor_ratio(ahead.saturating_add(fraction), PARTS)
+    }
+
     /// Where a track of an offset and a dead time is.
     #[inline]
     pub(super) fn place(&self, offset: i64, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
         let lead = match dead_time {
             0 => 0,
-            _ if self.base == Base::Time && self.runs => {
-                let ahead = i128::from(self.modulo) * i128::from(dead_time) * i128::from(HALF_MS);
-                floor_ratio(ahead + i128::from(self.rest), self.turn_ns.max(1).into())
-            }
+            _ if self.base == Base::Time && self.runs => self.time_lead(dead_time, window, call_ns),
             _ => time::lead(window.mean(), dead_time.into(), call_ns),
         };
         // A lead that saturates is the end of the travel, or of a source that has jumped beyond all sense.

@@ -234,6 +234,59 @@ fn the_absolute_mode_and_the_time_mode_lead_as_well() {
     assert_eq!(bench.steps(&[0; 4]), "1101");
 }
 
+/// The lead of track 0, which has a dead time; track 1 has the same place without one.
+fn lead(bench: &Bench) -> i64 {
+    let lanes = bench.cam.course.as_ref().expect("a started cam").lanes;
+    (lanes[0].x - lanes[1].x).rem_euclid(20_000)
+}
+
+/// A turn of 20000 inc in 200 ms, then in 20 ms: 100 and 1000 inc per call, and a dead time of one call. Of 20 calls, n have the new velocity:
+/// the mean is 100 + 45 n.
+///
+/// Proves: AMK-CAM-05, AMK-CAM-10, AMK-CAM-11
+#[test]
+fn time_mode_averages_the_velocity_when_the_cycle_time_changes() {
+    let timed = |cycle_time| table(&[(0, cycle_time), (16, 2)], &[(0, 1), (0, 1)]);
+    let leads = |mean: i64, calls: i64| {
+        let mut bench = Bench::new(timed(400));
+        bench.start(&set(&[(BA, 2), (DEAD_TIME_MEAN, mean), (CAMS, 1), (CAMS + 1, 1)]), 0);
+        assert_eq!(lead(&bench), 0, "it has not moved yet");
+        for _ in 0..30 {
+            bench.step(0);
+            assert_eq!(lead(&bench), 100, "the mean of the calls since START");
+        }
+        bench.table = timed(40);
+        let step = |bench: &mut Bench| {
+            bench.step(0);
+            lead(bench)
+        };
+        (0..calls).map(|_| step(&mut bench)).collect::<Vec<_>>()
+    };
+    let rising: Vec<i64> = (1..=20).map(|n| 100 + 45 * n).chain([1000, 1000]).collect();
+    assert_eq!(leads(0, 22), rising, "0 is 20");
+    assert_eq!(leads(20, 22), rising);
+    assert_eq!(leads(2, 3), [550, 1000, 1000]);
+    assert_eq!(leads(1, 2), [1000, 1000], "without a mean");
+}
+
+/// 33 1/3 inc per call, then 25, a mean of 3 calls and a dead time of 4: 166 2/3 and 200; then 91 2/3 + 122 2/9, 116 2/3 + 111 1/9, 141 2/3 + 100.
+///
+/// Proves: AMK-CAM-05, AMK-CAM-11
+#[test]
+fn time_mode_keeps_fractions_in_the_mean() {
+    let timed = |cycle_time| table(&[(0, cycle_time), (16, 4)], &[(0, 1)]);
+    let mut bench = Bench { call_ns: 500_000, ..Bench::new(timed(3)) };
+    bench.start(&set(&[(BA, 2), (MODULO, 100), (DEAD_TIME_MEAN, 3), (CAMS, 1)]), 0);
+    let mut places = Vec::new();
+    for cycle_time in [3, 3, 4, 4, 4] {
+        bench.table = timed(cycle_time);
+        bench.step(0);
+        places.push(bench.cam.course.as_ref().expect("a started cam").lanes[0].x);
+    }
+    assert_eq!(places, [66, 0, 13, 27, 41]);
+    assert!(bench.cam.is_sound());
+}
+
 /// Proves: AMK-CAM-13, AMK-CAM-14, AMK-CAM-34, AMK-CAM-42
 #[test]
 fn pulses_logic_and_disabled_tracks_are_as_their_mode_says() {
