@@ -132,11 +132,12 @@ fn tables_are_loaded_and_read() {
     assert_eq!(table(&mut bench, "limits"), (json!("words"), json!([]), limits.clone()));
     bench.function("watch start");
     let load = "load-table /lineshaft limits --y 100,0,0,1,0,1,600,0,0,1,0,1";
-    let sentence = "limits: function watch is started and reads it; type sidiff takes no new numbers before RESET";
-    assert_eq!(bench.refused(load), sentence);
-    assert_eq!(table(&mut bench, "limits").2, limits, "refused changes nothing");
-    bench.function("watch reset");
     bench.cyclone.run(load);
+    assert_eq!(table(&mut bench, "limits").2[6], 600, "watch reads it again at VALUE_NEW");
+    let beyond = bench.refused("load-table /lineshaft limits --y 100,0,0,1,0,1,40000,0,0,1,0,1");
+    assert!(beyond.ends_with("the first table has a threshold of 40000; 0 to 32767 is possible"), "{beyond}");
+    bench.function("watch value_new");
+    bench.function("watch reset");
     assert_eq!(table(&mut bench, "limits").2[6], 600);
     for (request, sentence) in [
         ("limit --y 1", "no table is called `limit`; nose, limits are known"),

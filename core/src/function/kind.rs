@@ -153,6 +153,7 @@ pub const TYPES: &[Description] = &[
     Description {
         outputs: 8,
         tables: 1,
+        edits_tables: true,
         renews: true,
         ..Description::of(
             Kind::Sidiff,

@@ -3,7 +3,8 @@
 //! Law      corr = error - trunc(sak_share * ratio_mul / ratio_div); mean = trunc of the sliding mean of corr over
 //!          `mean_n` values; the bit of a drive becomes 1 after `agreements` calls in a row with |mean| > threshold, 0 after
 //!          as many without
-//! Reads    error and share of SAK of the drives that are monitored or displayed; table 0 at START and at VALUE_NEW
+//! Reads    error and share of SAK of the drives that are monitored or displayed; table 0 in the first call behind START and behind
+//!          VALUE_NEW: one that is loaded in between has no effect until then
 //! Writes   An, the bit of each monitored drive; the sink: mean of the displayed one (inc), or what it holds
 //! Refuses  a table 0 of another form than words or too short for the drives, thresholds and dividers beyond their range
 //! Source   AMK-SIDIFF-01 to -17 with

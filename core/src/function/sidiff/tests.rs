@@ -139,6 +139,7 @@ fn zero_means_ten_values_and_five_agreements_and_no_display() {
     assert_eq!((left_out[MEAN_N], left_out[AGREEMENTS]), (10, 5));
 }
 
+/// Proves: AMK-SIDIFF-07, AMK-CMD-14
 #[test]
 fn new_values_keep_bits_and_means_and_read_the_table_again() {
     let (old, new) = (table(&MANUAL), table(&[40, 0, 0, 0, 0, 0, 300, 0, 0, 0, 0, 0]));

@@ -1,9 +1,12 @@
 //! Who sees whose value of which cycle.
 
 use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, field, gear, order, slot, with};
+use crate::code::Code;
 use crate::command::Action;
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at};
 use crate::object::{Leader, Object};
+use crate::table::{Form, Table};
+use std::sync::Arc;
 
 fn word(name: &str) -> SourceConfig {
     SourceConfig::Signal(name.into())
@@ -141,6 +144,46 @@ fn what_compensation_adds_is_no_difference_of_a_drive() {
     for numbers in [[0, 1], [1, 0]] {
         assert_eq!([0, 128, 256].map(|sak| shown(sak, numbers)), [20, 0, -20]);
     }
+}
+
+/// The second axis of the cell lags by 20 inc. A table that is loaded has no effect before VALUE_NEW, and one that the set cannot use is refused.
+///
+/// Proves: AMK-SIDIFF-07, AMK-CMD-11, AMK-CMD-14
+#[test]
+fn sidiff_reads_a_loaded_table_again_at_value_new() {
+    let table = |words: &[i64]| Arc::new(Table::new(Form::Words, &[], words).expect("words"));
+    let limit = |threshold: i64| table(&[0, 0, 0, 0, 0, 0, threshold, 0, 0, 0, 0, 0]);
+    let load = |table: Arc<Table>| Action::LoadTable { index: 0, table };
+    let mut watch = slot("s", 1, Type::Sidiff);
+    watch.tables[0] = Some(0);
+    for (name, value) in [("aw_mask", 2), ("mean_n", 1), ("agreements", 1)] {
+        watch.values[usize::from(field(Type::Sidiff, name))] = value;
+    }
+    let mut config = cell(vec![gear("g", 0, Leader::AxisCommand(LINE), X), watch]);
+    config.tables[0].table = limit(50);
+    let mut rig = Rig::of(config);
+    rig.enable();
+    rig.give_all(vec![order(0, Order::Start), order(1, Order::Start)]);
+    rig.give(Action::Move(at(LINE, 20_000.0)));
+    rig.run_to("line.command.velocity", 20_000.0);
+    rig.run(50);
+    assert_eq!((rig.int("x.regulator.error"), rig.int("s.out2")), (20, 0), "20 is not above 50");
+    let loaded = rig.give(load(limit(19)));
+    assert!(rig.was_accepted(loaded), "{:?}", rig.answer(loaded));
+    rig.run(20);
+    assert_eq!(rig.int("s.out2"), 0, "the threshold is still 50");
+    // What a mirror of the machine is restored from has the same threshold.
+    rig.mirror();
+    rig.give(order(1, Order::ValueNew));
+    assert_eq!(rig.int("s.out2"), 1, "20 is above 19");
+    let refused = rig.give(load(limit(32_768)));
+    assert_eq!(rig.answer(refused).expect_err("no threshold").code, Code::AMK_THRESHOLD);
+    let refused = rig.give(load(table(&[0; 6])));
+    assert_eq!(rig.answer(refused).expect_err("no words for drive 2").code, Code::AMK_TABLE_SHORT);
+    assert_eq!(rig.machine.tables()[0], limit(19), "refused changes nothing");
+    // In one cycle.
+    rig.give_all(vec![load(limit(20)), order(1, Order::ValueNew)]);
+    assert_eq!(rig.int("s.out2"), 0, "20 is not above 20");
 }
 
 /// What RESET takes from a speed is one change of its sink, and none in the cycles behind it.
