@@ -268,11 +268,14 @@ impl MachineConfig {
     }
 
     fn check_program(&self, slot: &SlotConfig) -> Result<(), SlotProblem> {
+        let row = slot.kind.description();
+        if !row.chooses_quantity && slot.quantity != row.quantity {
+            return Err(SlotProblem::Place("quantity"));
+        }
         let has_program = slot.program.is_some_and(|place| usize::from(place) < self.programs.len());
         if slot.kind != Kind::Apsf {
             let has_none = slot.program.is_none() && slot.reads.is_empty() && slot.writes.is_empty();
-            let has_own = slot.quantity == slot.kind.description().quantity;
-            return if has_none && has_own { Ok(()) } else { Err(SlotProblem::Place("program")) };
+            return if has_none { Ok(()) } else { Err(SlotProblem::Place("program")) };
         }
         if !has_program || !(1..=MAX_FUEL).contains(&slot.fuel) {
             return Err(SlotProblem::Place(if has_program { "fuel" } else { "program" }));
@@ -332,6 +335,15 @@ impl MachineConfig {
     /// One revolution per minute of an axis (inc/s); none of a linear one.
     fn rpm(&self, scale: Scale) -> Option<f64> {
         scale.rate(&Quantity::parse("1 rpm", &[Dimension::Angle(1)]).ok()?, 1).ok()
+    }
+
+    /// What a source carries; none of a signal, whose values may be anything.
+    pub fn carried(&self, source: &SourceConfig) -> Option<function::Quantity> {
+        match source {
+            SourceConfig::None | SourceConfig::Signal(_) => None,
+            SourceConfig::Lead(Leader::Sink(place)) => self.slots.get(usize::from(*place)).map(|slot| slot.quantity),
+            SourceConfig::Lead(_) => Some(function::Quantity::Position),
+        }
     }
 
     /// The slot that writes an object, if one does.

@@ -4,9 +4,9 @@
 //!          wraps at 32 bits and begins at what the sink has.
 //!          ECOPY: E1 chooses between two values; each is the source or one that was given, as `mode` says; A1 = E1
 //! Reads    the source's value; ECOPY E1
-//! Writes   the sink; ECOPY A1
+//! Writes   the sink: a position, or a speed (0.0001 rpm) where the cell says so; ECOPY A1
 //! Refuses  nothing beyond the ranges of the fields
-//! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with
+//! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
 use super::field::{Field, Words, place};
 use super::program::{Fault, Outcome, Program, Seen, Setting};

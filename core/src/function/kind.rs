@@ -63,6 +63,19 @@ pub enum Quantity {
     Speed,
 }
 
+impl Quantity {
+    /// Both, with their names in cells.
+    pub const ALL: [(&'static str, Self); 2] = [("position", Self::Position), ("speed", Self::Speed)];
+
+    /// Its name in cells.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Speed => "speed",
+        }
+    }
+}
+
 /// What is to be said of a type.
 #[derive(Clone, Copy, Debug)]
 pub struct Description {
@@ -78,8 +91,10 @@ pub struct Description {
     pub source: Need,
     /// It may be an axis, too.
     pub sink: Need,
-    /// What its sink carries; of apsf the cell says it.
+    /// What its sink carries where the cell does not say it.
     pub quantity: Quantity,
+    /// The cell may say what its sink carries.
+    pub chooses_quantity: bool,
     /// An axis may be its sink.
     pub moves_axes: bool,
     /// Inputs that it knows, E1 first.
@@ -138,12 +153,14 @@ pub const TYPES: &[Description] = &[
     Description {
         source: Need::Must,
         sink: Need::Must,
+        chooses_quantity: true,
         moves_axes: true,
         ..Description::of(Kind::Dcopy, "dcopy", "copies its source into its sink", types::DCOPY)
     },
     Description {
         source: Need::May,
         sink: Need::Must,
+        chooses_quantity: true,
         moves_axes: true,
         inputs: 1,
         outputs: 1,
@@ -300,6 +317,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
+        chooses_quantity: true,
         moves_axes: true,
         inputs: 8,
         outputs: 8,
@@ -319,6 +337,7 @@ impl Description {
             source: Need::May,
             sink: Need::May,
             quantity: Quantity::Position,
+            chooses_quantity: false,
             moves_axes: false,
             inputs: 0,
             outputs: 0,

@@ -143,6 +143,24 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
     }
 }
 
+/// Refuses copies that would move an axis by a speed as if it were a position, or the other way round, also through a sink that only other
+/// functions read. A memory cell or an output keeps a value of either kind.
+pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
+    let is_copy = |slot: &&SlotConfig| matches!(slot.kind, Kind::Dcopy | Kind::Ecopy);
+    for slot in machine.slots.iter().filter(is_copy) {
+        let SourceConfig::Lead(leader) = slot.source else { continue };
+        let carried = machine.carried(&slot.source).filter(|carried| *carried != slot.quantity);
+        if let Some(carried) = carried
+            && matches!(slot.sink, SinkConfig::Axis(_) | SinkConfig::None)
+            && let Some(entry) = cx.names.section(Section::Functions).iter().find(|entry| entry.name() == slot.name)
+        {
+            let source = machine.signal_of(leader).unwrap_or_default();
+            let (quantity, carried) = (slot.quantity.name(), carried.name());
+            entry.key.refuse(format!("quantity is {quantity}; its source {} is a {carried}", quote(&source)), None);
+        }
+    }
+}
+
 /// The slot, its part of a loop, and its number.
 #[allow(clippy::type_complexity, reason = "three things that are read in one go")]
 fn function<'d>(
@@ -231,6 +249,13 @@ fn slot<'d>(
             note(false);
         }
         None => {}
+    }
+    if row.chooses_quantity
+        && let Some(value) = map.optional("quantity")
+    {
+        let quantity = value.choice(&Quantity::ALL);
+        note(quantity.is_some());
+        slot.quantity = quantity.unwrap_or_default();
     }
     for (key, width) in [("source_bits", &mut slot.source_width), ("sink_bits", &mut slot.sink_width)] {
         if let Some(value) = map.optional(key) {
@@ -552,11 +577,6 @@ impl<'d> Reader<'_, 'd> {
             let fuel = value.integer(1..=MAX_FUEL);
             is_good &= fuel.is_some();
             slot.fuel = fuel.unwrap_or(slot.fuel);
-        }
-        if let Some(value) = map.optional("quantity") {
-            let quantity = value.choice(&[("position", Quantity::Position), ("speed", Quantity::Speed)]);
-            is_good &= quantity.is_some();
-            slot.quantity = quantity.unwrap_or_default();
         }
         if let Some(value) = map.optional("reads") {
             for item in list(&value, lineshaft_program::WORDS, "reads").into_iter().flatten() {

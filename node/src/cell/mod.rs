@@ -345,6 +345,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     };
     functions::check_signals(&slots.open, &machine.directory());
     functions::check_axes(&cx, &machine);
+    functions::check_quantities(&cx, &machine);
     if let Some((preset, cycle)) = preset.zip(cycle_at) {
         preset::hold(preset, &cx, &machine, &terminals, &cycle);
     }

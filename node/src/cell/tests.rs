@@ -4,6 +4,7 @@ mod amc;
 mod analog;
 mod axes;
 mod compensation;
+mod copies;
 mod encoders;
 mod fixtures;
 mod functions;

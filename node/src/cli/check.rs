@@ -5,12 +5,13 @@ use crate::cell::{Cell, load_of};
 use crate::graph;
 use crate::recording::plot::{Target, replace};
 use crate::scenario::Scenario;
-use lineshaft_core::config::AxisConfig;
+use lineshaft_core::config::{AxisConfig, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::drive::Interface;
+use lineshaft_core::function::{Kind, Quantity};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
-use lineshaft_core::unit::number_to_text;
+use lineshaft_core::unit::{ScaleKind, number_to_text};
 use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
@@ -104,6 +105,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().flat_map(|axis| virtual_limits(axis, cell)));
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
+    warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
     warnings.extend(graph::circles(&cell.machine));
     warnings
 }
@@ -122,6 +124,26 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
             axis.name,
             given.join(", "),
             axis.law.name()
+        )
+    })
+}
+
+/// A copy whose values move a rotary axis as positions, in one step: they may be meant as a speed (AMK-GEN-18).
+fn stepped_position(slot: &SlotConfig, machine: &MachineConfig) -> Option<String> {
+    let SinkConfig::Axis(place) = slot.sink else { return None };
+    let axis = machine.axes.get(usize::from(place)).filter(|axis| axis.scale.kind() == ScaleKind::Rotary)?;
+    let (_, mode) = slot.kind.description().find("mode")?;
+    let (mode, is_signal) = (*slot.values.get(mode)?, matches!(slot.source, SourceConfig::Signal(_)));
+    let has_values = match slot.kind {
+        Kind::Dcopy => mode == 0 && is_signal,
+        Kind::Ecopy => mode != 0 || is_signal,
+        _ => false,
+    };
+    let (name, axis) = (&slot.name, &axis.name);
+    (has_values && slot.quantity == Quantity::Position).then(|| {
+        format!(
+            "function {name}: its values are positions of {axis} in increments, and the axis makes each step of them in one cycle; \
+             `quantity: speed` makes them speeds in 0.0001 rpm"
         )
     })
 }
@@ -422,6 +444,31 @@ mod tests {
         assert_eq!(warned("i_poslimitsw: 1, i_neglimitsw: -1, i_refswitch: 2"), [""; 0]);
         let both = warned("i_poslimitsw: 2, i_neglimitsw: -2");
         assert_eq!(both, [told("i_poslimitsw 2"), told("i_neglimitsw -2")]);
+    }
+
+    /// Proves: AMK-GEN-18
+    #[test]
+    fn copy_of_values_onto_a_rotary_axis_without_quantity_is_warned_of() {
+        let warned = |axis: &str, function: &str| {
+            let text = format!(
+                "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nmemory: {{d: {{type: i32}}}}\n\
+                 axes: {{x: {{drive: {{backend: plant, address: 0, interface: position}}, max_velocity: {axis}, \
+                 sim: {{model: ideal}}}}}}\nfunctions: {{f: {{slot: 0, sink: x, {function}}}}}\n"
+            );
+            warnings(&Cell::parse("c.yaml", text).unwrap())
+        };
+        let rotary = "1 rad/s, max_acceleration: 1 rad/s^2, type: rotary, scale: {increments: 3600, per: 360 deg}";
+        let told = "function f: its values are positions of x in increments, and the axis makes each step of them in one cycle; \
+                    `quantity: speed` makes them speeds in 0.0001 rpm";
+        for function in ["type: ecopy, mode: 3, value_e1_1: 400", "type: ecopy, source: d", "type: dcopy, source: d"] {
+            assert_eq!(warned(rotary, function), [told], "{function}");
+            assert_eq!(warned(rotary, &format!("{function}, quantity: speed")), [""; 0], "{function}");
+            let linear = format!("1 m/s, max_acceleration: 1 m/s^2, {MM}");
+            assert_eq!(warned(&linear, function), [""; 0], "{function}");
+        }
+        for function in ["type: dcopy, source: d, mode: 1", "type: ecopy, source: machine.vmaster"] {
+            assert_eq!(warned(rotary, function), [""; 0], "{function}");
+        }
     }
 
     #[test]

@@ -17,13 +17,13 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
         Need::May => "one or none",
         Need::Never => "none",
     };
-    let mut facts = vec![
-        ("source", source.to_owned()),
-        ("sink", sink(row)),
-        ("inputs", lines('E', row.inputs)),
-        ("outputs", outputs(row)),
-        ("tables", tables(row)),
-    ];
+    let mut facts = vec![("source", source.to_owned()), ("sink", sink(row))];
+    if row.chooses_quantity {
+        facts.push(("quantity", "`position`, or `speed` (0.0001 rpm) where the cell says so".to_owned()));
+    }
+    facts.push(("inputs", lines('E', row.inputs)));
+    facts.push(("outputs", outputs(row)));
+    facts.push(("tables", tables(row)));
     for word in row.words {
         facts.push(("word", format!("`{word}` names the signal that is read in each call beside the source")));
     }

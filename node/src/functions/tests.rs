@@ -84,6 +84,10 @@ fn a_type_tells_what_it_reads_and_writes() {
     }
     assert_eq!(text(Kind::Regl).matches("  word      src").count(), 2);
     assert!(text(Kind::Epos).contains("  goals     orders that end, by ~/run_function\n") && !fgen.contains("  goals"));
+    for (kind, chooses) in [(Kind::Dcopy, true), (Kind::Ecopy, true), (Kind::Apsf, true), (Kind::Varsync, false)] {
+        let line = "\n  quantity  position, or speed (0.0001 rpm) where the cell says so\n";
+        assert_eq!(text(kind).contains(line), chooses, "{kind:?}");
+    }
     assert!(text(Kind::Dcopy).contains("an axis, a memory cell of numbers, an ao or none; it must be given\n"));
     assert!(text(Kind::Fipw).contains("  tables    up to 8, which keep their numbers while the function runs\n"));
     assert!(text(Kind::Cam).contains("  tables    1, which may get new numbers while the function runs\n"));

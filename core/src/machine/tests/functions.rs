@@ -17,6 +17,7 @@ use crate::table::{Form, Table};
 use crate::unit::{Fraction, Quantity, Scale, Unit};
 use std::sync::Arc;
 
+mod copies;
 mod events;
 mod generator;
 mod goals;
