@@ -99,13 +99,13 @@ impl Signals {
         }
     }
 
-    /// Sets a memory cell, saturating at its type.
+    /// Sets a memory cell. Scenarios, recordings and ROS 2 refuse a value that it cannot hold before it gets here; the
+    /// casts saturate all the same.
     pub(super) fn set_memory(&self, board: &mut Board, index: u16, value: f64) {
         let Some(&(signal, kind)) = self.memory.get(usize::from(index)) else { return };
         match kind {
             MemoryKind::F64 => board.set_real(signal, value),
             MemoryKind::Bit => board.set_int(signal, i64::from(value != 0.0)),
-            // Casts from f64 saturate.
             MemoryKind::I16 => board.set_int(signal, i64::from(value as i16)),
             MemoryKind::I32 => board.set_int(signal, i64::from(value as i32)),
             MemoryKind::I64 => board.set_int(signal, value as i64),

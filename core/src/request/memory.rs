@@ -5,20 +5,22 @@ use crate::command::{Action, MemoryValue};
 use crate::config::{MachineConfig, MemoryKind};
 use crate::unit::{excerpt, number_to_text};
 
-/// The least and the largest whole number of a cell; none of a real one.
-fn range(kind: MemoryKind) -> Option<(i64, i64)> {
-    match kind {
-        MemoryKind::Bit => Some((0, 1)),
-        MemoryKind::I16 => Some((i16::MIN.into(), i16::MAX.into())),
-        MemoryKind::I32 => Some((i32::MIN.into(), i32::MAX.into())),
-        MemoryKind::I64 => Some((i64::MIN, i64::MAX)),
-        MemoryKind::F64 => None,
+impl MemoryKind {
+    /// Returns the minimum and the maximum of a cell of whole numbers; none of a real one.
+    pub fn whole_range(self) -> Option<(i64, i64)> {
+        match self {
+            Self::Bit => Some((0, 1)),
+            Self::I16 => Some((i16::MIN.into(), i16::MAX.into())),
+            Self::I32 => Some((i32::MIN.into(), i32::MAX.into())),
+            Self::I64 => Some((i64::MIN, i64::MAX)),
+            Self::F64 => None,
+        }
     }
 }
 
 /// Can a cell have that value, exactly?
 fn fits(kind: MemoryKind, value: f64) -> bool {
-    match range(kind) {
+    match kind.whole_range() {
         // What has no whole part fails; what the cast saturates at lies beyond every range.
         Some((min, max)) => value.fract() == 0.0 && (i128::from(min)..=max.into()).contains(&(value as i128)),
         None => value.is_finite(),
@@ -46,7 +48,7 @@ impl MachineConfig {
                 return Err(RequestError::SetTwice { what: "memory cell", name: name.to_owned() });
             }
             if !fits(kind, *value) {
-                let allowed = match range(kind) {
+                let allowed = match kind.whole_range() {
                     Some((min, max)) => format!("a whole number from {min} to {max}"),
                     None => "a finite number".to_owned(),
                 };

@@ -2,7 +2,7 @@
 //!
 //! The first row names the columns; fields are separated by commas and may stand in quotes. What `--csv` writes reads back.
 
-use super::ruler::Ruler;
+use super::ruler::{ALL_WHOLE, Ruler};
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::signal::{Type, Value as Number};
 use lineshaft_core::unit::excerpt;
@@ -77,11 +77,10 @@ fn rows(text: &str, index: usize, ruler: &Ruler, problems: &Problems) -> Vec<Num
         let place = Place { line: line + 1, col: before + 1 };
         match row.split(',').nth(index).map(plain) {
             None => problems.push(place, format!("the row has no column {}", index + 1), None),
-            Some(field) => match number(field, ruler.kind) {
+            Some(field) => match number(field, ruler) {
                 Some(number) => rows.push(number),
                 None => {
-                    let sentence =
-                        format!("`{}` is no value here; {} is expected", excerpt(field), expected(ruler.kind));
+                    let sentence = format!("`{}` is no value here; {} is expected", excerpt(field), expected(ruler));
                     problems.push(place, sentence, None);
                 }
             },
@@ -90,18 +89,22 @@ fn rows(text: &str, index: usize, ruler: &Ruler, problems: &Problems) -> Vec<Num
     rows
 }
 
-fn number(field: &str, kind: Type) -> Option<Number> {
-    match kind {
+fn number(field: &str, ruler: &Ruler) -> Option<Number> {
+    let (low, high) = ruler.range;
+    match ruler.kind {
         Type::Real => field.parse().ok().filter(|value: &f64| value.is_finite()).map(Number::Real),
         Type::Bit => field.parse().ok().filter(|value| (0..=1).contains(value)).map(Number::Int),
-        Type::Int | Type::Word | Type::Enum(_) => field.parse().ok().map(Number::Int),
+        Type::Int | Type::Word | Type::Enum(_) => {
+            field.parse().ok().filter(|value: &i64| (low..=high).contains(value)).map(Number::Int)
+        }
     }
 }
 
-fn expected(kind: Type) -> &'static str {
-    match kind {
-        Type::Real => "a finite number",
-        Type::Bit => "0 or 1",
-        Type::Int | Type::Word | Type::Enum(_) => "a whole number",
+fn expected(ruler: &Ruler) -> String {
+    match (ruler.kind, ruler.range) {
+        (Type::Real, _) => "a finite number".to_owned(),
+        (Type::Bit, _) => "0 or 1".to_owned(),
+        (_, ALL_WHOLE) => "a whole number".to_owned(),
+        (_, (low, high)) => format!("a whole number {low}..{high}"),
     }
 }

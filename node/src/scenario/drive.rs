@@ -4,28 +4,35 @@
 //!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, release the signal, or
 //!          hold it for N more cycles and then release it
 //!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and
-//!          then holds, repeats or releases; it is met exactly
+//!          then holds, repeats or releases; it is met exactly. With `wrap: N` the signal gets the low N bits of that as
+//!          a signed number, as a counter of N bits counts; from and until are those of the sum, which does not wrap
 //!          the entry of a signal that started last has it, also once it has released it: what an earlier one held does
 //!          not come back
 //!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros
 //!          and peaks are met and nothing drifts; whole signals show the nearest, half away from zero
 //! Writes   inputs before the machine reads them; memory cells by commands
-//! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle
+//! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle, values that the
+//!          signal cannot hold, also those that a ramp or a sine would come to
 //! Source   contract section 5
+
+mod ramp;
 
 use super::moment::{Moment, positive_cycles};
 use super::names::Names;
-use super::ruler::Ruler;
+use super::ruler::{ALL_WHOLE, Ruler};
 use super::{csv, moment};
 use crate::document::{Map, Place, Problems, Value};
-use lineshaft_core::config::IoKind;
+use lineshaft_core::config::{IoKind, MemoryKind};
 use lineshaft_core::drive::{self, Inputs};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::{Signal, Type, Value as Number};
-use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
-use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
+use lineshaft_core::unit::Fraction;
+use ramp::{Ramp, cycles_between, exact, most_bits, wrap_bits, wrapped};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
+
+/// Whole numbers of a memory cell with 64 bits: a command carries them as f64, so beyond 2^53 they would not be what was written.
+const EXACT: (i64, i64) = (-(1 << 53), 1 << 53);
 
 /// One entry of the section.
 #[derive(Clone, Debug)]
@@ -40,6 +47,8 @@ pub(super) struct Drive {
     end: u64,
     source: Source,
     then: Then,
+    /// Minimum and maximum of the signal, where it is whole.
+    range: (i64, i64),
 }
 
 /// Where the value goes.
@@ -70,17 +79,6 @@ enum Then {
     HoldFor(u64),
 }
 
-/// (start + n step) / denominator; the sums of a whole scenario fit.
-#[derive(Clone, Copy, Debug)]
-struct Ramp {
-    start: i128,
-    step: i128,
-    denominator: i128,
-    /// The first n at which the end is reached, and the end.
-    end: Option<(u64, Number)>,
-    is_real: bool,
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Sine {
     mean: f64,
@@ -88,20 +86,6 @@ struct Sine {
     period_ns: u64,
     cycle_ns: u64,
     is_real: bool,
-}
-
-impl Ramp {
-    fn at(&self, n: u64) -> Number {
-        if let Some((_, end)) = self.end.filter(|(reached, _)| n >= *reached) {
-            return end;
-        }
-        let value = self.start + self.step * i128::from(n);
-        if self.is_real {
-            return Number::Real(fraction_to_f64(&Fraction::new(value, self.denominator)));
-        }
-        let floor = value.div_euclid(self.denominator);
-        Number::Int(floor.clamp(i64::MIN.into(), i64::MAX.into()) as i64)
-    }
 }
 
 impl Sine {
@@ -210,14 +194,27 @@ impl Reader<'_> {
                 drive.end = drive.end.min(later.at);
             }
         }
+        drives.iter().for_each(|drive| self.refuse_beyond(drive));
         drives
+    }
+
+    /// Refuses a ramp that leaves the range of its signal while it drives it.
+    fn refuse_beyond(&self, drive: &Drive) {
+        let Source::Ramp(ramp @ Ramp { end: None, wrap: None, is_real: false, .. }) = &drive.source else { return };
+        let last = drive.end.min(self.cycles).checked_sub(drive.at.saturating_add(1));
+        let Some(n) = last.and_then(|last| ramp.first_beyond(last, drive.range)) else { return };
+        let (value, (low, high)) = (ramp.floor(n), drive.range);
+        let when = moment::text(drive.at + n, self.cycle_ns);
+        let sentence = format!("{} gets to {value} in {when}; {low}..{high} is allowed", drive.name);
+        let hint = format!("`wrap: {}` makes the ramp a counter that wraps", most_bits(drive.range));
+        self.problems.push(drive.place, sentence, Some(hint));
     }
 
     fn read_one(&self, item: &Value<'_>) -> Option<Drive> {
         let mut map = item.map("an entry of drive")?;
         let signal = map.required("signal").and_then(|value| self.signal(&value));
         let at = map.optional("at").map_or(Some(0), |value| self.start(&value));
-        let ruler = signal.as_ref().map(|(signal, _)| Ruler::of(self.names, *signal));
+        let ruler = signal.as_ref().map(|(signal, target)| self.ruler(*signal, *target));
         let source = self.source(&mut map, ruler.as_ref());
         let then = map.optional("then").map(|value| (value.place(), self.then(&value, source.as_ref())));
         map.finish();
@@ -228,7 +225,17 @@ impl Reader<'_> {
             Some((_, then)) => then?,
         };
         let (name, kind, place) = (entry.name.clone(), entry.kind, item.place());
-        Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then })
+        let range = ruler?.range;
+        Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then, range })
+    }
+
+    /// Values of a memory cell are held to its type.
+    fn ruler(&self, signal: Signal, target: Target) -> Ruler {
+        let ruler = Ruler::of(self.names, signal);
+        let Target::Memory(index) = target else { return ruler };
+        let kind = self.names.config.memory.get(usize::from(index)).map(|memory| memory.kind);
+        let range = kind.and_then(MemoryKind::whole_range).unwrap_or(ALL_WHOLE);
+        ruler.within(if kind == Some(MemoryKind::I64) { EXACT } else { range })
     }
 
     fn start(&self, value: &Value<'_>) -> Option<u64> {
@@ -340,10 +347,17 @@ impl Reader<'_> {
 
     fn ramp(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Ramp> {
         let mut map = value.map("ramp")?;
-        let from = map.optional("from").map_or(Some(zero(ruler)), |value| ruler.read(&value));
+        let wrap = map.optional("wrap");
+        // From and until of a counter are those of the sum, which does not wrap.
+        let bounds = if wrap.is_some() { ruler.within(ALL_WHOLE) } else { *ruler };
+        let from = map.optional("from").map_or(Some(zero(ruler)), |value| bounds.read(&value));
         let per_cycle = map.required("per_cycle").and_then(|value| value.fraction());
-        let until = map.optional("until").map(|value| (ruler.read(&value), value));
+        let until = map.optional("until").map(|value| (bounds.read(&value), value));
         map.finish();
+        let wrap = match wrap {
+            None => None,
+            Some(value) => Some(wrap_bits(&value, ruler)?),
+        };
         let (from, per_cycle) = (from?, per_cycle?);
         let until = match until {
             None => None,
@@ -353,6 +367,7 @@ impl Reader<'_> {
             value.refuse("per_cycle and from have too many digits for an exact ramp of this length", None);
             return None;
         };
+        let ramp = Ramp { wrap, ..ramp };
         let Some((until, value)) = until else { return Some(ramp) };
         let Some(reached) = cycles_between(from, until, &per_cycle) else {
             let (from, until) = (ruler.text(from), ruler.text(until));
@@ -360,7 +375,11 @@ impl Reader<'_> {
             value.refuse(sentence, None);
             return None;
         };
-        Some(Ramp { end: Some((reached, until)), ..ramp })
+        let end = match until {
+            Number::Int(until) => Number::Int(wrapped(until.into(), wrap)),
+            Number::Real(_) => until,
+        };
+        Some(Ramp { end: Some((reached, end)), ..ramp })
     }
 
     /// Brings start and step to one denominator; none where a sum could leave 128 bits within the scenario.
@@ -371,7 +390,7 @@ impl Reader<'_> {
         let step = per_cycle.numer().checked_mul(*from.denom())?;
         let way = step.checked_abs()?.checked_mul(self.cycles.into())?;
         start.checked_abs()?.checked_add(way)?;
-        Some(Ramp { start, step, denominator, end: None, is_real: ruler.kind == Type::Real })
+        Some(Ramp { start, step, denominator, end: None, wrap: None, is_real: ruler.kind == Type::Real })
     }
 
     fn sine(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Sine> {
@@ -380,7 +399,16 @@ impl Reader<'_> {
         let amplitude = map.required("amplitude").and_then(|value| ruler.read(&value));
         let period = map.required("period").and_then(|value| self.period(&value));
         map.finish();
-        let (mean, amplitude) = (mean?.to_f64(), amplitude?.to_f64());
+        let (mean, amplitude) = (mean?, amplitude?);
+        if let (Number::Int(mean), Number::Int(amplitude)) = (mean, amplitude) {
+            let (middle, swing) = (i128::from(mean), i128::from(amplitude).abs());
+            let (least, most, (low, high)) = (middle - swing, middle + swing, ruler.range);
+            if least < i128::from(low) || most > i128::from(high) {
+                value.refuse(format!("the sine runs from {least} to {most}; {low}..{high} is allowed"), None);
+                return None;
+            }
+        }
+        let (mean, amplitude) = (mean.to_f64(), amplitude.to_f64());
         if !(mean.abs() + amplitude.abs()).is_finite() {
             value.refuse("mean and amplitude together lie beyond what f64 holds, 1.8e308", None);
             return None;
@@ -404,22 +432,6 @@ impl Reader<'_> {
 
 fn zero(ruler: &Ruler) -> Number {
     if ruler.kind == Type::Real { Number::Real(0.0) } else { Number::Int(0) }
-}
-
-fn exact(number: Number) -> Option<Fraction> {
-    match number {
-        Number::Int(value) => Some(Fraction::from(i128::from(value))),
-        Number::Real(value) => fraction_from_f64(value).ok(),
-    }
-}
-
-/// The first n at which `from + n step` has come to `until` or beyond.
-fn cycles_between(from: Number, until: Number, step: &Fraction) -> Option<u64> {
-    let way = exact(until)?.checked_sub(&exact(from)?)?;
-    if way == Fraction::from(0) {
-        return Some(0);
-    }
-    way.checked_div(step)?.ceil().to_integer().to_u64()
 }
 
 /// A list of values, not empty.

@@ -88,6 +88,7 @@ impl Probe {
             scale: self.ruler.scale.filter(|_| self.ruler.scale == theirs.scale),
             is_code: false,
             row: None,
+            range: ruler::ALL_WHOLE,
         };
         let name = format!("{} minus {}", self.name, entry.name);
         Some(Self { name, source: Source::Difference([(signal, kind), (other, entry.kind)]), ruler })

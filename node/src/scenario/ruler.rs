@@ -26,7 +26,12 @@ pub(super) struct Ruler {
     pub is_code: bool,
     /// The row of a parameter.
     pub row: Option<&'static Row>,
+    /// Minimum and maximum of whole numbers.
+    pub range: (i64, i64),
 }
+
+/// The range of whole numbers without narrower bounds.
+pub(super) const ALL_WHOLE: (i64, i64) = (i64::MIN, i64::MAX);
 
 impl Ruler {
     pub(super) fn of(names: &Names<'_>, signal: Signal) -> Self {
@@ -39,6 +44,7 @@ impl Ruler {
                 && entry.measure == Measure::None
                 && (entry.name.ends_with(".error") || entry.name.ends_with(".fault.code")),
             row: None,
+            range: ALL_WHOLE,
         }
     }
 
@@ -52,12 +58,18 @@ impl Ruler {
             | parameter::Measure::Number => Type::Real,
             _ => Type::Int,
         };
-        Self { kind, measure: Measure::None, scale: Some(scale), is_code: false, row: Some(row) }
+        Self { kind, measure: Measure::None, scale: Some(scale), is_code: false, row: Some(row), range: ALL_WHOLE }
     }
 
     /// Positions of an object of that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
-        Self { kind: Type::Int, measure: Measure::Position, scale: Some(scale), is_code: false, row: None }
+        let (kind, measure) = (Type::Int, Measure::Position);
+        Self { kind, measure, scale: Some(scale), is_code: false, row: None, range: ALL_WHOLE }
+    }
+
+    /// Returns the same with other bounds of whole numbers.
+    pub(super) fn within(self, range: (i64, i64)) -> Self {
+        Self { range, ..self }
     }
 
     /// Has it an order, so that more and less have a meaning?
@@ -109,7 +121,7 @@ impl Ruler {
                 good(value, scale.position(&quantity))
             }
             _ if self.is_code => read_code(value).map(i64::from),
-            _ => value.integer(i64::MIN..=i64::MAX),
+            _ => value.integer(self.range.0..=self.range.1),
         }
     }
 

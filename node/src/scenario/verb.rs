@@ -436,12 +436,7 @@ impl Reader<'_> {
             key.refuse(format!("no memory cell is called `{}`", excerpt(name)), hint);
             return None;
         };
-        let number = match memory[index].kind {
-            MemoryKind::F64 => value.number(f64::NEG_INFINITY..=f64::INFINITY)?,
-            MemoryKind::Bit => f64::from(value.integer(0..=1_u8)?),
-            MemoryKind::I16 | MemoryKind::I32 | MemoryKind::I64 => whole_f64(value)?,
-        };
-        Some(MemoryValue { index: index as u16, value: number })
+        memory_value(value, memory[index].kind).map(|value| MemoryValue { index: index as u16, value })
     }
 
     fn inject(&self, value: &Value<'_>) -> Option<Deed> {
@@ -474,13 +469,16 @@ fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
     }
 }
 
-/// A whole number that a command, which carries it as an f64, carries exactly.
-fn whole_f64(value: &Value<'_>) -> Option<f64> {
-    let whole = value.integer(-(1_i128 << 63)..=1 << 63)?;
+/// Reads a value that a memory cell can hold, as `~/set_memory` takes it. A command carries it as an f64, which must be exact.
+fn memory_value(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
+    let Some((low, high)) = kind.whole_range() else { return value.number(f64::NEG_INFINITY..=f64::INFINITY) };
+    let whole = value.integer(low..=high)?;
     let carried = whole as f64;
-    if carried as i128 != whole {
+    let nearest = carried as i128;
+    if nearest != i128::from(whole) {
         let sentence = format!("{} is {whole}; beyond +-2^53 only what an f64 holds can be set", value.label());
-        value.refuse(sentence, Some(format!("the nearest is {}", carried as i128)));
+        let fits = (i128::from(low)..=i128::from(high)).contains(&nearest);
+        value.refuse(sentence, fits.then(|| format!("the nearest is {nearest}")));
         return None;
     }
     Some(carried)

@@ -426,8 +426,8 @@ fn the_other_verbs_word_for_word() {
     );
     for (index, value, text) in [
         (0, 5.0, r#""feed":5"#),
-        (0, -1e5, r#""feed":-100000"#),
-        (1, 9_223_372_036_854_775_808.0, r#""big":9223372036854775808"#),
+        (0, -32_768.0, r#""feed":-32768"#),
+        (1, 9_223_372_036_854_774_784.0, r#""big":9223372036854774784"#),
         (1, -9_223_372_036_854_775_808.0, r#""big":-9223372036854775808"#),
         (2, 5.0, r#""gain":5.0"#),
         (2, -0.0, r#""gain":-0.0"#),
@@ -512,7 +512,17 @@ fn what_is_wrong_is_one_sentence() {
         (r#"{"cancel":{}}"#, "missing key `id` in cancel"),
         (r#"{"set_memory":{}}"#, "set_memory is empty; `cell: value` is expected"),
         (r#"{"set_memory":{"gain":null}}"#, "gain has no value; a number is expected"),
-        (r#"{"set_memory":{"big":9007199254740993}}"#, "big is 9007199254740993; beyond +-2^53 only what an f64 holds"),
+        (
+            r#"{"set_memory":{"big":9007199254740993}}"#,
+            "big is 9007199254740993; beyond +-2^53 only what an f64 holds can be set, the nearest is 9007199254740992",
+        ),
+        // Its nearest f64 is 2^63, which the cell cannot hold.
+        (
+            r#"{"set_memory":{"big":9223372036854775807}}"#,
+            "big is 9223372036854775807; beyond +-2^53 only what an f64 holds can be set",
+        ),
+        (r#"{"set_memory":{"big":9223372036854775808}}"#, "big is 9223372036854775808; -9223372036854775808..92"),
+        (r#"{"set_memory":{"feed":40000}}"#, "feed is 40000; -32768..32767 is allowed"),
         (
             r#"{"set_parameters":{"x.max_velocity":null}}"#,
             "x.max_velocity is `null`; a velocity such as 0.5 m/s is expected",
@@ -566,6 +576,9 @@ fn what_no_door_makes_is_written_so_that_it_does_not_read_back() {
         Action::set_memory(2, f64::NAN),
         Action::set_memory(2, f64::INFINITY),
         Action::set_memory(0, 0.5),
+        Action::set_memory(0, 32_768.0),
+        Action::set_memory(1, 9_223_372_036_854_775_808.0),
+        Action::set_memory(3, 2.0),
         Action::SetMemory([].into()),
         Action::SetMemory([MemoryValue { index: 2, value: 1.0 }; 2].into()),
         Action::SetOutputs([].into()),

@@ -10,7 +10,7 @@ fn driven(signal: &str, cycles: u64, how: &str) -> Vec<String> {
 fn every_kind_of_input_and_memory_is_driven_from_its_cycle_on() {
     assert_eq!(driven("start", 5, "at: 2, values: [1, 0, 1]"), ["0", "0", "1", "0", "1"]);
     assert_eq!(driven("level", 3, "at: 1, values: [2.5, 1500 mV]"), ["0.0", "2.5", "1.5"]);
-    assert_eq!(driven("feed", 4, "at: 2, values: [-3, 40000]"), ["7", "7", "-3", "32767"], "it saturates");
+    assert_eq!(driven("feed", 5, "at: 2, values: [-3, 32767, -32768]"), ["7", "7", "-3", "32767", "-32768"]);
     assert_eq!(driven("gain", 3, "at: 1, values: [0.1, 0.2]"), ["0.5", "0.1", "0.2"]);
     assert_eq!(driven("flag", 2, "values: [1, 0]"), ["1", "0"]);
     assert_eq!(driven("belt.count", 3, "at: 1 ms, values: [65535, 2]"), ["0", "65535", "2"]);
@@ -82,6 +82,72 @@ fn a_ramp_ends_exactly_where_it_is_to_end() {
 }
 
 #[test]
+fn ramp_with_wrap_counts_on_as_a_counter_of_that_many_bits() {
+    // In two's complement: 33000 - 2^16, 32536 = -33000 + 2^16, 130 - 2^8.
+    let ramp = |ramp: &str| driven("feed", 5, &format!("ramp: {{{ramp}}}")).join(" ");
+    assert_eq!(ramp("from: 32000, per_cycle: 500, wrap: 16"), "32000 32500 -32536 -32036 -31536");
+    assert_eq!(ramp("from: -32000, per_cycle: -500, wrap: 16"), "-32000 -32500 32536 32036 31536");
+    assert_eq!(ramp("from: 32767, per_cycle: 1/3, wrap: 16"), "32767 32767 32767 -32768 -32768");
+    assert_eq!(ramp("from: 120, per_cycle: 10, wrap: 8"), "120 -126 -116 -106 -96");
+    // The sum ends at 70000, which is 4464 of 16 bits; it begins at 65536 + 10.
+    assert_eq!(ramp("from: 0, per_cycle: 30000, until: 70000, wrap: 16"), "0 30000 -5536 4464 4464");
+    assert_eq!(ramp("from: 65546, per_cycle: 1, wrap: 16"), "10 11 12 13 14");
+    assert_eq!(driven("belt.count", 3, "ramp: {from: 7, per_cycle: 1, wrap: 4}"), ["7", "-8", "-7"]);
+}
+
+#[test]
+fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
+    let bad = |entry: &str| problem("drive", entry);
+    let range = "-32768..32767 is allowed";
+    assert_eq!(bad("{signal: feed, values: [1, ^40000]}"), format!("values[1] is 40000; {range}"));
+    assert_eq!(bad("{signal: feed, values: [1, ^-32769]}"), format!("values[1] is -32769; {range}"));
+    assert_eq!(bad("{signal: feed, ramp: {from: ^40000, per_cycle: 0}}"), format!("from is 40000; {range}"));
+    assert_eq!(bad("{signal: feed, ramp: {per_cycle: 1, until: ^40000}}"), format!("until is 40000; {range}"));
+    assert_eq!(
+        bad("{signal: feed, sine: ^{mean: 32000, amplitude: -1000, period: 1 s}}"),
+        format!("the sine runs from 31000 to 33000; {range}")
+    );
+    // 32700 + 68 is the first value beyond 32767, floor(-32768 - 1/7) the first one below -32768.
+    let hint = "`wrap: 16` makes the ramp a counter that wraps";
+    assert_eq!(
+        bad("^{signal: feed, ramp: {from: 32700, per_cycle: 1}}"),
+        format!("feed gets to 32768 in cycle 68 (0.068 s); {range}, {hint}")
+    );
+    assert_eq!(
+        bad("^{signal: feed, at: 10, ramp: {from: -32768, per_cycle: -1/7}}"),
+        format!("feed gets to -32769 in cycle 11 (0.011 s); {range}, {hint}")
+    );
+    // It is within its range as long as it drives the cell.
+    scenario("scenario: s\ncycles: 68\ndrive: [{signal: feed, ramp: {from: 32700, per_cycle: 1}}]");
+    scenario(
+        "scenario: s\ncycles: 100\n\
+         drive: [{signal: feed, ramp: {from: 32700, per_cycle: 1}}, {signal: feed, at: 68, values: [0]}]",
+    );
+    assert_eq!(bad("{signal: feed, ramp: {per_cycle: 1, wrap: ^17}}"), "wrap is 17; 2..16 is allowed");
+    assert_eq!(bad("{signal: feed, ramp: {per_cycle: 1, wrap: ^1}}"), "wrap is 1; 2..16 is allowed");
+    assert_eq!(bad("{signal: belt.count, ramp: {per_cycle: 1, wrap: ^65}}"), "wrap is 65; 2..64 is allowed");
+    assert_eq!(
+        bad("{signal: gain, ramp: {per_cycle: 1, wrap: ^16}}"),
+        "wrap is for whole numbers; the signal is a real one"
+    );
+}
+
+#[test]
+fn a_ramp_on_a_count_beyond_64_bits_is_refused() {
+    let said = problem("drive", "^{signal: belt.count, ramp: {from: 9223372036854775800, per_cycle: 1}}");
+    assert_eq!(
+        said,
+        "belt.count gets to 9223372036854775808 in cycle 8 (0.008 s); -9223372036854775808..9223372036854775807 is \
+         allowed, `wrap: 64` makes the ramp a counter that wraps"
+    );
+    let wrapping = "ramp: {from: 9223372036854775806, per_cycle: 1, wrap: 64}";
+    assert_eq!(
+        driven("belt.count", 3, wrapping),
+        ["9223372036854775806", "9223372036854775807", "-9223372036854775808"]
+    );
+}
+
+#[test]
 fn a_sine_meets_its_zeros_and_peaks_and_never_drifts() {
     let sine = driven("feed", 9, "sine: {mean: 100, amplitude: 50, period: 8 ms}");
     // 50 sin 45 deg is 35.36.
@@ -119,6 +185,15 @@ fn a_column_of_a_file_drives_a_signal() {
          in.csv:4:3: the row has no column 2\n\
          in.csv:5:3: `x` is no value here; 0 or 1 is expected\n"
     );
+    let feed = format!("scenario: s\ncycles: 6\ndrive: [{{signal: feed, csv: {{file: in.csv, column: start}}}}]");
+    write("cycle,start\n0,32767\n1,40000\n2,1.5\n");
+    let parsed = Scenario::parse(&name.display().to_string(), &feed, &cell()).unwrap_err().to_string();
+    assert_eq!(
+        parsed.replace(&format!("{}/", folder.path().display()), ""),
+        "in.csv:3:3: `40000` is no value here; a whole number -32768..32767 is expected\n\
+         in.csv:4:3: `1.5` is no value here; a whole number -32768..32767 is expected\n"
+    );
+    write("cycle,start\n0,1\n1,2\n2\n3,x\n");
     assert_eq!(load("stat").unwrap_err(), "s.yaml:4:60: in.csv has no column `stat`; it has cycle, start\n");
     write("start\n");
     assert_eq!(load("start").unwrap_err(), "s.yaml:4:44: in.csv has no rows below its head\n");
@@ -143,10 +218,7 @@ fn what_cannot_be_driven_is_refused() {
     assert_eq!(bad("^{signal: feed, values: [1], ramp: {per_cycle: 1}}"), "one of values, csv, ramp, sine is expected");
     assert_eq!(bad("{signal: start, values: [^2]}"), "values[0] is 2; 0..1 is allowed");
     assert_eq!(bad("{signal: start, values: ^[]}"), "values is empty; one value or more is expected");
-    assert_eq!(
-        bad("{signal: feed, values: [^1.5]}"),
-        "values[0] is `1.5`; a whole number -9223372036854775808..9223372036854775807 is allowed"
-    );
+    assert_eq!(bad("{signal: feed, values: [^1.5]}"), "values[0] is `1.5`; a whole number -32768..32767 is allowed");
     assert_eq!(bad("{signal: start, ramp: ^{per_cycle: 1}}"), "a bit has no ramp; values and csv are possible");
     assert_eq!(
         bad("{signal: feed, values: [1], at: ^100}"),

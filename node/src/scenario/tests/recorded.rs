@@ -123,7 +123,7 @@ const ALL_KINDS: &str = "
 scenario: all of them
 cycles: 3000
 drive:
-- {signal: feed, at: 5, ramp: {from: -40000, per_cycle: 33.3, until: 40000}}
+- {signal: feed, at: 5, ramp: {from: -40000, per_cycle: 33.3, until: 40000, wrap: 16}}
 - {signal: gain, sine: {mean: 1e-3, amplitude: 1e300, period: 333}}
 - {signal: flag, at: 9, values: [1, 0], then: repeat}
 steps:

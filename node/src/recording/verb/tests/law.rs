@@ -305,7 +305,9 @@ fn plain() -> impl Strategy<Value = Action> {
             )
         }),
         finite.prop_map(|value| Action::set_memory(2, value)),
-        (0..2_u16, whole).prop_map(|(index, value)| Action::set_memory(index, value as f64)),
+        any::<i16>().prop_map(|value| Action::set_memory(0, f64::from(value))),
+        // The largest f64 below 2^63, to which i64::MAX would round.
+        whole.prop_map(|value| Action::set_memory(1, (value as f64).min(9_223_372_036_854_774_784.0))),
         any::<bool>().prop_map(|bit| Action::set_memory(3, f64::from(u8::from(bit)))),
     ];
     let text = prop_oneof![
