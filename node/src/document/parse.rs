@@ -13,7 +13,8 @@ const MAX_REPEATED: usize = 16 << 20;
 
 /// The tree of the first document in `text`, `None` after a problem that leaves none. An empty text is a null.
 pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Option<Node> {
-    let mut parser = Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut parser = Parser::new_from_str(text);
     let mut builder = Builder {
         problems,
         open: Vec::new(),
@@ -33,7 +34,7 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
                     "recursion limit exceeded" => too_deep(),
                     info => format!("this is not YAML: {info}"),
                 };
-                problems.push(place(*error.marker()), sentence, None);
+                problems.push(place(*error.marker()), sentence, brackets_hint(text, error.marker().index()));
                 return None;
             }
         };
@@ -66,6 +67,17 @@ fn is_node(event: &Event<'_>) -> bool {
         Event::SequenceStart(..) | Event::MappingStart(..) | Event::Alias(..) => true,
         _ => false,
     }
+}
+
+/// How to write `{mode[1]: 16}`, where the error is at the bracket: in braces a bracket ends a key without quotes. `index` counts characters.
+fn brackets_hint(text: &str, index: usize) -> Option<String> {
+    let (at, _) = text.char_indices().nth(index)?;
+    let is_of_key = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+    let name = text.get(..at)?.rsplit(|c| !is_of_key(c)).next()?;
+    let (place, rest) = text.get(at..)?.strip_prefix('[')?.split_once(']')?;
+    let is_place = !place.is_empty() && place.bytes().all(|byte| byte.is_ascii_digit());
+    let is_key = !name.is_empty() && is_place && rest.trim_start().starts_with(':');
+    is_key.then(|| format!("quote a key with brackets: `\"{name}[{place}]\"`"))
 }
 
 fn too_deep() -> String {

@@ -287,6 +287,29 @@ fn syntax_errors_have_a_place() {
 }
 
 #[test]
+fn key_with_brackets_in_braces_has_a_hint_to_quote_it() {
+    let said = |text: &str| {
+        let document = Document::parse("t.yaml", text);
+        assert!(document.root("the file").is_none(), "{text:?}");
+        document.problems().to_string()
+    };
+    let hint = |key: &str| format!(", quote a key with brackets: `\"{key}\"`\n");
+    let text = said("\u{feff}größe: 1\nk: {m2: 3, mode[1]: 16}\n");
+    assert!(text.starts_with("t.yaml:2:16: this is not YAML: ") && text.ends_with(&hint("mode[1]")), "{text}");
+    let text = said("{parameter[15] : 1}");
+    assert!(text.ends_with(&hint("parameter[15]")), "{text}");
+    for other in ["{a [1, 2]}", "{a: 1, b[x]: 2}", "{a: 1 [1]: 2", "{a: \"b\"[1]: 2}"] {
+        assert!(!said(other).contains("quote"), "{other}: {}", said(other));
+    }
+    let quoted = problem_of("k: {m2: 3, \"mode[1]\": 16}", |value| {
+        let mut map = value.map("k").unwrap();
+        assert_eq!(map.required("mode[1]").and_then(|value| value.integer(0..=63_i64)), Some(16));
+        map.rest();
+    });
+    assert_eq!(quoted, "");
+}
+
+#[test]
 fn an_empty_file_is_an_empty_mapping() {
     for text in ["", "\n", "# nothing\n", "---\n", "\u{feff}"] {
         assert_eq!(problems(text, |root| root.map("the file").unwrap().finish()), "", "{text:?}");
