@@ -272,11 +272,16 @@ fn check_holds_a_cell_to_a_preset_and_names_those_there_are() {
     let axes: String = (1..=9)
         .map(|n| format!("  x{n}: {{type: linear, drive: virtual, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"))
         .collect();
-    let functions =
-        "  a: {slot: 16, type: dcopy, source: x1, sink: x9}\n  b: {slot: 1, type: cam, source: x1, cams: [57]}\n";
-    let cell = format!("lineshaft: 1\ncycle: 1 ms\naxes:\n{axes}functions:\n{functions}");
-    std::fs::write(folder.path().join("wide.yaml"), &cell).unwrap();
-    let narrow = cell.replace("16", "15").replace("sink: x9", "sink: x8").replace("57", "56");
+    // Four words of each cam stand behind the first 32.
+    let cell = |cams: usize| {
+        let words = vec!["0"; 32 + 4 * cams].join(", ");
+        format!(
+            "lineshaft: 1\ncycle: 1 ms\naxes:\n{axes}functions:\n  a: {{slot: 16, type: dcopy, source: x1, sink: x9}}\n  \
+             b: {{slot: 1, type: cam, source: x1, cams: [{cams}], tables: [t]}}\ntables:\n  t: {{form: words, words: [{words}]}}\n"
+        )
+    };
+    std::fs::write(folder.path().join("wide.yaml"), cell(57)).unwrap();
+    let narrow = cell(56).replace("slot: 16", "slot: 15").replace("sink: x9", "sink: x8");
     std::fs::write(folder.path().join("narrow.yaml"), narrow).unwrap();
     let check = |arguments: &[&str]| {
         let output = lineshaft(folder.path(), &[&["check"], arguments].concat());
@@ -285,12 +290,32 @@ fn check_holds_a_cell_to_a_preset_and_names_those_there_are() {
     assert_eq!(check(&["wide.yaml"]).0, 0);
     let told = "wide.yaml:14:13: slot is 16; preset amkasyn allows 0..15\n\
                 wide.yaml:14:48: sink is `x9`, axis 9 of the cell; preset amkasyn allows axes 1..8\n\
-                wide.yaml:15:46: cams[0] is 57; preset amkasyn allows 0..56\n";
+                wide.yaml:15:46: cams[0] is 57; preset amkasyn allows 0..56\n\
+                wide.yaml:15:60: tables[0] is `t`, which has 260 words; preset amkasyn allows 1..256\n";
     assert_eq!(check(&["wide.yaml", "--preset", "amkasyn"]), (2, String::new(), told.to_owned()));
     assert_eq!(check(&["--preset", "amkasyn", "narrow.yaml"]).0, 0);
     let (exit, _, said) = check(&["narrow.yaml", "--preset", "amkasin"]);
     assert_eq!(exit, 2);
     assert!(said.contains("'amkasin' for '--preset") && said.contains("[possible values: amkasyn]"), "{said}");
+}
+
+#[test]
+fn check_refuses_sets_that_can_never_start_and_warns_of_those_that_move_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |function: &str| {
+        let cell = format!(
+            "lineshaft: 1\ncycle: 1 ms\naxes:\n  x: {{type: rotary, drive: virtual, scale: {{increments: 1000, per: 1 rev}}, \
+             max_velocity: 60 rpm, max_acceleration: 360 deg/s^2}}\nfunctions:\n  f: {function}\n"
+        );
+        std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();
+        let output = lineshaft(folder.path(), &["check", "cell.yaml"]);
+        (code(&output), text(&output.stderr))
+    };
+    let told = "cell.yaml:6:6: f: the first table is missing; the function reads its points or cams there; START refuses this set\n";
+    assert_eq!(check("{slot: 0, type: cam, source: x}"), (2, told.to_owned()));
+    let told = "warning: f: speed is left out, which is 0: the function gives no speed\n";
+    assert_eq!(check("{slot: 0, type: digdreh, sink: x}"), (0, told.to_owned()));
+    assert_eq!(check("{slot: 0, type: digdreh, sink: x, speed: 100}"), (0, String::new()));
 }
 
 #[test]

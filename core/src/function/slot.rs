@@ -310,6 +310,12 @@ impl Slot {
         Ok(())
     }
 
+    /// Returns an error if START would refuse the staged set of a function at rest.
+    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>]) -> Result<(), Fault> {
+        check_ranges(wires.kind.description(), &self.staged)?;
+        self.function.check(Words(&self.staged), &self.setting(wires, found(wires, tables), Occasion::Order))
+    }
+
     /// RESET: what it writes at the end it writes in its place of this cycle.
     pub(crate) fn reset(&mut self) {
         self.is_shown = false;

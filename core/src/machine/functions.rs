@@ -70,6 +70,16 @@ impl Machine {
         &self.state.tables
     }
 
+    /// Returns why START without parameters would refuse the staged sets, of each function that it would refuse.
+    pub fn refused_starts(&self) -> Vec<Refusal> {
+        let State { slots, tables, .. } = &self.state;
+        let slots = (0_u16..).zip(self.wires.iter().zip(slots));
+        let refused = slots.filter_map(|(place, (wires, slot))| {
+            slot.check_start(wires, tables).err().map(|fault| refusal(fault, place))
+        });
+        refused.collect()
+    }
+
     /// An order to a function; true where the axis that it moves has to hear of it.
     pub(super) fn command_function(&mut self, command: &Command, request: &CommandFunction) -> Result<bool, Refusal> {
         let CommandFunction { slot, order, ref values } = *request;

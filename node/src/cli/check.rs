@@ -1,5 +1,7 @@
 //! `lineshaft check`.
 
+mod functions;
+
 use super::{CheckArgs, Exit, say};
 use crate::cell::{Cell, load_of};
 use crate::graph;
@@ -23,8 +25,16 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
         }
     };
     // What the machine refuses has no place in the file: nothing that was read alone is wrong.
-    if let Err(error) = Machine::new(cell.machine.clone()) {
-        eprintln!("{}: {error}", args.cell.display());
+    let machine = match Machine::new(cell.machine.clone()) {
+        Ok(machine) => machine,
+        Err(error) => {
+            eprintln!("{}: {error}", args.cell.display());
+            return Exit::Usage;
+        }
+    };
+    let (problems, idle) = functions::judge(&args.cell.display().to_string(), &cell, &machine);
+    if !problems.is_empty() {
+        eprint!("{problems}");
         return Exit::Usage;
     }
     let buses = match cell.buses(Some(&args.cell)) {
@@ -41,7 +51,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     for line in buses.iter().filter_map(load_of) {
         say(&line);
     }
-    for warning in warnings(&cell) {
+    for warning in warnings(&cell).into_iter().chain(idle) {
         eprintln!("warning: {warning}");
     }
     if let Some(path) = &args.graph

@@ -1,0 +1,189 @@
+//! Sets of functions that START would refuse, and sets with which a sink never moves.
+//!
+//! A client may give the fields that the cell leaves out, so those are warnings. A set that a key of the cell spoils is an
+//! error, at that key.
+
+use crate::cell::Cell;
+use crate::document::{Document, Problems, Value};
+use lineshaft_core::config::SlotConfig;
+use lineshaft_core::event::Refusal;
+use lineshaft_core::function::{Kind, LINES};
+use lineshaft_core::machine::Machine;
+use lineshaft_core::object::Object;
+use lineshaft_core::text::sentence;
+
+/// Fields that are 0 where they are left out, which START accepts, and what comes of that.
+const IDLE: [(Kind, &str, &str); 7] = [
+    (Kind::Digdreh, "speed", "the function gives no speed"),
+    (Kind::Fipw, "mult", "its sink never moves"),
+    (Kind::Xfipw, "mult", "its sink never moves"),
+    (Kind::Dfkt, "mult", "the function gives no speed"),
+    (Kind::Dfkt, "out_max", "the function gives no speed above 0"),
+    (Kind::Dfkt, "out_min", "the function gives no speed below 0"),
+    (Kind::Regl, "y_max", "its control adds nothing to its sink"),
+];
+
+/// Returns the errors, with their places in the file `name`, and the warnings.
+pub(super) fn judge(name: &str, cell: &Cell, machine: &Machine) -> (Problems, Vec<String>) {
+    let document = Document::parse(name, cell.text.as_str());
+    let mut warnings = Vec::new();
+    if let Some(section) = document.root("the cell").and_then(|root| at(&root, "functions")) {
+        for refusal in machine.refused_starts() {
+            let Object::Function(place) = refusal.object else { continue };
+            let Some(slot) = cell.machine.slots.get(usize::from(place)) else { continue };
+            let Some(entry) = at(&section, &slot.name) else { continue };
+            warnings.extend(refuse_start(&refusal, slot, &entry, cell));
+        }
+        for slot in &cell.machine.slots {
+            let Some(entry) = at(&section, &slot.name) else { continue };
+            refuse_missing_axes(slot, &entry, cell.machine.axes.len());
+            warnings.extend(idle(slot, &entry));
+        }
+    }
+    (document.into_problems(), warnings)
+}
+
+/// The value of a key.
+fn at<'d>(value: &Value<'d>, key: &str) -> Option<Value<'d>> {
+    value.entries()?.into_iter().find(|(known, _)| known.peek() == Some(key)).map(|(_, value)| value)
+}
+
+/// Refuses the set of a function. Returns a warning instead if it is spoilt by a field that the cell leaves out.
+fn refuse_start(refusal: &Refusal, slot: &SlotConfig, entry: &Value<'_>, cell: &Cell) -> Option<String> {
+    let text = sentence(&refusal.event(0), &cell.machine);
+    let fields = slot.kind.description().fields;
+    let field = refusal.parameter.and_then(|number| fields.get(usize::from(number)));
+    let given = at(entry, field.map_or("tables", |field| field.name));
+    if let (Some(field), None) = (field, &given) {
+        let key = field.name;
+        return Some(format!("{text}; {key} is left out: START is refused unless its command gives it"));
+    }
+    given.as_ref().unwrap_or(entry).refuse(format!("{text}; START refuses this set"), None);
+    None
+}
+
+/// Refuses a mask that has a bit of an axis that the cell does not have.
+fn refuse_missing_axes(slot: &SlotConfig, entry: &Value<'_>, axes: usize) {
+    let mask = slot.kind.description().find("aw_mask").and_then(|(_, place)| slot.values.get(place).copied());
+    let (Some(mask), Some(value)) = (mask, at(entry, "aw_mask")) else { return };
+    let Some(bit) = (axes..LINES).find(|bit| mask >> bit & 1 == 1) else { return };
+    let is = if axes == 1 { "1 axis".to_owned() } else { format!("{axes} axes") };
+    value.refuse(
+        format!("{}: aw_mask is {mask}, with bit {bit} for axis {}; the cell has {is}", slot.name, bit + 1),
+        None,
+    );
+}
+
+fn idle(slot: &SlotConfig, entry: &Value<'_>) -> Vec<String> {
+    let of_kind = IDLE.iter().filter(|(kind, key, _)| *kind == slot.kind && at(entry, key).is_none());
+    of_kind.map(|(_, key, what)| format!("{}: {key} is left out, which is 0: {what}", slot.name)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "\
+lineshaft: 1
+cycle: 1 ms
+backends: {plant: {type: sim}}
+encoders:
+  belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
+axes:
+  x: {type: linear, drive: virtual, scale: {increments: 1000, per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2}
+tables:
+  rise: {form: y, points: [0, 10, 20, 30, 40]}
+  late: {form: y, points: [5, 10, 20, 30, 40]}
+  segments: {form: words, words: [2, 0, 0, 0, 100, 0, 1, 0]}
+functions:
+";
+
+    /// The errors and warnings about a function, which stands in line 13 behind four characters.
+    fn judged(function: &str) -> (String, Vec<String>) {
+        let text = format!("{HEAD}  f: {function}\n");
+        let cell = Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+        let machine = Machine::new(cell.machine.clone()).unwrap();
+        let (problems, warnings) = judge("c.yaml", &cell, &machine);
+        (problems.to_string(), warnings)
+    }
+
+    /// The error about a function; `^` marks its place.
+    #[track_caller]
+    fn refused(function: &str, sentence: &str) {
+        let column = function.find('^').unwrap() + 1 + "  f: ".len();
+        let (problems, warnings) = judged(&function.replacen('^', "", 1));
+        assert_eq!(problems, format!("c.yaml:13:{column}: {sentence}\n"));
+        assert_eq!(warnings, [""; 0]);
+    }
+
+    #[test]
+    fn set_that_start_would_refuse_is_an_error_at_its_key() {
+        refused(
+            "{slot: 0, type: imes, source: belt, sink: none, ba: ^12, spacing: 10000, window: 2000, blocked: 1000}",
+            "f: ba: 12 limits the measurement to positive and to negative at once; START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: binea, source: belt, tables: [segments], ba: 1, tracks: 1, sf_cycle_time: ^3}",
+            "f: sf_cycle_time: 3 times 0.5 ms is not the cycle of the slot, 1 ms; START refuses this set",
+        );
+        refused(
+            "^{slot: 0, type: binea, source: belt, ba: 1, tracks: 1}",
+            "f: the first table is missing; the function reads its points or cams there; START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: fipw, source: belt, sink: none, mode: 98, table_count: 5, start_tables: 1, mult: 1, \
+             increments_per_rev: 20000, tables: ^[rise, rise, rise]}",
+            "f: 5 tables are counted; the function has 3; START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: fipw, source: belt, sink: none, mode: 2, table_count: 1, mult: 1, increments_per_rev: 20000, \
+             tables: ^[late]}",
+            "f: Tab0 begins at 5 instead of 0; START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: fipw, source: belt, sink: none, mode: ^3, table_count: 1, mult: 1, increments_per_rev: 20000, \
+             tables: [rise]}",
+            "f: mode: no mode has number 3; START refuses this set",
+        );
+    }
+
+    #[test]
+    fn field_that_is_left_out_and_that_start_needs_is_a_warning() {
+        let (problems, warnings) = judged("{slot: 0, type: epos, acceleration: 1, stop_decel: 1, drive_resolution: 1}");
+        let warning = "f: velocity: 0 is no value of it in this `ba`; 1 to 2147483647 is possible; velocity is left out: \
+                       START is refused unless its command gives it";
+        assert_eq!((problems.as_str(), warnings), ("", vec![warning.to_owned()]));
+    }
+
+    #[test]
+    fn mask_with_a_bit_of_a_missing_axis_is_an_error() {
+        refused(
+            "{slot: 0, type: sidiff, sink: none, aw_mask: ^3, display_aw: 1, mean_n: 1}",
+            "f: aw_mask is 3, with bit 1 for axis 2; the cell has 1 axis",
+        );
+        let good = judged("{slot: 0, type: sidiff, sink: none, aw_mask: 1, display_aw: 1, mean_n: 1}");
+        assert_eq!(good, (String::new(), Vec::new()));
+    }
+
+    #[test]
+    fn factor_or_limit_that_is_left_out_and_keeps_the_sink_at_rest_is_a_warning() {
+        let interpolator = "{slot: 0, type: fipw, source: belt, sink: none, mode: 2, table_count: 1, \
+                            increments_per_rev: 20000, tables: [rise]";
+        let (problems, warnings) = judged(&format!("{interpolator}}}"));
+        assert_eq!(
+            (problems.as_str(), warnings),
+            ("", vec!["f: mult is left out, which is 0: its sink never moves".to_owned()])
+        );
+        assert_eq!(judged(&format!("{interpolator}, mult: 1}}")), (String::new(), Vec::new()));
+        let follower = "{slot: 0, type: dfkt, source: belt, sink: none, ba: 1, div: 1, in_resolution: 20000, in_final: 3000, \
+                        ratio_max: 2, ratio_min: -2, ratio_div: 1";
+        let (problems, warnings) = judged(&format!("{follower}}}"));
+        let expected = [
+            "f: mult is left out, which is 0: the function gives no speed",
+            "f: out_max is left out, which is 0: the function gives no speed above 0",
+            "f: out_min is left out, which is 0: the function gives no speed below 0",
+        ];
+        assert_eq!((problems.as_str(), warnings), ("", expected.map(str::to_owned).to_vec()));
+        assert_eq!(judged(&format!("{follower}, mult: 1, out_max: 3000, out_min: 0}}")), (String::new(), Vec::new()));
+    }
+}
