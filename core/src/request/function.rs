@@ -4,7 +4,7 @@ use super::{RequestError, list};
 use crate::command::{Action, CommandFunction, RunFunction};
 use crate::config::{MachineConfig, SlotConfig};
 use crate::function::Order;
-use crate::table::Table;
+use crate::table::{CamSetting, Table};
 use crate::unit::excerpt;
 use lineshaft_program::Module;
 use std::sync::Arc;
@@ -105,9 +105,17 @@ impl MachineConfig {
         let present = self.tables.get(usize::from(index));
         let form = present.map(|present| present.table.form()).unwrap_or(crate::table::Form::Y);
         let setting = present.map(|present| present.table.cam_setting()).unwrap_or_default();
-        let table = Table::new(form, x, y)
-            .map_err(|error| RequestError::BadTable { name: excerpt(name), sentence: error.to_string() })?;
-        Ok(Action::LoadTable { index, table: Arc::new(table.with_cam(setting)) })
+        let bad = |sentence: String| RequestError::BadTable { name: excerpt(name), sentence };
+        // As the cell refuses it.
+        if let Some((before, place)) = x.iter().zip(x.iter().skip(1)).find(|(before, place)| before >= place) {
+            return Err(bad(format!("place {place} does not lie behind {before}, the one before it; places rise")));
+        }
+        let table = Table::new(form, x, y).map_err(|error| bad(error.to_string()))?.with_cam(setting);
+        // Key `cam` says that it is one. Without the key any curve is good until an axis follows it.
+        if setting != CamSetting::default() {
+            table.cam().map_err(|error| bad(error.to_string()))?;
+        }
+        Ok(Action::LoadTable { index, table: Arc::new(table) })
     }
 }
 
@@ -156,5 +164,35 @@ fn place(config: &SlotConfig, name: &str) -> Result<(u16, usize), RequestError> 
                 count => format!("{}[0..{}]", field.name, count - 1),
             })),
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::TableConfig;
+    use crate::table::{Form, Interpolation};
+
+    #[test]
+    fn load_table_refuses_numbers_that_the_cell_refuses() {
+        let table = |name: &str, setting| {
+            let table = Table::new(Form::Xy, &[0, 10, 20], &[0, 5, 0]).unwrap().with_cam(setting);
+            TableConfig { name: name.to_owned(), table: Arc::new(table) }
+        };
+        let cubic = CamSetting { interpolation: Interpolation::Cubic, ..CamSetting::default() };
+        let tables = vec![table("curve", CamSetting::default()), table("cam", cubic)];
+        let config = MachineConfig { tables, ..MachineConfig::default() };
+        let load = |name, x: &[i64], y: &[i64]| {
+            config.resolve_load_table(name, x, y).map(|_| ()).map_err(|error| error.to_string())
+        };
+        let falls = load("curve", &[0, 9, 8], &[0, 1, 2]).unwrap_err();
+        assert!(falls.ends_with("place 8 does not lie behind 9, the one before it; places rise"), "{falls}");
+        let stands = load("cam", &[0, 9, 9], &[0, 1, 2]).unwrap_err();
+        assert!(stands.ends_with("place 9 does not lie behind 9, the one before it; places rise"), "{stands}");
+        // A cubic spline that begins again needs three points. A curve does with two.
+        let few = load("cam", &[0, 10], &[0, 5]).unwrap_err();
+        assert!(few.ends_with("a cam has 2 points; 3 or more are needed"), "{few}");
+        assert_eq!(load("curve", &[0, 10], &[0, 5]), Ok(()));
+        assert_eq!(load("cam", &[0, 10, 30], &[0, 5, 0]), Ok(()));
     }
 }
