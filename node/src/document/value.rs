@@ -92,6 +92,11 @@ impl<'d> Value<'d> {
         self.plain().is_some_and(|text| whole_number(text).is_ok())
     }
 
+    /// Whether it is `true` or `false` without quotes; notes no problem.
+    pub fn is_boolean(&self) -> bool {
+        matches!(self.plain(), Some("true" | "false"))
+    }
+
     /// Any scalar, as written.
     pub fn text(&self) -> Option<&'d str> {
         self.scalar("a text")

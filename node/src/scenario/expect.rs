@@ -1,6 +1,6 @@
 //! Section `expect`: what has to be true.
 //!
-//! Law      values: row n stands at from + n every, exact
+//! Law      values: row n is expected at from + n every, exact or `within`
 //!          a condition holds in every cycle from..to (always), in one of them (eventually), in none (never); `at` is a
 //!          window of one cycle; without any of them the window is the whole scenario
 //!          events of a kind, source.. occur count times, or min to max times; without any of them at least once
@@ -38,7 +38,7 @@ pub(super) struct Expectation {
 /// What is expected.
 #[derive(Clone, Debug)]
 pub(super) enum Claim {
-    Values { probe: Probe, values: Vec<Number>, every: u64 },
+    Values { probe: Probe, values: Vec<Number>, within: Option<Number>, every: u64 },
     Condition { predicate: Predicate, mode: Mode },
     Events { filter: Filter, min: u64, max: Option<u64> },
 }
@@ -197,10 +197,14 @@ impl Reader<'_> {
     fn values(&self, map: &mut Map<'_>) -> Option<Claim> {
         let probe = Probe::read(map, self.names);
         let every = map.optional("every").map_or(Some(1), |value| positive_cycles(&value, self.cycle_ns));
-        let values = map.optional("values")?;
+        let (values, within) = (map.optional("values")?, map.optional("within"));
         let probe = probe?;
-        let values = rows(&values, &probe.ruler)?;
-        Some(Claim::Values { probe, values, every: every? })
+        let values = rows(&values, &probe.ruler);
+        let within = match within {
+            Some(within) => Some(probe.read_tolerance(&within)?),
+            None => None,
+        };
+        Some(Claim::Values { probe, values: values?, within, every: every? })
     }
 
     fn condition(&self, map: &mut Map<'_>) -> Option<Claim> {

@@ -2,7 +2,7 @@
 
 use super::expect::{Claim, Expectation, Mode};
 use super::moment::text;
-use super::predicate::{Predicate, Probe, same};
+use super::predicate::{Check, Predicate, Probe};
 use super::report::Failure;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Value as Number;
@@ -10,6 +10,8 @@ use std::collections::VecDeque;
 
 /// Cycles of events that a report lists.
 const LISTED: usize = 8;
+/// Values that differ that a report lists.
+const DIFFERENCES: usize = 5;
 
 /// What is remembered of one expectation.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +27,8 @@ pub(super) struct Record {
     /// The last cycle of the window so far.
     last: Option<(u64, String)>,
     listed: Vec<u64>,
+    /// The first values that differ, each with its cycle.
+    differences: Vec<(u64, Number)>,
     /// The newest cycles, while the step that they may count from has not fired.
     past: VecDeque<Sample>,
     /// Memory for the cycle that is judged.
@@ -117,7 +121,7 @@ impl Expectation {
             return;
         }
         match &self.claim {
-            Claim::Values { probe, values, every } => {
+            Claim::Values { values, within, every, .. } => {
                 let n = seen.cycle - from;
                 let row = usize::try_from(n / every)
                     .ok()
@@ -125,9 +129,11 @@ impl Expectation {
                     .filter(|_| n.is_multiple_of(*every));
                 let (Some(row), Some(&found)) = (row, seen.values.first()) else { return };
                 record.judged += 1;
-                if !same(found, *row) {
+                if !(Check::Is { value: *row, within: *within }).holds(found) {
                     record.count += 1;
-                    record.first.get_or_insert_with(|| (seen.cycle, probe.ruler.text(found)));
+                    if record.differences.len() < DIFFERENCES {
+                        record.differences.push((seen.cycle, found));
+                    }
                 }
             }
             Claim::Condition { predicate, mode } => {
@@ -155,7 +161,10 @@ impl Expectation {
         let (from, to) = self.window(base, end.last);
         let window = Window { from, to: to.min(end.last), end };
         let sentence = match &self.claim {
-            Claim::Values { probe, values, every } => values_verdict(probe, values, *every, record, &window),
+            Claim::Values { probe, values, within, every } => {
+                let rows = Rows { probe, values, within: *within, every: *every };
+                rows.verdict(record, &window)
+            }
             Claim::Condition { predicate, mode } => condition_verdict(predicate, *mode, record, &window),
             Claim::Events { filter, min, max } => events_verdict(&filter.name, *min, *max, record, &window),
         };
@@ -234,19 +243,48 @@ fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
-fn values_verdict(
-    probe: &Probe,
-    values: &[Number],
+/// A list of values that is expected.
+struct Rows<'a> {
+    probe: &'a Probe,
+    values: &'a [Number],
+    within: Option<Number>,
     every: u64,
-    record: &Record,
-    window: &Window<'_>,
-) -> Option<String> {
-    let (cycle, found) = record.first.as_ref()?;
-    let row = (cycle - window.from) / every;
-    let expected = probe.ruler.text(*values.get(usize::try_from(row).ok()?)?);
-    let (name, when, count) = (probe.name(), text(*cycle, window.end.cycle_ns), values.len());
-    let which = format!("value {} of {count}; {} of {count} values differ", row + 1, record.count);
-    Some(format!("{name} is {found} in {when}; {expected} was expected, {which}"))
+}
+
+impl Rows<'_> {
+    /// The first difference in full, and up to four more.
+    fn verdict(&self, record: &Record, window: &Window<'_>) -> Option<String> {
+        let (cycle, found) = record.differences.first()?;
+        let row = (cycle - window.from) / self.every;
+        let ruler = &self.probe.ruler;
+        let expected = Check::Is { value: self.value(*cycle, window)?, within: self.within }.text(ruler);
+        let (name, found, when) = (self.probe.name(), ruler.text(*found), text(*cycle, window.end.cycle_ns));
+        let count = self.values.len();
+        let which = format!("value {} of {count}; {} of {count} values differ", row + 1, record.count);
+        let all = self.list(record, window);
+        Some(format!("{name} is {found} in {when}; {expected} was expected, {which}{all}"))
+    }
+
+    /// What was expected in a cycle.
+    fn value(&self, cycle: u64, window: &Window<'_>) -> Option<Number> {
+        let row = usize::try_from((cycle - window.from) / self.every).ok()?;
+        self.values.get(row).copied()
+    }
+
+    /// All differences that are known, where there is more than one: `: 7 instead of 8 in cycle 7, ..`
+    fn list(&self, record: &Record, window: &Window<'_>) -> String {
+        if record.differences.len() < 2 {
+            return String::new();
+        }
+        let ruler = &self.probe.ruler;
+        let one = |(cycle, found): &(u64, Number)| {
+            let expected = self.value(*cycle, window).map_or_else(String::new, |value| ruler.text(value));
+            format!("{} instead of {expected} in cycle {cycle}", ruler.text(*found))
+        };
+        let all: Vec<String> = record.differences.iter().map(one).collect();
+        let more = if record.count > DIFFERENCES as u64 { ", .." } else { "" };
+        format!(": {}{more}", all.join(", "))
+    }
 }
 
 fn events_verdict(name: &str, min: u64, max: Option<u64>, record: &Record, window: &Window<'_>) -> Option<String> {

@@ -6,7 +6,7 @@ use lineshaft_core::config::{IoKind, MachineConfig};
 use lineshaft_core::object::Object;
 use lineshaft_core::parameter::{Applies, ROWS, Row, Word};
 use lineshaft_core::request::RequestError;
-use lineshaft_core::signal::{Directory, Signal};
+use lineshaft_core::signal::{Directory, Signal, Type};
 use lineshaft_core::unit::{Scale, excerpt};
 use lineshaft_ros::surface::{Group, JointNames};
 use std::path::Path;
@@ -81,6 +81,12 @@ impl Names<'_> {
         let tables = config.tables.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Table(index)));
         let slots = config.slots.iter().zip(0..).map(|(entry, index)| (entry.name.as_str(), Object::Function(index)));
         io.chain(memory).chain(encoders).chain(axes).chain(tables).chain(slots)
+    }
+
+    /// Whether a signal is a memory cell that holds a number, which has no unit of its own.
+    pub(super) fn is_number_in_memory(&self, signal: Signal) -> bool {
+        let entry = self.directory.entry(signal);
+        entry.kind != Type::Bit && matches!(self.find(&entry.name), Some(Object::Memory(_)))
     }
 
     /// The scale of the axis or encoder that a signal belongs to.

@@ -1,6 +1,7 @@
 //! Conditions on signals and parameters, for `when` and `expect`.
 //!
 //! Law      is: equal, or |value - asked| <= within | not: unequal | min <= value <= max | all, any: of several
+//!          value = signal, signal AND mask, or signal + plus - minus, exact for whole numbers
 //! Reads    the board and the parameters in force at the end of a cycle
 //! Source   contract section 5
 
@@ -9,11 +10,11 @@ use super::ruler::{self, Ruler};
 use crate::document::{Map, Value};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::Storage;
-use lineshaft_core::signal::{Signal, Type, Value as Number};
+use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
 use lineshaft_core::unit::excerpt;
 use std::slice::Iter;
 
-/// A signal, a signal minus another one, or a parameter.
+/// A signal, the bits of a signal below a mask, a sum of signals, or a parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Probe {
     name: String,
@@ -24,32 +25,44 @@ pub(super) struct Probe {
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Signal(Signal, Type),
-    Difference([(Signal, Type); 2]),
+    /// Bits of a signal.
+    Masked(Signal, Type, i64),
+    /// The first signal + the second one - the third one.
+    Sum((Signal, Type), Option<(Signal, Type)>, Option<(Signal, Type)>),
     /// Axis or machine, and place of the row.
     Parameter(u16, u16),
 }
 
 impl Probe {
-    /// Reads keys `signal` and `minus`, or `parameter`.
+    /// Reads keys `signal` with `plus`, `minus` and `mask`, or `parameter`.
     pub(super) fn read(map: &mut Map<'_>, names: &Names<'_>) -> Option<Self> {
         if let Some(parameter) = map.optional("parameter") {
-            if let Some(other) = map.optional("signal").or_else(|| map.optional("minus")) {
+            let others = ["signal", "plus", "minus", "mask"].map(|key| map.optional(key));
+            if let Some(other) = others.into_iter().flatten().next() {
                 let sentence = format!("parameter and {} stand side by side; one of them is expected", other.label());
                 other.refuse(sentence, None);
                 return None;
             }
             return Self::of_parameter(&parameter, names);
         }
-        let (signal, minus) = (map.required("signal"), map.optional("minus"));
+        let signal = map.required("signal");
+        let [plus, minus, mask] = ["plus", "minus", "mask"].map(|key| map.optional(key));
         let signal = signal.and_then(|value| names.signal(&value));
-        let other = minus.as_ref().map(|value| names.signal(value));
+        let others = [plus, minus].map(|value| value.map(|value| (names.signal(&value), value)));
+        let mask = mask.map(|value| (value.integer(1..=i64::MAX), value));
         let signal = signal?;
         let entry = names.directory.entry(signal);
         let ruler = Ruler::of(names, signal);
         let probe = Self { name: entry.name.clone(), source: Source::Signal(signal, entry.kind), ruler };
-        match (minus, other) {
-            (Some(value), Some(other)) => probe.minus(&value, other?, names),
-            _ => Some(probe),
+        match (mask, others) {
+            (None, [None, None]) => Some(probe),
+            (None, others) => probe.sum(others, names),
+            (Some((mask, value)), [None, None]) => probe.masked(mask?, &value),
+            (Some((_, value)), _) => {
+                let sentence = "mask stands together with plus or minus; one of them is expected";
+                value.refuse(sentence, None);
+                None
+            }
         }
     }
 
@@ -66,32 +79,88 @@ impl Probe {
         Some(Self { name: name.to_owned(), source: Source::Parameter(axis, place), ruler })
     }
 
-    fn minus(self, value: &Value<'_>, other: Signal, names: &Names<'_>) -> Option<Self> {
+    /// The bits of a signal: of a whole number without a unit.
+    fn masked(self, mask: i64, value: &Value<'_>) -> Option<Self> {
+        let Source::Signal(signal, kind) = self.source else { return None };
+        if !matches!(kind, Type::Int | Type::Word) || self.ruler.measure != Measure::None || self.ruler.is_code {
+            let sentence = format!("mask is for words and whole numbers without a unit; {} is none", self.name);
+            value.refuse(sentence, None);
+            return None;
+        }
+        let name = format!("{} & {mask:#x}", self.name);
+        let ruler = Ruler { mask: Some(mask), ..self.ruler };
+        Some(Self { name, source: Source::Masked(signal, kind, mask), ruler })
+    }
+
+    /// The sum with `plus` and the difference with `minus`, of signals in the same unit.
+    fn sum(self, others: [Option<(Option<Signal>, Value<'_>)>; 2], names: &Names<'_>) -> Option<Self> {
+        let Source::Signal(signal, kind) = self.source else { return None };
+        let mut sum = self;
+        let mut has_no_unit = names.is_number_in_memory(signal);
+        let mut terms = [None, None];
+        for ((term, word), other) in terms.iter_mut().zip(["plus", "minus"]).zip(others) {
+            let Some((other, value)) = other else { continue };
+            let other = other?;
+            let theirs = names.directory.entry(other);
+            sum.ruler = sum.common_ruler(other, &value, names, has_no_unit)?;
+            has_no_unit &= names.is_number_in_memory(other);
+            sum.name = format!("{} {word} {}", sum.name, theirs.name);
+            *term = Some((other, theirs.kind));
+        }
+        let [plus, minus] = terms;
+        Some(Self { source: Source::Sum((signal, kind), plus, minus), ..sum })
+    }
+
+    /// How the sum with another signal is read and written. A memory cell has no unit of its own: it holds a number in
+    /// the unit of the signal that it is added to. `has_no_unit`: all terms so far are memory cells.
+    fn common_ruler(&self, other: Signal, value: &Value<'_>, names: &Names<'_>, has_no_unit: bool) -> Option<Ruler> {
+        let (mine, theirs) = (&self.ruler, Ruler::of(names, other));
         let entry = names.directory.entry(other);
-        let theirs = Ruler::of(names, other);
-        if theirs.measure != self.ruler.measure {
+        let is_real = mine.kind == Type::Real || entry.kind == Type::Real;
+        let kind = if is_real { Type::Real } else { Type::Int };
+        let plain = Ruler {
+            kind,
+            measure: mine.measure,
+            scale: mine.scale,
+            is_code: false,
+            mask: None,
+            row: None,
+            range: ruler::ALL_WHOLE,
+        };
+        if theirs.measure != mine.measure {
+            if has_no_unit {
+                return Some(Ruler { measure: theirs.measure, scale: theirs.scale, ..plain });
+            }
+            if names.is_number_in_memory(other) {
+                return Some(plain);
+            }
             let unit = |ruler: &Ruler| match ruler.measure.unit() {
                 "" => "no unit",
                 unit => unit,
             };
-            let (mine, theirs) = (unit(&self.ruler), unit(&theirs));
+            let (mine, theirs) = (unit(mine), unit(&theirs));
             let sentence = format!("{} has {mine} and {} has {theirs}", self.name, entry.name);
-            value.refuse(format!("{sentence}; a difference needs the same unit"), None);
+            let what = if value.label() == "plus" { "sum" } else { "difference" };
+            value.refuse(format!("{sentence}; a {what} needs the same unit"), None);
             return None;
         }
-        let Source::Signal(signal, kind) = self.source else { return None };
-        let is_real = kind == Type::Real || entry.kind == Type::Real;
-        let ruler = Ruler {
-            kind: if is_real { Type::Real } else { Type::Int },
-            measure: theirs.measure,
-            // Between two scales a millimetre has no meaning: only increments are left.
-            scale: self.ruler.scale.filter(|_| self.ruler.scale == theirs.scale),
-            is_code: false,
-            row: None,
-            range: ruler::ALL_WHOLE,
-        };
-        let name = format!("{} minus {}", self.name, entry.name);
-        Some(Self { name, source: Source::Difference([(signal, kind), (other, entry.kind)]), ruler })
+        // Between two scales a millimetre has no meaning: only increments are left.
+        Some(Ruler { scale: mine.scale.filter(|_| mine.scale == theirs.scale), ..plain })
+    }
+
+    /// Reads key `within`: refused where the values have no order.
+    pub(super) fn read_tolerance(&self, within: &Value<'_>) -> Option<Number> {
+        if self.is_ordered(within) { self.ruler.read_tolerance(within) } else { None }
+    }
+
+    /// Whether the values have an order; where not, the key that needs one is a problem.
+    fn is_ordered(&self, key: &Value<'_>) -> bool {
+        let is_ordered = self.ruler.is_ordered();
+        if !is_ordered {
+            let what = if self.ruler.mask.is_some() { "bits of a mask" } else { "a bit or an enum" };
+            key.refuse(format!("{} has no meaning for {what}; is and not have", key.label()), None);
+        }
+        is_ordered
     }
 
     /// What it is called in a report.
@@ -104,12 +173,25 @@ impl Probe {
         let value = |(signal, kind)| machine.board().value(signal, kind);
         match self.source {
             Source::Signal(signal, kind) => value((signal, kind)),
-            Source::Difference([minuend, subtrahend]) => match (value(minuend), value(subtrahend)) {
-                (Number::Int(value), Number::Int(other)) => Number::Int(value.saturating_sub(other)),
-                (value, other) => Number::Real(value.to_f64() - other.to_f64()),
+            Source::Masked(signal, kind, mask) => match value((signal, kind)) {
+                Number::Int(word) => Number::Int(word & mask),
+                real => real,
             },
+            Source::Sum(first, plus, minus) => sum(value(first), plus.map(value), minus.map(value)),
             Source::Parameter(axis, row) => ruler::number(machine.parameter(axis, row)),
         }
+    }
+}
+
+/// first + plus - minus: whole numbers exactly, and saturated once at the end.
+fn sum(first: Number, plus: Option<Number>, minus: Option<Number>) -> Number {
+    let (plus, minus) = (plus.unwrap_or(Number::Int(0)), minus.unwrap_or(Number::Int(0)));
+    match (first, plus, minus) {
+        (Number::Int(first), Number::Int(plus), Number::Int(minus)) => {
+            let sum = i128::from(first) + i128::from(plus) - i128::from(minus);
+            Number::Int(sum.clamp(i64::MIN.into(), i64::MAX.into()) as i64)
+        }
+        _ => Number::Real(first.to_f64() + plus.to_f64() - minus.to_f64()),
     }
 }
 
@@ -130,8 +212,7 @@ impl Check {
         let ruler = &probe.ruler;
         // A problem names what the value is asked of: "x.state is `STANDSTIL`".
         let [is, not] = [is, not].map(|value| value.map(|value| value.called(probe.name.clone())));
-        if let Some(value) = ordered.filter(|_| !ruler.is_ordered()) {
-            value.refuse(format!("{} has no meaning for a bit or an enum; is and not have", value.label()), None);
+        if ordered.is_some_and(|key| !probe.is_ordered(key)) {
             return None;
         }
         let read = |value: Value<'_>| ruler.read(&value);
@@ -173,7 +254,7 @@ impl Check {
     pub(super) fn holds(&self, number: Number) -> bool {
         match *self {
             Self::Is { value, within: None } => same(number, value),
-            Self::Is { value, within: Some(within) } => at_most(distance(number, value), within),
+            Self::Is { value, within: Some(within) } => same(number, value) || at_most(distance(number, value), within),
             Self::Not(value) => !same(number, value),
             Self::Range { min, max } => {
                 min.is_none_or(|min| at_most(min, number)) && max.is_none_or(|max| at_most(number, max))
@@ -210,7 +291,7 @@ impl Check {
 }
 
 /// Equal; what is not set is the same as what is not set.
-pub(super) fn same(value: Number, other: Number) -> bool {
+fn same(value: Number, other: Number) -> bool {
     value == other || value.to_f64().is_nan() && other.to_f64().is_nan()
 }
 

@@ -1,7 +1,8 @@
 //! Key `refused` of a step: the refusal that its commands are to meet.
 //!
 //! Law      a text is part of the sentence, or the name of the parameter or of the code; capitals and small letters are
-//!          alike `{code: 98}` is the code by number or name; with `text` beside it, both
+//!          alike. `{code: 98}` is the code by number or name; with `text` beside it, both. `any` is every refusal
+//! Refuses  true and false, which say nothing about the sentence
 //! Source   contract section 5
 
 use super::ruler::read_code;
@@ -10,7 +11,10 @@ use lineshaft_core::code::Code;
 use lineshaft_core::unit::excerpt;
 use std::fmt;
 
-/// What a refusal is to say.
+/// The text that stands for every refusal; as a part of a sentence it is `{text: any}`.
+const ANY: &str = "any";
+
+/// What a refusal is to say; without code and text, any refusal is meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Refusal {
     code: Option<u32>,
@@ -18,10 +22,10 @@ pub(super) struct Refusal {
 }
 
 impl Refusal {
-    /// Reads a text, or a mapping of `code` and `text`.
+    /// Reads a text, `any`, or a mapping of `code` and `text`.
     pub(super) fn read(value: &Value<'_>) -> Option<Self> {
         if !value.is_map() {
-            return value.text().map(|text| Self { code: None, text: Some(text.to_owned()) });
+            return Self::read_text(value);
         }
         let mut map = value.map("refused")?;
         let (code, text) = (map.optional("code"), map.optional("text"));
@@ -35,6 +39,18 @@ impl Refusal {
         let code = code.map_or(Some(None), |code| code.map(Some))?;
         let text = text.map_or(Some(None), |text| text.map(Some))?;
         given.then_some(Self { code, text })
+    }
+
+    fn read_text(value: &Value<'_>) -> Option<Self> {
+        if value.is_boolean() {
+            let text = value.peek().unwrap_or_default();
+            let sentence = format!("refused is {text}; a part of the sentence, a code or `any` is expected");
+            let hint = if text == "true" { "write `refused: any`" } else { "leave `refused` out" };
+            value.refuse(sentence, Some(hint.to_owned()));
+            return None;
+        }
+        let text = value.text()?;
+        Some(Self { code: None, text: Some(text).filter(|text| *text != ANY).map(str::to_owned) })
     }
 
     /// Is it that code, and does one of the sentences or names say the text?
@@ -51,11 +67,12 @@ impl fmt::Display for Refusal {
         match (self.code, &self.text) {
             (Some(code), Some(text)) => write!(f, "code {code} and `{}`", excerpt(text)),
             (Some(code), None) => write!(f, "code {code}"),
+            (None, None) => f.write_str("any sentence"),
             // Part of a sentence it may be, but seldom is.
             (None, Some(text)) if text.parse::<u32>().is_ok() => {
                 write!(f, "the text `{text}` (a code is written `{{code: {text}}}`)")
             }
-            (None, text) => write!(f, "`{}`", excerpt(text.as_deref().unwrap_or_default())),
+            (None, Some(text)) => write!(f, "`{}`", excerpt(text)),
         }
     }
 }

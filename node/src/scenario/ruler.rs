@@ -24,6 +24,8 @@ pub(super) struct Ruler {
     pub scale: Option<Scale>,
     /// Its numbers are codes of errors.
     pub is_code: bool,
+    /// The bits of a signal that are compared; none for the signal as a whole.
+    pub mask: Option<i64>,
     /// The row of a parameter.
     pub row: Option<&'static Row>,
     /// Minimum and maximum of whole numbers.
@@ -43,6 +45,7 @@ impl Ruler {
             is_code: entry.kind == Type::Int
                 && entry.measure == Measure::None
                 && (entry.name.ends_with(".error") || entry.name.ends_with(".fault.code")),
+            mask: None,
             row: None,
             range: ALL_WHOLE,
         }
@@ -58,13 +61,21 @@ impl Ruler {
             | parameter::Measure::Number => Type::Real,
             _ => Type::Int,
         };
-        Self { kind, measure: Measure::None, scale: Some(scale), is_code: false, row: Some(row), range: ALL_WHOLE }
+        Self {
+            kind,
+            measure: Measure::None,
+            scale: Some(scale),
+            is_code: false,
+            mask: None,
+            row: Some(row),
+            range: ALL_WHOLE,
+        }
     }
 
     /// Positions of an object of that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
         let (kind, measure) = (Type::Int, Measure::Position);
-        Self { kind, measure, scale: Some(scale), is_code: false, row: None, range: ALL_WHOLE }
+        Self { kind, measure, scale: Some(scale), is_code: false, mask: None, row: None, range: ALL_WHOLE }
     }
 
     /// Returns the same with other bounds of whole numbers.
@@ -74,13 +85,16 @@ impl Ruler {
 
     /// Has it an order, so that more and less have a meaning?
     pub(super) fn is_ordered(&self) -> bool {
-        !matches!(self.kind, Type::Enum(_) | Type::Bit)
+        self.mask.is_none() && !matches!(self.kind, Type::Enum(_) | Type::Bit)
     }
 
     /// Reads a value.
     pub(super) fn read(&self, value: &Value<'_>) -> Option<Number> {
         if let Some((row, scale)) = self.row.zip(self.scale) {
             return read_parameter(value, row, &scale);
+        }
+        if let Some(mask) = self.mask {
+            return read_bits(value, mask).map(Number::Int);
         }
         match self.kind {
             Type::Real => self.read_real(value).map(Number::Real),
@@ -157,6 +171,9 @@ impl Ruler {
         if let Some((row, scale)) = self.row.zip(self.scale) {
             return parameter_text(row, number, &scale);
         }
+        if let (Some(_), Number::Int(bits)) = (self.mask, number) {
+            return format!("{bits:#x}");
+        }
         let plain = match (number, self.kind) {
             (Number::Int(place), Type::Enum(names)) => {
                 let name = usize::try_from(place).ok().and_then(|place| names.get(place));
@@ -177,6 +194,16 @@ impl Ruler {
             _ => own,
         }
     }
+}
+
+/// Bits of a mask: a bit outside of it could never be met.
+fn read_bits(value: &Value<'_>, mask: i64) -> Option<i64> {
+    let bits = value.integer(0..=i64::MAX)?;
+    if bits & !mask != 0 {
+        value.refuse(format!("{} is {bits:#x}, which has bits outside of the mask {mask:#x}", value.label()), None);
+        return None;
+    }
+    Some(bits)
 }
 
 fn read_parameter(value: &Value<'_>, row: &Row, scale: &Scale) -> Option<Number> {

@@ -22,11 +22,117 @@ fn values_stand_one_per_cycle() {
     holds("{signal: feed, from: 998, values: [998, 999]}");
     assert_eq!(
         fails("{signal: feed, from: 5, values: [5, 6, 8, 8, 8], every: 1}"),
-        "feed is 7 in cycle 7 (0.007 s); 8 was expected, value 3 of 5; 2 of 5 values differ"
+        "feed is 7 in cycle 7 (0.007 s); 8 was expected, value 3 of 5; 2 of 5 values differ: 7 instead of 8 in \
+         cycle 7, 9 instead of 8 in cycle 9"
     );
     assert_eq!(
         bad("^{signal: feed, from: 98, values: [1, 2, 3]}"),
         "value 3 of 3 stands at cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
+    );
+}
+
+#[test]
+fn values_are_exact_unless_within() {
+    holds("{signal: feed, from: 5, values: [6, 6, 6], within: 1}");
+    holds("{signal: feed, from: 5, values: [5, 6], within: 0}");
+    holds("{signal: gain, values: [0.4, 0.6], within: 0.1}");
+    holds("{signal: x.actual.position, values: [1 mm, -1000], within: 1 mm}");
+    holds("{parameter: line.max_position, values: [null], within: 1 mm}");
+    assert_eq!(
+        fails("{signal: feed, from: 5, values: [6, 6, 4, 9], within: 1}"),
+        "feed is 7 in cycle 7 (0.007 s); 4 within 1 was expected, value 3 of 4; 1 of 4 values differ"
+    );
+    assert_eq!(bad("{signal: feed, values: [1], within: ^-1}"), "within is -1; 0 and above is allowed");
+    assert_eq!(
+        bad("{signal: start, values: [1], within: ^1}"),
+        "within has no meaning for a bit or an enum; is and not have"
+    );
+}
+
+#[test]
+fn a_list_of_values_that_fails_shows_its_first_five_differences() {
+    // 0 to 6: the second value alone is right.
+    assert_eq!(
+        fails("{signal: feed, values: [1, 1, 3, 4, 5, 6, 7]}"),
+        "feed is 0 in cycle 0 (0 s); 1 was expected, value 1 of 7; 6 of 7 values differ: 0 instead of 1 in cycle 0, 2 \
+         instead of 3 in cycle 2, 3 instead of 4 in cycle 3, 4 instead of 5 in cycle 4, 5 instead of 6 in cycle 5, .."
+    );
+}
+
+#[test]
+fn bits_of_a_word_are_compared_below_a_mask() {
+    // 13 is 1101b.
+    holds("{signal: feed, mask: 0x0C, at: 13, is: 0x0C}");
+    holds("{signal: feed, mask: 4, from: 4, to: 7, is: 4}");
+    holds("{signal: feed, mask: 4, from: 4, to: 7, not: 0}");
+    holds("{signal: feed, mask: 3, from: 2, values: [2, 3, 0, 1]}");
+    holds("{all: [{signal: feed, mask: 8, is: 8}, {signal: feed, mask: 1, is: 0}], mode: eventually}");
+    // A negative number is its two's complement: -1 has all bits.
+    passes(
+        "scenario: s\ncycles: 9\ndrive: [{signal: feed, values: [-1]}]\nexpect: [{signal: feed, mask: 0xFFFF, is: 0xFFFF}]",
+    );
+    // Enable operation is the control word 0Fh (CiA 402).
+    passes(
+        "scenario: s\ncycles: 99\nsteps: [{at: 0, do: {enable: {axes: [x]}}}]\n\
+         expect: [{signal: x.output.control, mask: 0x0F, at: end, is: 0x0F}]",
+    );
+    assert_eq!(
+        fails("{signal: feed, mask: 0x30, at: 16, is: 0x20}"),
+        "feed & 0x30 is 0x10 in cycle 16 (0.016 s); 0x20 was expected"
+    );
+    assert_eq!(bad("{signal: feed, mask: 6, is: ^1}"), "feed & 0x6 is 0x1, which has bits outside of the mask 0x6");
+    let words = "mask is for words and whole numbers without a unit";
+    assert_eq!(bad("{signal: gain, mask: ^1, is: 1}"), format!("{words}; gain is none"));
+    assert_eq!(bad("{signal: x.actual.position, mask: ^1, is: 1}"), format!("{words}; x.actual.position is none"));
+    assert_eq!(bad("{signal: feed, mask: 1, min: ^1}"), "min has no meaning for bits of a mask; is and not have");
+    assert_eq!(bad("{signal: feed, mask: ^0, is: 0}"), "mask is 0; 1..9223372036854775807 is allowed");
+    assert_eq!(
+        bad("{signal: feed, mask: ^1, minus: feed, is: 0}"),
+        "mask stands together with plus or minus; one of them is expected"
+    );
+    assert_eq!(
+        bad("{parameter: x.max_velocity, mask: ^1, is: 1}"),
+        "parameter and mask stand side by side; one of them is expected"
+    );
+}
+
+#[test]
+fn signals_are_added_and_subtracted() {
+    holds("{signal: feed, plus: feed, at: 7, is: 14}");
+    holds("{signal: feed, plus: gain, at: 7, is: 7.5}");
+    holds("{signal: feed, plus: gain, minus: feed, is: 0.5}");
+    assert_eq!(
+        fails("{signal: feed, plus: feed, minus: gain, at: 7, is: 14}"),
+        "feed plus feed minus gain is 13.5 in cycle 7 (0.007 s); 14 was expected"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, plus: ^x.command.velocity, is: 0}"),
+        "x.command.position has inc and x.command.velocity has inc/s; a sum needs the same unit"
+    );
+}
+
+#[test]
+fn a_memory_cell_has_the_unit_of_the_position_beside_it() {
+    holds("{signal: feed, minus: x.actual.position, at: 7, is: 7}");
+    // 1000 inc are 1 mm.
+    holds("{signal: x.actual.position, minus: feed, at: 7, is: -7 um}");
+    holds("{signal: feed, plus: feed, minus: x.actual.position, at: 7, is: 14 um}");
+    assert_eq!(
+        fails("{signal: x.actual.position, minus: feed, at: 7, is: 0}"),
+        "x.actual.position minus feed is -7 inc (-0.007 mm) in cycle 7 (0.007 s); 0 inc (0 mm) was expected"
+    );
+    assert_eq!(
+        bad("{signal: feed, plus: x.command.position, minus: ^x.command.velocity, is: 0}"),
+        "feed plus x.command.position has inc and x.command.velocity has inc/s; a difference needs the same unit"
+    );
+    // What is no number in memory has no unit that one could mean.
+    assert_eq!(
+        bad("{signal: flag, minus: ^x.command.position, is: 0}"),
+        "flag has no unit and x.command.position has inc; a difference needs the same unit"
+    );
+    assert_eq!(
+        bad("{signal: x.index.count, minus: ^x.command.position, is: 0}"),
+        "x.index.count has no unit and x.command.position has inc; a difference needs the same unit"
     );
 }
 
@@ -148,7 +254,8 @@ fn what_came_before_a_step_counts_from_it() {
     );
     assert_eq!(
         failure(&text("{signal: feed, since: go, from: -3, values: [98, 100, 101, 101]}")),
-        "feed is 99 in cycle 99 (0.099 s); 100 was expected, value 2 of 4; 2 of 4 values differ"
+        "feed is 99 in cycle 99 (0.099 s); 100 was expected, value 2 of 4; 2 of 4 values differ: 99 instead of \
+         100 in cycle 99, 100 instead of 101 in cycle 100"
     );
     assert_eq!(
         failure(&text("{signal: feed, since: go, at: -102, is: 0}")),
@@ -319,7 +426,8 @@ fn what_is_wrong_with_an_expectation_is_told() {
     );
     assert_eq!(
         bad("{signal: feed, ^at: 3, values: [1]}"),
-        "unknown key `at` in an expectation, known are since, parameter, signal, minus, every, values, from"
+        "unknown key `at` in an expectation, known are since, parameter, signal, plus, minus, mask, every, values, within, \
+         from"
     );
     assert_eq!(bad("{signal: ^fed, is: 1}"), "no signal is called `fed`, did you mean `feed`?");
     assert_eq!(

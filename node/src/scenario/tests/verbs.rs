@@ -294,6 +294,7 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         "{code: 10007}",
         "{code: NOT_ENABLED}",
         "{code: NOT_ENABLED, text: Enable it}",
+        "any",
     ] {
         passes(&format!("scenario: s\ncycles: 20\n{}", step(&format!(", refused: {text}"))));
     }
@@ -316,6 +317,24 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
     assert_eq!(
         failure("steps: [{at: 10, do: {enable: {}}, refused: {code: 98}}]"),
         "enable was accepted; a refusal with code 98 was expected; in cycle 10 (0.01 s)"
+    );
+    assert_eq!(
+        failure("steps: [{at: 10, do: {enable: {}}, refused: any}]"),
+        "enable was accepted; a refusal with any sentence was expected; in cycle 10 (0.01 s)"
+    );
+    // As a part of the sentence it is a text like others: "enable it first" does not have it.
+    assert_eq!(
+        failure(&step(", refused: {text: any}")),
+        format!("{sentence}; a refusal with `any` was expected; in cycle 10 (0.01 s)")
+    );
+    let part = "a part of the sentence, a code or `any` is expected";
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: ^true}"),
+        format!("refused is true; {part}, write `refused: any`")
+    );
+    assert_eq!(
+        problem("steps", "{at: 1, do: {enable: {}}, refused: ^false}"),
+        format!("refused is false; {part}, leave `refused` out")
     );
     assert_eq!(
         problem("steps", "{at: 1, do: {enable: {}}, refused: ^{}}"),
