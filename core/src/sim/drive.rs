@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::analog::Analog;
+use super::driven::Driven;
 use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
@@ -77,6 +78,8 @@ pub struct SimDrive {
     place: i64,
     /// Place of the cycle before.
     place_before: i64,
+    /// Counts of a scenario in the place of its own.
+    driven: Driven,
     /// Homing of its own.
     homing: InDrive,
     /// The index gives no pulses any more.
@@ -135,6 +138,7 @@ impl SimDrive {
             origin: 0,
             place: 0,
             place_before: 0,
+            driven: Driven::default(),
             homing: InDrive::default(),
             index_lost: false,
             jammed: false,
@@ -187,9 +191,19 @@ impl SimDrive {
         if self.word.is_absolute() { self.word.cut() } else { self.inject_fault(0x7305) }
     }
 
-    /// Where its axis stands (inc).
+    /// Where its axis stands (inc), by the counts of a scenario where there are any.
     pub(super) fn place(&self) -> i64 {
-        self.place
+        self.driven.way().map_or(self.place, |(_, to)| to.wrapping_add(self.origin))
+    }
+
+    /// Gives the counts of the next cycle, as it would tell them.
+    pub(super) fn replace_count(&mut self, raw: i64) {
+        self.driven.give(raw);
+    }
+
+    /// Whether it stands somewhere else in this cycle without having moved.
+    pub(super) fn is_elsewhere(&self) -> bool {
+        self.driven.is_elsewhere()
     }
 
     /// Where that stands which turns an encoder of the axis (inc).
@@ -328,7 +342,12 @@ impl SimDrive {
         }
         let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
         self.place_before = before;
-        let passed = self.fixtures.index_passed(before, self.place).filter(|_| !self.index_lost);
+        self.driven.step(&self.word);
+        let (from, to) = match self.driven.way() {
+            Some((from, to)) => (from.wrapping_add(self.origin), to.wrapping_add(self.origin)),
+            None => (before, self.place),
+        };
+        let passed = self.fixtures.index_passed(from, to).filter(|_| !self.index_lost);
         let (noise, effort) = self.measure();
         DriveInput {
             count: self.word.tell(self.count.wrapping_add(noise)),

@@ -1,8 +1,10 @@
 //! A simulated encoder of section `encoders`.
 //!
 //! Law      count = way of the drive that turns it + what it has slipped; its index lies at each multiple of `every` of the way
+//!          counts of a scenario in the place of these are the way for index pulses and marks
 //! Source   MACS-ENC-12, WF-INC-01, WF-MON-01, -02
 
+use super::driven::Driven;
 use super::fixtures::{Fixtures, Index};
 use super::word::Word;
 use crate::config::EncoderConfig;
@@ -23,6 +25,7 @@ pub(super) struct SimEncoder {
     slip: i64,
     index_lost: bool,
     epoch: u32,
+    driven: Driven,
 }
 
 impl SimEncoder {
@@ -37,6 +40,7 @@ impl SimEncoder {
             slip: 0,
             index_lost: false,
             epoch: 0,
+            driven: Driven::default(),
         }
     }
 
@@ -51,7 +55,17 @@ impl SimEncoder {
 
     /// Where it stands, whatever it has slipped.
     pub(super) fn way(&self) -> i64 {
-        self.way
+        self.driven.way().map_or(self.way, |(_, to)| to)
+    }
+
+    /// Gives the counts of the next cycle, as it would tell them.
+    pub(super) fn replace_count(&mut self, raw: i64) {
+        self.driven.give(raw);
+    }
+
+    /// Whether it stands somewhere else in this cycle without having been turned.
+    pub(super) fn is_elsewhere(&self) -> bool {
+        self.driven.is_elsewhere()
     }
 
     /// Reads `by` more counts: one that nobody turns has been turned, else it slips.
@@ -91,13 +105,19 @@ impl SimEncoder {
 
     pub(super) fn read(&mut self) -> EncoderInput {
         let before = std::mem::replace(&mut self.before, self.way);
-        let passed = self.fixtures.index_passed(before, self.way).filter(|_| !self.index_lost);
+        self.driven.step(&self.word);
+        // Given counts are what is told: they have slipped already.
+        let (from, to, slip) = match self.driven.way() {
+            Some((from, to)) => (from, to, 0),
+            None => (before, self.way, self.slip),
+        };
+        let passed = self.fixtures.index_passed(from, to).filter(|_| !self.index_lost);
         EncoderInput {
             count: self.word.tell(self.way.wrapping_add(self.slip)),
             epoch: self.epoch,
             // An incremental encoder has tracks that tell a broken line; a serial one has words that are none.
             valid: !self.word.is_broken(),
-            index: passed.map(|place| self.word.of(place.wrapping_add(self.slip))),
+            index: passed.map(|place| self.word.of(place.wrapping_add(slip))),
         }
     }
 }

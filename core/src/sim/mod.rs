@@ -8,6 +8,7 @@
 
 mod analog;
 mod drive;
+mod driven;
 mod encoder;
 mod fixtures;
 mod homing;
@@ -284,6 +285,21 @@ impl Plant {
     pub fn slip_encoder(&mut self, place: usize, by: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.slip(by);
+        }
+    }
+
+    /// Lets index pulses and printed marks of an encoder follow other counts in the next cycle, which a scenario lets the machine read
+    /// in the place of its own.
+    pub fn replace_encoder_count(&mut self, place: usize, raw: i64) {
+        if let Some(encoder) = self.encoders.get_mut(place) {
+            encoder.replace_count(raw);
+        }
+    }
+
+    /// The same of a drive. Its switches follow its axis as before.
+    pub fn replace_drive_count(&mut self, place: usize, raw: i64) {
+        if let Some(drive) = self.drive(place) {
+            drive.replace_count(raw);
         }
     }
 

@@ -6,8 +6,7 @@
 //! Refuses  marks that are not sound; inputs that latch nothing
 //! Source   contract section 3, MACS-MARK-05
 
-use super::encoder::SimEncoder;
-use super::{Bus, Marks, Plant, SimDrive, age};
+use super::{Bus, Marks, Plant, age};
 use crate::drive::{Inputs, Latch};
 use crate::object::Object;
 
@@ -48,16 +47,21 @@ impl Plant {
     pub(super) fn see_marks(&mut self, inputs: &mut Inputs) {
         for index in 0..self.sensors.len() {
             let Some(&Sensor { input, carrier, marks, at }) = self.sensors.get(index) else { continue };
-            let way = match carrier {
-                Carrier::Drive(place) => self.drives.get(place).and_then(Option::as_ref).map(SimDrive::place),
-                Carrier::Encoder(place) => self.encoders.get(place).map(SimEncoder::way),
+            let seen = match carrier {
+                Carrier::Drive(place) => {
+                    let drive = self.drives.get(place).and_then(Option::as_ref);
+                    drive.map(|drive| (drive.place(), drive.is_elsewhere()))
+                }
+                Carrier::Encoder(place) => {
+                    self.encoders.get(place).map(|encoder| (encoder.way(), encoder.is_elsewhere()))
+                }
             };
-            let (Some(way), Some(Some(entry))) = (way, self.latching.get(input)) else { continue };
+            let (Some((way, is_elsewhere)), Some(Some(entry))) = (seen, self.latching.get(input)) else { continue };
             if at == Some(way) {
                 continue;
             }
             let object = Object::Io(*entry);
-            if let Some(at) = at.filter(|_| !self.is_cut_off(object)) {
+            if let Some(at) = at.filter(|_| !is_elsewhere && !self.is_cut_off(object)) {
                 marks.pass(at, way, |left, edge| {
                     let age_ns = Some(age(left, self.cycle_ns));
                     inputs.add_latch(Latch { object, edge, age_ns, position: None });

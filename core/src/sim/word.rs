@@ -85,11 +85,15 @@ impl Word {
 
     /// The count near `count` that a word stands for, which a drive is asked to go to.
     pub(super) fn near(&self, count: i64, word: i64) -> i64 {
-        let decode = |word| match self.form {
+        count.wrapping_add(self.form.circle().way(self.count(self.of(count)), self.count(word)))
+    }
+
+    /// The count that a word stands for; a word that stands for none is the count.
+    pub(super) fn count(&self, word: i64) -> i64 {
+        match self.form {
             Form::Incremental(_) => word,
             Form::Absolute(encoder) => encoder.decode(encoder_word(encoder.words(), word)).unwrap_or(word),
-        };
-        count.wrapping_add(self.form.circle().way(decode(self.of(count)), decode(word)))
+        }
     }
 }
 

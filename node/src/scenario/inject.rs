@@ -199,14 +199,41 @@ fn encoder_alone(kind: &str, arguments: &Value<'_>, names: &Names<'_>) -> Option
     encoder(&axis?, names)
 }
 
+/// An edge within the last cycle, by its age, by the position that was caught, or by both: what it does not bring is
+/// interpolated by the machine. Without either it is of t_k.
 fn latch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("latch")?;
     let object = map.required("input").and_then(|input| latching(&input, names));
-    let age = map.optional("age").map_or(Some(0), |age| self::age(&age, names.config.cycle_ns));
+    let age = map.optional("age").map(|age| self::age(&age, names.config.cycle_ns));
+    let position = map.optional("position");
     let edges = [("rising", Edge::Rising), ("falling", Edge::Falling)];
     let edge = map.optional("edge").map_or(Some(Edge::Rising), |edge| edge.choice(&edges));
     map.finish();
-    Some(Injection::Latch(Latch { object: object?, edge: edge?, age_ns: Some(age?), position: None }))
+    let object = object?;
+    let position = position.map(|position| latched(&position, object, names));
+    let (age, position) = (given(age)?, given(position)?);
+    let age_ns = age.or(if position.is_none() { Some(0) } else { None });
+    Some(Injection::Latch(Latch { object, edge: edge?, age_ns, position }))
+}
+
+/// The raw counts that an encoder or a drive has caught, as ENCODER.count or AXIS.actual.count has them.
+fn latched(value: &Value<'_>, object: Object, names: &Names<'_>) -> Option<i64> {
+    let scale = match object {
+        Object::Encoder(place) => names.config.encoders.get(usize::from(place)).map(|encoder| encoder.scale),
+        Object::Axis(axis) => names.config.axes.get(usize::from(axis)).map(|axis| axis.scale),
+        _ => None,
+    };
+    let Some(scale) = scale else {
+        let sentence = format!("position is {}; an input catches no position", value.peek().unwrap_or_default());
+        value.refuse(sentence, Some("give `age`, or name the encoder or axis".to_owned()));
+        return None;
+    };
+    whole(value, Ruler::of_positions(scale))
+}
+
+/// Left out stays left out; a value with an error ends the reading.
+fn given<T>(value: Option<Option<T>>) -> Option<Option<T>> {
+    value.map_or(Some(None), |value| value.map(Some))
 }
 
 /// An input that latches, an encoder, or an axis with a drive.

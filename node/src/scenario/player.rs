@@ -124,6 +124,9 @@ impl Player {
             }
             self.next_due = self.steps.iter().map(|step| step.due).min().unwrap_or(NEVER);
         }
+        if let Some(plant) = plant {
+            self.drive_counts(plant);
+        }
         self.drive_memory(sequence);
         self.release(room);
     }
@@ -192,6 +195,17 @@ impl Player {
         let pending = Pending { sequence: *sequence, outcome, step, is_answered: false };
         lane.push_back((Command { sequence: *sequence, source: Source::Scenario, action }, pending));
         *sequence
+    }
+
+    /// What lies along the way of a driven count, index pulses and marks, is passed by it.
+    fn drive_counts(&self, plant: &mut Plant) {
+        for drive in &self.scenario.0.drives {
+            match (drive.target, drive.value(self.cycle)) {
+                (Target::Encoder(place), Some(Number::Int(count))) => plant.replace_encoder_count(place, count),
+                (Target::Drive(place), Some(Number::Int(count))) => plant.replace_drive_count(place, count),
+                _ => {}
+            }
+        }
     }
 
     /// Driven memory cells become commands, wherever the cell does not hold the value already.

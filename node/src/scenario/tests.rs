@@ -6,6 +6,7 @@ mod drives;
 mod events;
 mod expectations;
 mod files;
+mod latches;
 mod moments;
 mod plan;
 mod probe;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::config::{EncoderConfig, IoConfig};
 use crate::drive::EncoderInput;
-use crate::encoder::Form;
+use crate::encoder::{Form, PulseCheck};
 use crate::position::Position;
 use crate::unit::Scale;
 use proptest::prelude::*;
@@ -202,6 +202,56 @@ fn a_drive_carries_marks_by_its_place() {
     let told: Vec<_> = inputs.latch.iter().map(|latch| (latch.edge, latch.age_ns)).collect();
     assert_eq!(told, [(Edge::Rising, Some(500_000)), (Edge::Falling, Some(0))]);
     assert!(!inputs.digital(0));
+}
+
+/// 16 bits, an index each 100 inc, marks from 50 on: counts that a scenario gives are the way that passes them, over the seam too.
+#[test]
+fn index_and_marks_follow_the_counts_that_a_scenario_gives() {
+    use Edge::{Falling, Rising};
+    let check = Some(PulseCheck { every: 100, tolerance: 0 });
+    let belt = EncoderConfig { name: "belt".into(), form: Form::Incremental(16), check, scale: Scale::increments() };
+    let io = vec![IoConfig { name: "label".into(), kind: IoKind::DigitalInput, latch: true }];
+    let config = MachineConfig { cycle_ns: MS, io, encoders: vec![belt], ..MachineConfig::default() };
+    let mut plant = Plant::new(&config, &[]);
+    assert!(plant.print(0, Carrier::Encoder(0), plain()));
+    let mut see = |given: Option<i64>, turned: i64| {
+        if let Some(raw) = given {
+            plant.replace_encoder_count(0, raw);
+        }
+        plant.jump_encoder(0, turned);
+        let inputs = read(&mut plant);
+        let latches: Vec<_> = inputs.latch.iter().map(|latch| (latch.edge, latch.age_ns)).collect();
+        (inputs.encoder[0].index, latches, inputs.digital(0))
+    };
+    // Where it begins nothing is passed.
+    assert_eq!(see(Some(55), 0), (None, vec![], true));
+    assert_eq!(see(Some(40), 0), (None, vec![(Falling, Some(666_667))], false));
+    assert_eq!(see(Some(60), 0), (None, vec![(Rising, Some(500_000)), (Falling, Some(0))], false));
+    assert_eq!(see(Some(120), 0), (Some(100), vec![], false));
+    // 65526 is -10 in 16 bits: 130 inc back, past 60 and 50, and past the index at 100 and at 0.
+    assert_eq!(see(Some(65_526), 0), (Some(0), vec![(Rising, Some(538_462)), (Falling, Some(461_538))], false));
+    // It tells its own counts again, 0: that is no motion. Then it is turned itself.
+    assert_eq!(see(None, 0), (None, vec![], false));
+    assert_eq!(see(None, 55), (None, vec![(Rising, Some(90_909))], true));
+}
+
+/// An axis that starts at 40 has its index at count 90.
+#[test]
+fn the_index_of_a_drive_follows_the_counts_that_a_scenario_gives() {
+    let mut drive = switched_on(Model::Ideal, 0);
+    drive.read();
+    drive.fit(Fixtures { start: 40, index: Some(Index { every: 100, at: 30 }), ..Fixtures::default() });
+    let mut see = |given: Option<i64>| {
+        if let Some(raw) = given {
+            drive.replace_count(raw);
+        }
+        (drive.read().index, drive.place())
+    };
+    assert_eq!(see(Some(80)), (None, 120));
+    assert_eq!(see(Some(100)), (Some(90), 140));
+    assert_eq!(see(Some(100)), (None, 140));
+    assert_eq!(see(Some(85)), (Some(90), 125));
+    assert_eq!(see(None), (None, 40));
 }
 
 fn any_marks() -> impl Strategy<Value = Marks> {
