@@ -14,6 +14,7 @@ use crate::command::{Engage, Synchronize};
 use crate::encoder::Lead;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Leader;
+use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase};
@@ -130,12 +131,23 @@ impl Axis {
 
     /// The ratio of a request.
     pub(super) fn ratio_of(&self, request: &Synchronize) -> Result<Ratio, Refusal> {
-        let (numerator, denominator) = match (request.numerator, request.denominator) {
-            (0, 0) => (self.parameters.sync_slave, self.parameters.sync_master),
-            given => given,
-        };
+        let (numerator, denominator) = (request.numerator, request.denominator);
+        if (numerator, denominator) == (0, 0) {
+            return self.ratio_of_parameters(&self.parameters);
+        }
         Ratio::new(numerator, denominator)
             .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))
+    }
+
+    /// The ratio of syncfacts to syncfactm; a refusal names the one that makes it none.
+    pub(super) fn ratio_of_parameters(&self, p: &AxisParameters) -> Result<Ratio, Refusal> {
+        let (slave, master) = (p.sync_slave, p.sync_master);
+        Ratio::new(slave, master).ok_or_else(|| {
+            let key = if Ratio::new(slave, 1).is_none() { "syncfacts" } else { "syncfactm" };
+            let parameter = Row::find(key).map(|(parameter, _)| parameter);
+            let refusal = self.refuse(Code::BAD_RATIO).with(Number::Count(slave), Number::Count(master));
+            Refusal { parameter, ..refusal }
+        })
     }
 
     /// The gear of a request, and the offset of the slave.

@@ -465,7 +465,7 @@ codes! {
 
     /// A value that the other fields leave no room for.
     AMK_BEYOND = 3048, NoError {
-        says: "{asked} lies beyond {limit}, which is the bound here",
+        says: "{asked} is not allowed; the bound is {limit}",
         cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
         remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
             dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767. \

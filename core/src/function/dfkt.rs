@@ -323,7 +323,7 @@ impl Dfkt {
         // A set in force may have got another table from a strobe: then the product is only long.
         let (mult, most) = (words.get(MULT), WORD * words.get(IN_FINAL));
         if setting.occasion == Occasion::Order && (mult * points.last()).abs() > most {
-            let limit = most / points.last().abs().max(1);
+            let limit = most / points.last().abs().max(1) * mult.signum();
             return Err(Fault::new(Code::AMK_BEYOND).of(number(FIELDS, "mult")).with(mult, limit));
         }
         Ok(())

@@ -42,4 +42,5 @@ pub use program::{Drive, Fault, LINES, NO_DRIVES, WORDS};
 pub use sak::{Origin, factor as sak_factor};
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
+pub(crate) use types::modes;
 pub use wires::{Bit, Cell, Input, Mark, OnAxisError, Output, Room, Sink, Source, Width, Wires, Word};

@@ -10,9 +10,9 @@ use super::epos::{self, Epos};
 use super::fgen::{self, Fgen};
 use super::field::{Field, Words};
 use super::imes::{self, Imes};
-use super::interpolator::fipw::{self, Fipw};
 use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
+use super::interpolator::{self, fipw, fipw::Fipw};
 use super::kind::Kind;
 use super::program::{Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
 use super::regl::{self, Regl};
@@ -38,6 +38,15 @@ pub(super) const FGEN: &[Field] = fgen::FIELDS;
 pub(super) const REGL: &[Field] = regl::FIELDS;
 pub(super) const EPOS: &[Field] = epos::FIELDS;
 pub(super) const APSF: &[Field] = apsf::FIELDS;
+
+/// Numbers of the modes of a type, ascending; none where the range of its field says them.
+pub(crate) fn modes(kind: Kind) -> Vec<i64> {
+    match kind {
+        Kind::Fipw => interpolator::modes(false),
+        Kind::Xfipw => interpolator::modes(true),
+        _ => Vec::new(),
+    }
+}
 
 /// A function of any type.
 #[derive(Debug, Serialize, Deserialize)]

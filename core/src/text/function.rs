@@ -4,7 +4,7 @@ use super::plain;
 use crate::code::Code;
 use crate::config::{Line, MachineConfig, SlotConfig};
 use crate::event::{Event, Number};
-use crate::function::{Field, LINES};
+use crate::function::{Field, LINES, modes};
 use crate::object::Object;
 use crate::table::Form;
 
@@ -32,6 +32,22 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
     };
     let unit = if field.unit.is_empty() { String::new() } else { format!(" (unit: {})", field.unit) };
     format!("{}{nth} is {}; {} to {} is allowed{unit}", field.name, plain(event.asked), field.min, field.max)
+}
+
+/// A value beyond a bound that the other fields leave: on which side, and the bound.
+fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
+    let (Number::Count(asked), Number::Count(bound)) = (event.asked, event.limit) else { return None };
+    let side = if asked < bound { "is below the minimum" } else { "exceeds the maximum" };
+    Some(of_field(event, config, format!("{asked} {side} {bound}")))
+}
+
+/// A mode that a type does not have, with those that it has.
+fn no_mode(event: &Event, config: &MachineConfig) -> Option<String> {
+    let Object::Function(place) = event.source else { return None };
+    let slot = config.slots.get(usize::from(place))?;
+    let modes: Vec<String> = modes(slot.kind).iter().map(i64::to_string).collect();
+    let text = format!("no mode has number {}; {} are allowed", plain(event.asked), modes.join(", "));
+    Some(of_field(event, config, text)).filter(|_| !modes.is_empty())
 }
 
 fn slot(number: Number, config: &MachineConfig) -> Option<&SlotConfig> {
@@ -102,6 +118,8 @@ fn other_form(event: &Event) -> String {
 pub(super) fn reason(event: &Event, config: &MachineConfig) -> Option<String> {
     match event.code {
         Code::FUNCTION_RANGE => Some(out_of_range(event, config)),
+        Code::AMK_BEYOND => beyond(event, config),
+        Code::AMK_NO_MODE => no_mode(event, config),
         Code::FUNCTION_USES_TABLE => Some(uses_table(event, config)),
         Code::FUNCTION_WRITES => Some(writes(event, config)),
         Code::FUNCTION_TABLE_FORM => Some(other_form(event)),

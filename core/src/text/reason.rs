@@ -10,12 +10,23 @@ use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::parameter::VirtualMasterProblem;
 use crate::state::AxisState;
+use crate::sync::gear::Ratio;
 use crate::vocabulary::saia::Register;
 
 fn virtual_master(event: &Event) -> String {
     let count = |number| if let Number::Count(count) = number { count } else { 0 };
     let (value, limit) = (count(event.asked), count(event.limit));
     VirtualMasterProblem { key: key(event), value, code: event.code, limit }.to_string()
+}
+
+/// A ratio that is none, with the part that makes it so: of the parameters, or of the request.
+fn bad_ratio(event: &Event) -> Option<String> {
+    let (Number::Count(slave), Number::Count(master)) = (event.asked, event.limit) else { return None };
+    let names = if event.parameter.is_some() { ["syncfacts", "syncfactm"] } else { ["numerator", "denominator"] };
+    let mut parts = names.into_iter().zip([slave, master]);
+    let (name, value) = parts.find(|(_, part)| Ratio::new(*part, 1).is_none())?;
+    let rule = "both parts must not be 0 and stay below 2^62";
+    Some(format!("ratio {slave} : {master} is none, as {name} is {value}; {rule}"))
 }
 
 /// Why something was refused, ended or failed.
@@ -98,6 +109,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             mark_key(event.limit),
             asked()
         ),
+        Code::BAD_RATIO => bad_ratio(event).unwrap_or_else(by_row),
         Code::MARK_MISSED => format!("a mark of the {} has stayed away", mark_side(event.asked)),
         Code::MARK_EXTRA => format!("a mark of the {} came outside its window", mark_side(event.asked)),
         Code::VIRTUAL_MASTER_SOURCE | Code::VIRTUAL_MASTER_NO_RAMP => virtual_master(event),

@@ -22,14 +22,14 @@ use crate::document::{Allowed, Value};
 use lineshaft_core::axis::{
     MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read, may_tell_sign,
 };
-use lineshaft_core::code::not_built_here;
+use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::{AxisConfig, EncoderConfig, TableConfig};
 use lineshaft_core::drive::{Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::source::Master;
 use lineshaft_core::modulo::Modulo;
 use lineshaft_core::object::MAX_AXES;
 use lineshaft_core::sim::{Mechanics, Model};
-use lineshaft_core::unit::{Dimension, ScaleKind};
+use lineshaft_core::unit::{Dimension, ScaleKind, number_to_text};
 use std::cmp::Ordering;
 
 /// For the ranges of a model while the cycle has a problem.
@@ -310,11 +310,23 @@ fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &paramet
     let sources = (axis.wired, encoders);
     let reaches = may_be_analog(axis.analog.as_ref(), axis.interface, sources, &axis.parameters);
     let Err((key, code)) = closes.and(reaches).and(finds) else { return };
-    let why = not_built_here(code);
+    let why = why_not(axis, key, code);
     match given.iter().find(|(given, _)| *given == key) {
         Some((_, value)) => value.refuse(format!("{key} {} {why}", value.peek().unwrap_or_default()), None),
         None => name.refuse(format!("{key} of axis {} {why}", quote(&axis.name)), None),
     }
+}
+
+/// What is wrong with a value that the loops of an axis cannot run with, behind its name.
+fn why_not(axis: &AxisConfig, key: &str, code: Code) -> String {
+    let Some(analog) = axis.analog.filter(|_| code == Code::ANALOG_FULL) else {
+        return not_built_here(code).to_owned();
+    };
+    let (full, most) = match key {
+        "max_velocity" => ("full_velocity", axis.scale.format_rate_precisely(analog.full, 1)),
+        _ => ("full_effort", number_to_text(analog.full)),
+    };
+    format!("exceeds {full} {most}, which is what its drive does at 10 V")
 }
 
 /// Refuses a `mencodertype` that names what the cell has not, or the axis itself.

@@ -75,6 +75,17 @@ impl Written<'_> {
     }
 }
 
+/// The width of keys `source_bits` and `sink_bits`.
+fn bits(value: &Value<'_>) -> Option<Width> {
+    let text = value.text()?;
+    let bits = if value.is_integer() { value.integer(i128::MIN..=i128::MAX) } else { None };
+    let width = bits.and_then(|bits| u32::try_from(bits).ok()).and_then(Width::of);
+    if width.is_none() {
+        value.refuse(format!("{} is {}; 16, 32, 64 is allowed", value.label(), excerpt(text)), None);
+    }
+    width
+}
+
 /// Reads all functions; the slots stand by their numbers. `outputs` are the entries of `io` that have one who switches them, `masters` what
 /// each master reads.
 pub(super) fn read<'d>(
@@ -259,13 +270,8 @@ fn slot<'d>(
     }
     for (key, width) in [("source_bits", &mut slot.source_width), ("sink_bits", &mut slot.sink_width)] {
         if let Some(value) = map.optional(key) {
-            let bits = value.integer(16..=64_u32);
-            match bits.map(Width::of) {
-                Some(Some(read)) => *width = read,
-                Some(None) => {
-                    value.refuse(format!("{key} is {}; 16, 32, 64 is allowed", bits.unwrap_or_default()), None);
-                    note(false);
-                }
+            match bits(&value) {
+                Some(read) => *width = read,
                 None => note(false),
             }
         }

@@ -6,12 +6,12 @@ use super::super::power::Power;
 use super::super::reaction::Failure;
 use super::super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
-use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::event::{Event, Kind, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
 use crate::sync::follower::{Bounds, Follower};
-use crate::sync::gear::{Gear, Ratio};
+use crate::sync::gear::Gear;
 use crate::sync::{Disengage, Leads, SyncMode, Transmission};
 use crate::table::Table;
 use crate::vocabulary::{Order, Owner};
@@ -41,12 +41,7 @@ impl Axis {
         // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
         let (transmission, past) = match order {
             Order::Cam { from, past } => (Transmission::Cam(self.ordered_cam(tables, from)?), past),
-            Order::Gear { past } => {
-                let numbers = (Number::Count(p.sync_slave), Number::Count(p.sync_master));
-                let ratio = Ratio::new(p.sync_slave, p.sync_master)
-                    .ok_or_else(|| refuse(Code::BAD_RATIO).with(numbers.0, numbers.1))?;
-                (Transmission::Gear(Gear::new(ratio)), past)
-            }
+            Order::Gear { past } => (Transmission::Gear(Gear::new(self.ratio_of_parameters(p)?)), past),
             _ => return Err(refuse(Code::BAD_REQUEST)),
         };
         let mode = SyncMode::Position;

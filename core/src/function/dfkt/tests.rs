@@ -361,7 +361,7 @@ fn sets_that_make_no_function_are_refused_with_their_field() {
     }
     assert_eq!(refused(&[("table_count", 7)]), None);
     // D4: V_N is 2 here, and 2 * 16384 one too many; without bit 2 nothing is related.
-    assert_eq!(refused(&[("mult", -16_384)]), of(Code::AMK_BEYOND, "mult", n(-16_384), n(16_383)));
+    assert_eq!(refused(&[("mult", -16_384)]), of(Code::AMK_BEYOND, "mult", n(-16_384), n(-16_383)));
     assert_eq!(refused(&[("mult", -16_383)]), None);
     assert_eq!(refused(&[("mult", 32_767), ("ba", 0)]), None);
     // D11.

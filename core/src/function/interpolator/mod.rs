@@ -22,6 +22,14 @@ use register::{Marks, Register};
 use serde::{Deserialize, Serialize};
 use setup::{Movement, Setup};
 
+/// Numbers of the modes of fipw, ascending; each of xfipw has one more, which `switches_sets`.
+pub(super) fn modes(switches_sets: bool) -> Vec<i64> {
+    let more = i64::from(switches_sets);
+    let mut modes: Vec<i64> = fipw::MODES.iter().flat_map(|row| row.0..=row.0 + more).collect();
+    modes.sort_unstable();
+    modes
+}
+
 /// Where an interpolator is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Stage {

@@ -308,7 +308,8 @@ impl Program for Xfipw {
         let [table, ..] = setting.tables;
         let value = value_at(&Curve::new(table, setup.length, setup.parts), setup.offset, &setup);
         if i32::try_from(value).is_err() {
-            return Err(check::beyond(number(FIELDS, "output_value"), value, i32::MAX.into()));
+            let bound = if value < 0 { i32::MIN } else { i32::MAX };
+            return Err(check::beyond(number(FIELDS, "output_value"), value, bound.into()));
         }
         Ok(Some((at("output_value") as u16, value)))
     }

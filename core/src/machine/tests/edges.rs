@@ -172,8 +172,28 @@ fn no_loop_is_left_when_one_of_two_couplings_of_a_cycle_is_refused() {
         Action::Synchronize(Synchronize { denominator: 0, ..couple(X, Leader::AxisCommand(LINE), 1, 1) }),
         Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)),
     ]);
-    assert!(rig.refusal(last - 1).contains("ratio 1 : 0"));
+    let rule = "both parts must not be 0 and stay below 2^62";
+    assert_eq!(rig.refusal(last - 1), format!("x: ratio 1 : 0 is none, as denominator is 0; {rule}"));
     assert_eq!(rig.refusal(last), "y: the axis would follow itself");
+}
+
+/// The key that gave the 0 is named: of the request, or the parameter that stands for it.
+#[test]
+fn a_ratio_that_is_none_names_the_part_that_makes_it_so() {
+    let mut rig = Rig::enabled();
+    let rule = "both parts must not be 0 and stay below 2^62";
+    let geared =
+        |numerator, denominator| Action::Synchronize(couple(X, Leader::AxisCommand(LINE), numerator, denominator));
+    let refused = rig.give(geared(0, 7));
+    assert_eq!(rig.refusal(refused), format!("x: ratio 0 : 7 is none, as numerator is 0; {rule}"));
+    let large = 1_i64 << 62;
+    let refused = rig.give(geared(1, large));
+    assert_eq!(rig.refusal(refused), format!("x: ratio 1 : {large} is none, as denominator is {large}; {rule}"));
+    // 0 : 0 is SYNCFACTS : SYNCFACTM.
+    let set = rig.set("syncfactm", Value::Int(0));
+    assert!(rig.was_accepted(set));
+    let refused = rig.give(geared(0, 0));
+    assert_eq!(rig.refusal(refused), format!("x: ratio 1 : 0 is none, as syncfactm is 0; {rule}"));
 }
 
 #[test]

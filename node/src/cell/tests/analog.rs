@@ -198,10 +198,7 @@ fn each_problem_has_its_place() {
 fn more_than_its_full_reference_and_what_it_would_have_to_tell_are_refused() {
     let drive = "{reference: a, enable: e, enable_time: 0 s, interface: velocity, full_velocity: 200 mm/s}";
     let text = cell(drive, ", feedback: {encoder: belt}").replace("max_velocity: 300", "max_velocity: ^300");
-    assert_said(
-        &text,
-        "max_velocity 300 mm/s lies above what its drive does at 10 V; full_velocity or full_effort at most is allowed",
-    );
+    assert_said(&text, "max_velocity 300 mm/s exceeds full_velocity 200 mm/s, which is what its drive does at 10 V");
     let text = cell(&drive.replace("200", "300"), "").replace("  x:", "  ^x:");
     assert_said(
         &text,

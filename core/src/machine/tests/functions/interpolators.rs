@@ -78,6 +78,8 @@ fn read_value_finds_a_place_at_rest_alone() {
     // A set that is none finds nothing, and stays out.
     let read = rig.give(with(0, Order::ReadValue, &[(ba, 1)]));
     assert_eq!(rig.answer(read).expect_err("no mode").code, Code::AMK_NO_MODE);
+    let modes = "2, 3, 4, 5, 26, 27, 82, 83, 84, 85, 98, 99, 100, 101, 132, 133 are allowed";
+    assert_eq!(rig.refusal(read), format!("f: ba: no mode has number 1; {modes}"));
     assert_eq!(rig.machine.slots()[0].staged()[usize::from(ba)], 2);
     let started = rig.give(with(0, Order::Start, &[(offset, 0)]));
     assert!(rig.was_accepted(started));
@@ -85,6 +87,29 @@ fn read_value_finds_a_place_at_rest_alone() {
         let again = rig.give(with(0, order, &[]));
         assert_eq!(rig.answer(again).expect_err("it is started").code, Code::FUNCTION_ACTIVE);
     }
+}
+
+/// AMK-FIPW-01: a table lasts 50 to 32767 inc.
+#[test]
+fn a_value_beyond_its_bound_is_told_on_the_side_where_it_is() {
+    let mut rig = machine(Type::Fipw, &FIPW);
+    let rev = field(Type::Fipw, "increments_per_rev");
+    let refused = rig.give(with(0, Order::Start, &[(rev, 49)]));
+    assert_eq!(rig.answer(refused).expect_err("too few").code, Code::AMK_BEYOND);
+    assert_eq!(rig.refusal(refused), "f: increments_per_rev: 49 is below the minimum 50");
+    let mut rig = machine(Type::Xfipw, &[("ba", 2), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 100)]);
+    let offset = field(Type::Xfipw, "master_offset");
+    let refused = rig.give(with(0, Order::Start, &[(offset, 100)]));
+    assert_eq!(rig.refusal(refused), "f: master_offset: 100 exceeds the maximum 99");
+    let refused = rig.give(with(0, Order::Start, &[(offset, -100)]));
+    assert_eq!(rig.refusal(refused), "f: master_offset: -100 is below the minimum -99");
+}
+
+#[test]
+fn a_mode_that_there_is_not_is_told_with_those_that_there_are() {
+    let mut rig = machine(Type::Fipw, &FIPW);
+    let refused = rig.give(with(0, Order::Start, &[(field(Type::Fipw, "mode"), 3)]));
+    assert_eq!(rig.refusal(refused), "f: mode: no mode has number 3; 2, 4, 26, 82, 84, 98, 100, 132 are allowed");
 }
 
 /// Proves: AMK-XFIPW-06, AMK-XFIPW-14, AMK-XFIPW-15
