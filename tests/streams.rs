@@ -1,4 +1,4 @@
-//! `~/jog` and `~/setpoints` as publishers on Cyclone DDS give them: what moves, what ends it, what is refused, and what a
+//! `~/jog` and `~/setpoints` as publishers on Cyclone DDS and Fast DDS give them: what moves, what ends it, what is refused, and what a
 //! recording of it is worth.
 
 use std::{
@@ -7,7 +7,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::support::{domain::Domain, peer::Peer, program::Program};
+use crate::support::{
+    domain::Domain,
+    peer::{Observations, Peer},
+    program::Program,
+};
 use serde_json::Value;
 
 /// The built-in demo with x and y switched on, recorded, and who listens to it. Its axes have setpoint_timeout 100 ms.
@@ -184,10 +188,12 @@ fn a_stream_that_finds_no_free_axis_is_told_once() {
     demo.end();
 }
 
-/// x ends at -50 mm, with 1048576 inc for 10 mm. With error_reaction 0, the default of a cell, an error takes the power.
+/// x ends at -50 mm, with 1048576 inc for 10 mm.
+const LIMIT: i64 = -5 * 1_048_576;
+
+/// With error_reaction 0, the default of a cell, an error takes the power.
 #[test]
 fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
-    const LIMIT: i64 = -5 * 1_048_576;
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     demo.listener.run("params /lineshaft set x.error_reaction=0");
@@ -224,4 +230,48 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     let axis = demo.axis("x");
     assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(false), Some(10203)), "{axis}");
     demo.end();
+}
+
+/// The same for a client on Fast DDS, the default of ROS 2, which jogs and sees the state of the axis and its one event.
+#[test]
+fn jog_from_fast_dds_stops_at_the_software_limit_and_its_client_sees_it() {
+    let mut demo = Demo::start();
+    let mut hand = Peer::fastdds(&demo.domain);
+    let starts = hand.run("axis-states /lineshaft")["axes"]["x"].clone();
+    assert_eq!((&starts["state"], starts["command_increments"].as_i64()), (&"STANDSTILL".into(), Some(0)), "{starts}");
+    hand.run("events /lineshaft");
+    // A publisher that is held up stops the axis on its way.
+    let comes = (0..40).any(|_| {
+        hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 0.3");
+        hand.run("axis-states /lineshaft")["axes"]["x"]["command_increments"] == LIMIT
+    });
+    assert!(comes, "{}", demo.axis("x"));
+    let seen = hand.run("events /lineshaft --seconds 20 --until limit");
+    let told = limits(&seen);
+    let [limit] = told.as_slice() else { panic!("one event of the limit is expected: {told:?}") };
+    assert_eq!(
+        (&limit["source"], &limit["code"], &limit["increments"], &limit["text"]),
+        (&"x".into(), &10_203.into(), &LIMIT.into(), &"x: stopped at min_position -50 mm".into())
+    );
+    // Further into it, after a silence: nothing moves, and nothing more is reported.
+    hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 0.3");
+    let x = hand.until_axis("x", "stands at its limit", |x| x["state"] == "STANDSTILL");
+    assert_eq!(
+        (x["command_increments"].as_i64(), x["enabled"].as_bool(), x["error_code"].as_i64()),
+        (Some(LIMIT), Some(true), Some(0)),
+        "{x}"
+    );
+    let seen = hand.run("events /lineshaft --seconds 0.2");
+    assert!(limits(&seen).is_empty(), "{seen:?}");
+    hand.run("stream /lineshaft jog --axis x=0.1 --seconds 0.3");
+    hand.until_axis("x", "stands away from its limit", |x| {
+        x["state"] == "STANDSTILL" && x["command_increments"].as_i64() > Some(LIMIT + 100_000)
+    });
+    demo.end();
+}
+
+/// The events of limits and errors among what a peer has seen.
+fn limits(seen: &Observations) -> Vec<&Value> {
+    let messages = seen.all().iter().filter_map(|one| one.get("message"));
+    messages.filter(|message| message["kind"] == "limit" || message["kind"] == "error").collect()
 }

@@ -5,6 +5,9 @@ use std::{fs, path::PathBuf, process::Command};
 use crate::support::{bag_check::bag_check, domain::Domain, machine::alone, peer::Peer, program::Program, setup};
 use serde_json::Value;
 
+/// Begins a peer with variables of its own.
+type Begin = fn(&Domain, Vec<(&str, String)>) -> Peer;
+
 /// The built-in demo, recorded, and a client; both have the system clock of the file.
 struct Bench {
     client: Peer,
@@ -14,7 +17,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn start() -> Self {
+    fn start(client: Begin) -> Self {
         let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("room for a folder"));
         let file = folder.path().join("clock");
         fs::write(&file, "+0\n").expect("a file in a new folder");
@@ -23,7 +26,9 @@ impl Bench {
         program.args(["run", "--max-bag-duration", "2", "--record"]).arg(folder.path().join("run"));
         program.arg("--flight-folder").arg(folder.path().join("flight")).envs(fake(&file));
         let program = Program::start_by(program, &domain);
-        let mut client = Peer::cyclone_with(&domain, fake(&file));
+        // A participant of Fast DDS that begins together with the program may get no topic of it.
+        program.until_log("the node is active");
+        let mut client = client(&domain, fake(&file));
         client.run("axis-states /lineshaft");
         Self { client, program, domain, folder }
     }
@@ -36,8 +41,18 @@ impl Bench {
     #[track_caller]
     fn steps(&mut self, ahead: f64, steps: &str) -> Vec<Value> {
         let file = self.path("clock");
-        let seen = self.client.run(&format!("clock-steps /lineshaft {} {steps} --ahead={ahead}", file.display()));
+        let seen = self.client.run(&format!("clock-steps /lineshaft {} {steps} --ahead {ahead}", file.display()));
         seen.all().iter().filter(|one| one.get("step").is_some()).cloned().collect()
+    }
+
+    /// A newcomer and the client move x, there and back.
+    #[track_caller]
+    fn works_for(&mut self, newcomer: &mut Peer) {
+        for client in [newcomer, &mut self.client] {
+            client.run("axes /lineshaft enable x");
+            client.run("move /lineshaft --axis x --units increments --position 5000 --wait");
+            client.run("move /lineshaft --axis x --units increments --position 0 --wait");
+        }
     }
 
     /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
@@ -66,7 +81,7 @@ fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
 #[test]
 fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
     let _alone = alone();
-    let mut bench = Bench::start();
+    let mut bench = Bench::start(Peer::cyclone_with);
     let seen = bench.steps(0.0, "3600 -3600 5 -0.9");
     assert_eq!(seen.len(), 4, "{seen:?}");
     for (one, size) in seen.iter().zip(["forward by 3600.", "back by 3600.", "forward by 5.", "back by 0."]) {
@@ -96,17 +111,35 @@ fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
 /// after its lease (10 s), and never find another one.
 #[test]
 fn node_works_on_after_steps_of_the_system_clock() {
-    let mut bench = Bench::start();
+    let mut bench = Bench::start(Peer::cyclone_with);
     let side = bench.program.ros_side();
     bench.steps(0.0, "3600");
     assert_eq!(bench.program.ros_side(), side, "a step forward does no harm");
     bench.steps(3600.0, "-3600");
     bench.program.ros_side_after(side);
     let mut newcomer = Peer::cyclone_with(&bench.domain, fake(&bench.path("clock")));
-    for client in [&mut newcomer, &mut bench.client] {
-        client.run("axes /lineshaft enable x");
-        client.run("move /lineshaft --axis x --units increments --position 5000 --wait");
-        client.run("move /lineshaft --axis x --units increments --position 0 --wait");
+    bench.works_for(&mut newcomer);
+    bench.end();
+}
+
+/// The same for clients on Fast DDS, the default of ROS 2: the event of each step, then the stamps of all topics that follow it, and answers
+/// after a step back, of a client that was there and of a new one.
+#[test]
+fn clients_on_fast_dds_see_stamps_follow_the_system_clock_and_work_on() {
+    let mut bench = Bench::start(Peer::fastdds_with);
+    let side = bench.program.ros_side();
+    let seen = bench.steps(0.0, "5 -3600");
+    assert_eq!(seen.len(), 2, "{seen:?}");
+    for (one, size) in seen.iter().zip(["forward by 5.", "back by 3600."]) {
+        let event = &one["event"];
+        let text = event["text"].as_str().expect("a text");
+        assert!(text.contains(&format!("the system clock was set {size}")), "{one}");
+        assert_eq!((&event["kind"], &event["severity"]), (&"warning".into(), &1.into()), "{one}");
+        let topics = ["/diagnostics", "/joint_states", "/lineshaft/axis_states", "/lineshaft/cycle_statistics"];
+        assert_eq!(one["topics"], Value::from(topics.to_vec()), "{one}");
     }
+    bench.program.ros_side_after(side);
+    let mut newcomer = Peer::fastdds_with(&bench.domain, fake(&bench.path("clock")));
+    bench.works_for(&mut newcomer);
     bench.end();
 }

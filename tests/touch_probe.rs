@@ -1,5 +1,5 @@
 //! `~/probe_axis` on an active input, `~/touch_probe`, `~/abort_trigger`, and `~/set_position` of an axis that moves, as a client on Cyclone DDS sees
-//! them, and what a recording of them is worth.
+//! them (`~/probe_axis` also one on Fast DDS), and what a recording of them is worth.
 
 use std::{fs, process::Command};
 
@@ -26,6 +26,7 @@ axes:
 struct Node {
     cyclone: Peer,
     program: Program,
+    domain: Domain,
     folder: tempfile::TempDir,
 }
 
@@ -43,7 +44,7 @@ impl Node {
         cyclone.run("axis-states /lineshaft");
         cyclone.run("events /lineshaft");
         cyclone.run("axes /lineshaft enable");
-        Self { cyclone, program, folder }
+        Self { cyclone, program, domain, folder }
     }
 
     fn axis(&mut self, axis: &str) -> Value {
@@ -107,6 +108,37 @@ fn a_probe_of_an_active_input_is_refused_before_motion_and_may_be_allowed() {
     let seen = node.cyclone.run(probe);
     let probed = seen["result"]["probed_increments"].as_i64().expect("increments");
     assert!((probed - 15_000).abs() <= 1, "the next mark: {seen:?}");
+}
+
+/// A client on Fast DDS, the default of ROS 2, sends goals and gets feedback, results and refusals.
+#[test]
+fn probe_from_fast_dds_finds_its_mark_and_is_refused_on_an_active_input() {
+    let node = Node::start(&[]);
+    let mut fast = Peer::fastdds(&node.domain);
+    let probe = "probe /lineshaft --axis x --event mark --position 0.05 --velocity 0.05";
+    let near = |value: &Value, place: i64| (value.as_i64().expect("increments") - place).abs() <= 1;
+    // The first mark begins at 5 mm; 1 mm further the input is active.
+    let seen = fast.run(&format!("{probe} --distance 0.001"));
+    let result = &seen["result"];
+    assert_eq!(
+        (&result["code"], &result["message"], &result["probed"]),
+        (&json!(0), &json!(""), &json!(true)),
+        "{seen:?}"
+    );
+    assert!(near(&result["probed_increments"], 5_000) && near(&result["position_increments"], 6_000), "{seen:?}");
+    let [probed, position] = ["probed_position", "position"].map(|key| result[key].as_f64().expect("a position"));
+    assert!((probed - 0.005).abs() < 2e-6 && (position - 0.006).abs() < 2e-6, "{seen:?}");
+    let phases = seen["phases"].as_array().expect("a list");
+    assert_eq!(phases.last(), Some(&json!(1)), "it reports that it has found it: {phases:?}");
+
+    let seen = fast.run(&format!("{probe} --expect ABORTED"));
+    let (result, sentence) = (&seen["result"], "x: probe input is already active: mark is 1, allowed 0");
+    assert_eq!((&result["code"], &result["probed"]), (&json!(PROBE_INPUT_ACTIVE), &json!(false)), "{seen:?}");
+    assert!(result["message"].as_str().expect("a sentence").starts_with(sentence), "{seen:?}");
+    // The mark ends at 7 mm.
+    let seen = fast.run(&format!("{probe} --edge falling"));
+    assert!(near(&seen["result"]["probed_increments"], 7_000), "{seen:?}");
+    assert_eq!(fast.fails(&probe.replace("--axis x", "--axis q")), "the goal was rejected");
 }
 
 #[test]

@@ -35,6 +35,7 @@ inline GoalId from_hex(const std::string& text) {
 
 inline const std::vector<std::string> MODES{"absolute", "relative", "additive", "velocity", "superimposed"};
 inline const std::vector<std::string> UNITS{"si", "axis_unit", "increments"};
+inline const std::vector<std::string> EDGES{"rising", "falling", "both", "index"};
 inline const std::vector<std::string> STATUS{"UNKNOWN",   "ACCEPTED", "EXECUTING", "CANCELING",
                                       "SUCCEEDED", "CANCELED", "ABORTED"};
 
@@ -49,6 +50,19 @@ struct MoveGoal {
     w.raw(id.data(), id.size()).text(axis).put(mode).put(units);
     for (double v : {position, velocity, acceleration, deceleration, jerk}) w.put(v);
     return w.put(buffer_mode).put(direction).bytes();
+  }
+};
+
+/// A goal of ~/probe_axis, for a mark on the way to a position in SI units.
+struct ProbeGoal {
+  std::string axis, event;
+  uint8_t edge = 0;
+  double position = 0, velocity = 0, distance = 0;
+
+  void put(Writer& w) const {
+    w.text(axis).put<uint8_t>(0).put<uint8_t>(0);
+    for (double v : {position, velocity, 0.0, 0.0, 0.0}) w.put(v);
+    w.text(event).put(edge).put(distance);
   }
 };
 

@@ -4,6 +4,7 @@
 #include "fastdds_joints.hpp"
 #include "fastdds_load.hpp"
 #include "fastdds_move.hpp"
+#include "fastdds_states.hpp"
 #include "fastdds_values.hpp"
 #include "fastdds_visits.hpp"
 
@@ -15,9 +16,14 @@ namespace {
 const char* const USAGE =
     "usage: fastdds_peer COMMAND [ARGUMENT..], the domain from ROS_DOMAIN_ID\n"
     "  joint-states [--seconds 3] [--count N]\n"
+    "  axis-states NODE    the next message\n"
+    "  events NODE [--seconds 0] [--until KIND]    all since the last call, and those of some seconds\n"
+    "  clock-steps NODE FILE SECONDS.. [--ahead 0]    FAKETIME_TIMESTAMP_FILE of the node\n"
     "  axes NODE enable|disable|halt|quick_stop|reset_errors [AXIS..]\n"
     "  move NODE --axis A [--mode absolute] [--units si] [--position P] [--velocity V] [--buffer-mode N]\n"
     "       [--cancel-after S] [--wait]\n"
+    "  probe NODE --axis A --event E [--edge rising] [--position P] [--velocity V] [--distance D] [--expect SUCCEEDED]\n"
+    "  stream NODE jog --axis A=V [--seconds 0] [--rate 50]    one message at least\n"
     "  vocabulary NODE AXIS VERB [ARGUMENTS..]\n"
     "  params NODE get|describe NAME..\n"
     "  params NODE set|set_atomically NAME=VALUE..\n"
@@ -26,7 +32,8 @@ const char* const USAGE =
     "  load-table NODE TABLE [--x N,N..] [--y N,N..]\n"
     "  load-long-table NODE TABLE [--count 65536]    and reads it back\n"
     "  get-table NODE TABLE\n"
-    "  follow NODE[/GROUP] JOINT,JOINT.. SECONDS:POSITIONS[:VELOCITIES[:ACCELERATIONS]]..    numbers between commas\n"
+    "  follow NODE[/GROUP] JOINT,JOINT.. SECONDS:POSITIONS[:VELOCITIES[:ACCELERATIONS]].. [--start S] [--leave]\n"
+    "      numbers between commas; --start from now; --leave: does not wait for the end\n"
     "  query-state NODE[/GROUP] NANOSECONDS    since the epoch\n"
     "  gripper NODE/GROUP POSITION\n"
     "  controllers MANAGER    and which are active\n"
@@ -51,7 +58,7 @@ class Arguments {
   explicit Arguments(std::istream& words) {
     for (std::string word; words >> word;) {
       if (word.rfind("--", 0) != 0) plain_.push_back(word);
-      else if (word == "--wait") named_[word];
+      else if (word == "--wait" || word == "--leave") named_[word];
       else if (!(words >> named_[word])) throw Failure(word + " needs a value");
     }
   }
@@ -126,6 +133,44 @@ class Peer {
     return message.add("effort", r.sequence<double>(number));
   }
 
+  // The next message from now on.
+  void axis_states(const Arguments& a) {
+    auto& s = subscription(a[1] + "/axis_states", "lineshaft_msgs::msg::dds_::AxisStates_");
+    s.drain([](Reader&) {});
+    Object seen;
+    bool is_there = false;
+    wait_until([&] {
+      s.drain([&](Reader& r) { seen = states::axis_states(r), is_there = true; });
+      return is_there;
+    }, REPLY_S, "~/axis_states stopped");
+    seen.show();
+  }
+
+  void events(const Arguments& a) {
+    auto& s = subscription(a[1] + "/events", "lineshaft_msgs::msg::dds_::Event_");
+    auto until = a.text("--until", "");
+    bool found = false;
+    auto start = Clock::now();
+    do {
+      s.drain([&](Reader& r) {
+        states::Event event(r);
+        Object().add("message", event.message.done()).show();
+        found = found || event.kind == until;
+      });
+      sleep_ms(2);
+    } while (!found && since(start) < a.number("--seconds", 0));
+    if (a.has("--until") && !found) throw Failure("no event of kind " + until);
+  }
+
+  void clock_steps(const Arguments& a) {
+    auto& enable = axes_service(a[1] + "/enable");
+    states::ClockSteps steps(dds_, a[1], a[2], a.number("--ahead", 0), [&] {
+      Writer w;
+      enable.call(w.put<uint32_t>(1).text("no_such_axis").bytes());
+    });
+    for (auto& by : a.from(3)) steps.step(std::stod(by));
+  }
+
   void axes(const Arguments& a) {
     Writer w;
     auto names = a.from(3);
@@ -150,6 +195,52 @@ class Peer {
       client.cancel(id);
     }
     if (cancels || a.has("--wait")) client.finish(id, a.text("--expect", cancels ? "CANCELED" : "SUCCEEDED"));
+  }
+
+  void probe(const Arguments& a) {
+    const std::string name = a[1] + "/probe_axis", type = "lineshaft_msgs::action::dds_::ProbeAxis";
+    auto& action = action_client(name, type);
+    auto& feedback = subscription(name + "/_action/feedback", type + "_FeedbackMessage_");
+    ProbeGoal goal;
+    goal.axis = a.text("--axis", "");
+    goal.event = a.text("--event", "");
+    goal.edge = a.choice("--edge", EDGES);
+    goal.position = a.number("--position", 0);
+    goal.velocity = a.number("--velocity", 0);
+    goal.distance = a.number("--distance", 0);
+    auto id = action.send([&](Writer& w) { goal.put(w); });
+    auto status = action.finish(id, [](Reader& r, Object& seen) {
+      Object result;
+      result.add("code", r.get<uint32_t>()).add("message", r.text()).add("probed", r.get<uint8_t>() != 0);
+      result.add("probed_position", r.get<double>()).add("probed_increments", r.get<int64_t>());
+      result.add("position", r.get<double>()).add("position_increments", r.get<int64_t>());
+      seen.add("result", result.done());
+    });
+    sleep_ms(50);  // feedback is another topic: let what was sent before the result arrive
+    std::set<int> phases;
+    feedback.drain([&](Reader& r) {
+      if (hex(r.take(16)) == hex(id.data())) phases.insert(r.get<uint8_t>());
+    });
+    Object().add("phases", std::vector<int>(phases.begin(), phases.end())).show();
+    auto expected = a.text("--expect", "SUCCEEDED");
+    if (status != expected) throw Failure("the goal ended " + status + ", not " + expected);
+  }
+
+  // Velocities for one joint, again and again.
+  void stream(const Arguments& a) {
+    if (a[2] != "jog") throw Failure("a stream of " + a[2] + " is unknown");
+    auto name = a[1] + "/jog", axis = a.text("--axis", "");
+    auto equals = axis.find('=');
+    if (equals == std::string::npos) throw Failure("--axis NAME=VELOCITY is needed");
+    Bytes message = joints::jog(axis.substr(0, equals), std::stod(axis.substr(equals + 1)));
+    DataWriter* w = writer(name, "control_msgs::msg::dds_::JointJog_");
+    wait_until([&] { return matched(w); }, MATCH_S, "nobody reads " + name);
+    size_t sent = 0;
+    for (auto start = Clock::now(); sent == 0 || since(start) < a.number("--seconds", 0); sent++) {
+      w->write(&message);
+      sleep_ms(static_cast<int>(1000 / a.number("--rate", 50)));
+    }
+    Object().add("sent", sent).show();
   }
 
   void vocabulary(const Arguments& a) {
@@ -248,9 +339,7 @@ class Peer {
 
   // The next message from now on.
   void functions(const Arguments& a) {
-    auto& s = once(any_, a[1] + "/functions", [&] {
-      return new Subscription(dds_, a[1] + "/functions", "lineshaft_msgs::msg::dds_::FunctionStates_");
-    });
+    auto& s = subscription(a[1] + "/functions", "lineshaft_msgs::msg::dds_::FunctionStates_");
     s.drain([](Reader&) {});
     Object seen;
     bool is_there = false;
@@ -303,11 +392,18 @@ class Peer {
   void follow(const Arguments& a) {
     auto name = a[1] + "/follow_joint_trajectory";
     auto& action = action_client(name, "control_msgs::action::dds_::FollowJointTrajectory");
-    action.run([&](Writer& w) { joints::put_follow_goal(w, joints::split(a[2], ','), a.from(3)); },
-               [](Reader& r, Object& seen) {
-                 seen.add("error_code", r.get<int32_t>());
-                 seen.add("error_string", r.text());
-               });
+    auto start = a.has("--start") ? joints::from_now(a.number("--start", 0)) : Stamp{};
+    auto id = action.send([&](Writer& w) { joints::put_follow_goal(w, joints::split(a[2], ','), a.from(3), start); });
+    if (a.has("--leave")) {
+      Object stamp;
+      stamp.add("sec", start.sec).add("nanosec", start.nanosec);
+      Object().add("goal", hex(id.data())).add("stamp", stamp.done()).show();
+      return;
+    }
+    action.finish(id, [](Reader& r, Object& seen) {
+      seen.add("error_code", r.get<int32_t>());
+      seen.add("error_string", r.text());
+    });
   }
 
   void gripper(const Arguments& a) {
@@ -431,7 +527,7 @@ class Peer {
   void visits(const Arguments& a) { wire::visits(a[1], a.text("--axis", "x"), static_cast<size_t>(a.number("--count", 10))); }
 
   void readers(const Arguments& a) {
-    DataWriter* w = once(writers_, a[1], [&] { return new Writing{dds_.writer("rt" + a[1], a[2])}; }).writer;
+    DataWriter* w = writer(a[1], a[2]);
     int count = std::stoi(a[3]);
     wait_until([&] { return readers_of(w) == count; }, MATCH_S,
                "a writer of " + a[1] + " does not have " + a[3] + " readers");
@@ -452,6 +548,14 @@ class Peer {
   Service& manager_service(const std::string& manager, const std::string& name, const std::string& type) {
     auto full = manager + "/" + name;
     return once(services_, full, [&] { return new Service(dds_, full, "controller_manager_msgs::srv::dds_::" + type); });
+  }
+
+  DataWriter* writer(const std::string& topic, const std::string& type) {
+    return once(writers_, topic, [&] { return new Writing{dds_.writer("rt" + topic, type)}; }).writer;
+  }
+
+  Subscription& subscription(const std::string& topic, const std::string& type) {
+    return once(any_, topic, [&] { return new Subscription(dds_, topic, type); });
   }
 
   joints::Action& action_client(const std::string& name, const std::string& type) {
@@ -487,6 +591,8 @@ class Peer {
 };
 
 const std::map<std::string, void (Peer::*)(const Arguments&)> Peer::COMMANDS{
+    {"axis-states", &Peer::axis_states}, {"events", &Peer::events}, {"clock-steps", &Peer::clock_steps},
+    {"probe", &Peer::probe}, {"stream", &Peer::stream},
     {"joint-states", &Peer::joint_states}, {"axes", &Peer::axes},     {"move", &Peer::move},
     {"bad-requests", &Peer::bad_requests}, {"result", &Peer::result}, {"cancel", &Peer::cancel},
     {"vocabulary", &Peer::vocabulary}, {"params", &Peer::params}, {"function", &Peer::function},

@@ -60,7 +60,14 @@ impl Peer {
 
     /// The Fast DDS peer, with the commands of `fastdds_peer.cpp`.
     pub(crate) fn fastdds(domain: &Domain) -> Self {
-        Self::start("the Fast DDS peer", Command::new(setup::fastdds_peer()), domain)
+        Self::fastdds_with(domain, Vec::new())
+    }
+
+    /// The same with variables of its own.
+    pub(crate) fn fastdds_with(domain: &Domain, variables: Vec<(&str, String)>) -> Self {
+        let mut command = Command::new(setup::fastdds_peer());
+        command.envs(variables);
+        Self::start("the Fast DDS peer", command, domain)
     }
 
     fn start(name: &str, mut command: Command, domain: &Domain) -> Self {

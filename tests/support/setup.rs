@@ -47,7 +47,7 @@ pub(crate) fn fastdds_peer() -> &'static Path {
     static PEER: OnceLock<PathBuf> = OnceLock::new();
     PEER.get_or_init(|| {
         let code = sources().join("fastdds_peer.cpp");
-        let parts = ["wire", "move", "load", "values", "visits", "joints"]
+        let parts = ["wire", "move", "load", "values", "visits", "joints", "states"]
             .map(|name| format!("fastdds_{name}.hpp"))
             .map(|name| read(&sources().join(name)));
         made("fastdds", &(read(&code) + &parts.concat()), |folder| build(folder, &code)).join("fastdds_peer")
