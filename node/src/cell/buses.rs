@@ -19,6 +19,7 @@ use lineshaft_can::load::Load;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
@@ -37,8 +38,9 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// The buses, in the order of the backends.
-    pub(super) fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+    /// The buses, in the order of the backends, and warnings of the files of their devices.
+    pub(super) fn buses(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
+        let warnings: RefCell<Vec<String>> = RefCell::default();
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
         let axes: Vec<_> = self.machine.drives().collect();
@@ -62,7 +64,7 @@ impl Parts<'_> {
                 }
             }
             let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
-            let maker = Maker { folder, problems: &problems };
+            let maker = Maker { folder, problems: &problems, warnings: &warnings };
             let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {
                 maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
             };
@@ -97,7 +99,7 @@ impl Parts<'_> {
             Some(config)
         };
         let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
-        if problems.is_empty() { Ok(buses) } else { Err(problems) }
+        if problems.is_empty() { Ok((buses, warnings.into_inner())) } else { Err(problems) }
     }
 
     /// The files of the devices at one of the backends, by their nodes.
@@ -120,9 +122,21 @@ type Driven<'a> = (u16, &'a AxisConfig, Capabilities);
 struct Maker<'a> {
     folder: &'a Path,
     problems: &'a Problems,
+    /// What is no error.
+    warnings: &'a RefCell<Vec<String>>,
 }
 
 impl Maker<'_> {
+    /// Notes warnings, each once: many devices have one file.
+    fn warn(&self, sentences: impl IntoIterator<Item = String>) {
+        let mut warnings = self.warnings.borrow_mut();
+        for sentence in sentences {
+            if !warnings.contains(&sentence) {
+                warnings.push(sentence);
+            }
+        }
+    }
+
     fn drive(
         &self,
         place: usize,
@@ -194,8 +208,11 @@ impl Maker<'_> {
         let identity = node.identity;
         let dictionary = match &node.eds {
             Some((name, at)) => {
-                let file = device_file("eds", &self.folder.join(name), node.node);
-                Some(file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?)
+                let path = self.folder.join(name);
+                let file = device_file("eds", &path, node.node);
+                let dictionary = file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?;
+                self.warn(passed_over("eds", &path, &dictionary));
+                Some(dictionary)
             }
             None => None,
         };
@@ -243,6 +260,14 @@ pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dicti
         Some(own) => Err(format!("{what} {name} is the configuration of node {own}, not of {node}")),
         None => Ok(dictionary),
     }
+}
+
+/// What was passed over in the file of a device, in sentences; `what` says who has named it.
+pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary) -> Vec<String> {
+    let name = quote(&path.display().to_string());
+    let (problems, dropped) = (dictionary.warnings().kept(), dictionary.warnings().dropped());
+    let more = (dropped > 0).then(|| format!("{what} {name}: and {dropped} more"));
+    problems.iter().map(|problem| format!("{what} {name}: {problem}")).chain(more).collect()
 }
 
 /// What the configuration in a file gives objects, apart from those that the master writes.

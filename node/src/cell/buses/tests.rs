@@ -287,3 +287,50 @@ fn the_example_cells_make_buses() {
         assert_eq!(cell.buses(Some(&path)).map(|buses| buses.len()).map_err(|problems| problems.to_string()), Ok(1));
     }
 }
+
+/// A folder with the EDS of the simulated drive, changed, as `drive.eds`, and where the cell beside it would be.
+fn beside(changes: &[(&str, &str)]) -> (tempfile::TempDir, std::path::PathBuf) {
+    let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drive.eds"), text).unwrap();
+    let path = folder.path().join("c.yaml");
+    (folder, path)
+}
+
+/// The warnings of drives with this file, each after the name of the file.
+fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
+    let (_folder, path) = beside(changes);
+    let drives: Vec<_> = drives.iter().map(|drive| format!("{drive}, eds: drive.eds")).collect();
+    let (_, warnings) =
+        cell("4 ms", bus, &drives).buses_and_warnings(Some(&path)).unwrap_or_else(|error| panic!("{error}"));
+    warnings.iter().map(|warning| warning.split_once("drive.eds`: ").expect("the file").1.to_owned()).collect()
+}
+
+/// Why a drive with this file is refused.
+fn refused_by_file(changes: &[(&str, &str)], bus: &str, drive: &str) -> String {
+    let (_folder, path) = beside(changes);
+    let drive = format!("{drive}, eds: drive.eds");
+    let problems = cell("4 ms", bus, &[drive]).buses(Some(&path)).expect_err("it has a problem");
+    problems.to_string().split_once("drive.eds`: ").expect("the file").1.trim_end().to_owned()
+}
+
+#[test]
+fn a_file_with_an_unreadable_value_of_the_configuration_is_refused() {
+    let said = refused_by_file(&[("[6081]\n", "[6081]\nParameterValue=-1\n")], BUS, "node: 3");
+    assert!(said.ends_with("[6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is"), "{said}");
+}
+
+/// Of a file for two drives it is told once.
+#[test]
+fn what_is_passed_over_in_a_file_is_told_once() {
+    let warnings = warned(&[("[6041]\n", "[6041]\nParameterValue=x\n")], BUS, &["node: 3", "node: 4"]);
+    let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
+    let sentence =
+        "[6041] ParameterValue=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); passed over";
+    assert!(warning.starts_with("line ") && warning.ends_with(sentence), "{warning}");
+    assert_eq!(warned(&[], BUS, &["node: 3"]), [""; 0]);
+}
