@@ -16,6 +16,7 @@ use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
+use lineshaft_can::sheet::{self, Findings, Needs};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
@@ -183,7 +184,8 @@ impl Maker<'_> {
             missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
             rated_effort: drive.rated_effort,
         });
-        let device = self.device(&drive.device, role, plan)?;
+        let needs = Needs { homes: axis.parameters.homing.in_drive };
+        let device = self.device(&drive.device, role, needs, plan)?;
         Some(DeviceConfig { terminals, ..device })
     }
 
@@ -195,7 +197,8 @@ impl Maker<'_> {
             Role::Encoder => Layout::encoder(number),
             _ => Layout::module(number, &terminals),
         };
-        let device = self.device(node, role, |_| layout.map_err(|error| format!("{number}: {error}")))?;
+        let device =
+            self.device(node, role, Needs::default(), |_| layout.map_err(|error| format!("{number}: {error}")))?;
         Some(DeviceConfig { terminals, ..device })
     }
 
@@ -203,6 +206,7 @@ impl Maker<'_> {
         &self,
         node: &CellNode,
         role: Role,
+        needs: Needs,
         plan: impl FnOnce(Option<&Dictionary>) -> Result<Layout, String>,
     ) -> Option<DeviceConfig> {
         let identity = node.identity;
@@ -226,7 +230,7 @@ impl Maker<'_> {
         startup.extend(node.startup.iter().cloned());
         let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
         let known = |number: Option<u32>| number.filter(|number| *number != 0);
-        Some(DeviceConfig {
+        let made = DeviceConfig {
             node: node.node,
             watching: node.watching,
             layout,
@@ -238,7 +242,23 @@ impl Maker<'_> {
             startup,
             terminals: Terminals::default(),
             role,
-        })
+        };
+        if let Some(dictionary) = &dictionary {
+            self.compare(node, &made, needs, dictionary);
+        }
+        Some(made)
+    }
+
+    /// Compares a device with its file.
+    fn compare(&self, node: &CellNode, device: &DeviceConfig, needs: Needs, dictionary: &Dictionary) {
+        let Some((name, at)) = &node.eds else { return };
+        let file = quote(&self.folder.join(name).display().to_string());
+        let of_file = |sentence: String| format!("eds {file}: {sentence}");
+        let Findings { errors, warnings } = sheet::compare(device, needs, dictionary);
+        for sentence in errors {
+            self.problems.push(*at, of_file(sentence), None);
+        }
+        self.warn(warnings.into_iter().map(of_file));
     }
 }
 

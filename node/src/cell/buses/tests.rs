@@ -334,3 +334,15 @@ fn what_is_passed_over_in_a_file_is_told_once() {
     assert!(warning.starts_with("line ") && warning.ends_with(sentence), "{warning}");
     assert_eq!(warned(&[], BUS, &["node: 3"]), [""; 0]);
 }
+
+/// 185h is pp, pv, csp, csv. A default of 0 says nothing.
+#[test]
+fn mode_that_the_file_does_not_offer_is_refused() {
+    let at =
+        "[6502]\nParameterName=Supported drive modes\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=";
+    let (from, to) = (format!("{at}0x3EF"), format!("{at}0x185"));
+    let said = refused_by_file(&[(&from, &to)], BUS, "node: 3, mode: ip");
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; key mode chooses another";
+    assert_eq!(said, sentence);
+    assert_eq!(warned(&[(&from, &to)], BUS, &["node: 3"]), [""; 0]);
+}

@@ -1,0 +1,76 @@
+//! What a device is to do on a bus, compared with its EDS or DCF file.
+//!
+//! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
+//!          device itself is asked when it starts. A default that is missing or 0 says nothing
+//! Reads    6502h (supported modes) and the mode of the drive
+//! Source   CiA 301, CiA 306-1, CiA 402-2
+
+use crate::commission::words;
+use crate::config::DeviceConfig;
+use crate::drive::objects;
+use crate::eds::Dictionary;
+use crate::sdo::Object;
+
+/// Mode of operation of homing in the drive (6060h); bit 5 of 6502h.
+const HOMING: i8 = 6;
+
+/// What the cell says of a device in addition to its configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// Whether the drive homes by itself (`homing.in_drive` of the axis).
+    pub homes: bool,
+}
+
+/// Sentences, each beginning with the device.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Findings {
+    /// What the file contradicts.
+    pub errors: Vec<String>,
+    /// What the file lacks, or where it contradicts itself.
+    pub warnings: Vec<String>,
+}
+
+/// Compares a device with its file.
+pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
+    let mut sheet = Sheet { device, known, found: Findings::default() };
+    sheet.modes(needs.homes);
+    sheet.found
+}
+
+/// A comparison.
+struct Sheet<'a> {
+    device: &'a DeviceConfig,
+    known: &'a Dictionary,
+    found: Findings,
+}
+
+impl Sheet<'_> {
+    fn error(&mut self, sentence: &str) {
+        self.found.errors.push(format!("{}: {sentence}", self.device));
+    }
+
+    /// A number that the file gives; none where it is missing or 0.
+    fn number(&self, object: Object) -> Option<u32> {
+        let number = self.known.value(object)?.number()?;
+        u32::try_from(number).ok().filter(|number| *number != 0)
+    }
+
+    /// Compares the mode of the drive, and homing in it, with 6502h.
+    fn modes(&mut self, homes: bool) {
+        let object = objects::SUPPORTED_MODES;
+        let device = self.device;
+        let Some((drive, offered)) = device.drive().zip(self.number(object)) else { return };
+        let offers = |mode: i8| offered >> (mode - 1) & 1 == 1;
+        let said = format!("{object} is {offered:08X}h by the file ({})", words::modes(offered));
+        let (mode, name) = (drive.mode.number(), drive.mode.name());
+        if !offers(mode) {
+            self.error(&format!("{said}: mode {mode} ({name}) is missing; key mode chooses another"));
+        }
+        if homes && !offers(HOMING) {
+            self.error(&format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
