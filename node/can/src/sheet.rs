@@ -2,8 +2,10 @@
 //!
 //! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
 //!          device itself is asked when it starts. A default that is missing or 0 says nothing
-//! Reads    6502h (supported modes) and the mode of the drive
-//! Source   CiA 301, CiA 306-1, CiA 402-2
+//! Reads    6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry
+//! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
+
+mod mapped;
 
 use crate::commission::words;
 use crate::config::DeviceConfig;
@@ -34,6 +36,7 @@ pub struct Findings {
 pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
     let mut sheet = Sheet { device, known, found: Findings::default() };
     sheet.modes(needs.homes);
+    sheet.mapped();
     sheet.found
 }
 
@@ -47,6 +50,10 @@ struct Sheet<'a> {
 impl Sheet<'_> {
     fn error(&mut self, sentence: &str) {
         self.found.errors.push(format!("{}: {sentence}", self.device));
+    }
+
+    fn warning(&mut self, sentence: &str) {
+        self.found.warnings.push(format!("{}: {sentence}", self.device));
     }
 
     /// A number that the file gives; none where it is missing or 0.

@@ -1,7 +1,8 @@
 use super::*;
-use crate::config::Role;
-use crate::drive::DriveMode;
+use crate::config::{Analog, Role, Terminals};
+use crate::drive::{DriveMode, Layout};
 use crate::{NodeId, Watching, eds};
+use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");
 
@@ -54,4 +55,108 @@ fn supported_modes_of_0_or_none_say_nothing() {
         let known = changed(&[("6502", "DefaultValue", value)]);
         assert_eq!(compare(&drive(DriveMode::Cst), Needs { homes: true }, &known), Findings::default(), "{value}");
     }
+}
+
+/// Control word 16 bits, position 32 bits (CiA 402-2). The sign of a type makes no difference on the wire; a REAL32 has as many bits and
+/// another meaning.
+#[test]
+fn mapped_object_of_another_length_or_kind_is_an_error() {
+    for (section, data_type, sentence) in [
+        ("6064", "0x0008", "6064h:00 is REAL32 by the file; an integer of 32 bits is mapped to a PDO (key interface)"),
+        (
+            "6041",
+            "0x0005",
+            "6041h:00 is UNSIGNED8 by the file; an integer of 16 bits is mapped to a PDO (key interface)",
+        ),
+        (
+            "607A",
+            "0x0003",
+            "607Ah:00 is INTEGER16 by the file; an integer of 32 bits is mapped to a PDO (key interface)",
+        ),
+        ("6040", "0x0001", "6040h:00 is BOOLEAN by the file; an integer of 16 bits is mapped to a PDO (key interface)"),
+    ] {
+        let known = changed(&[(section, "DataType", data_type)]);
+        let sentence = format!("node 3 (x0): {sentence}");
+        assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), of(&[&sentence], &[]));
+    }
+    for (section, data_type) in [("6064", "0x0007"), ("6041", "0x0003"), ("6060", "0x0005"), ("607A", "0x0080")] {
+        let known = changed(&[(section, "DataType", data_type), (section, "DefaultValue", "")]);
+        assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), Findings::default(), "{section}");
+    }
+}
+
+/// What a device receives has to be writable, what it sends readable; rwr and rww name the other direction (CiA 306-1).
+#[test]
+fn mapped_object_without_the_access_is_an_error() {
+    let found = |section, access| {
+        let known = changed(&[(section, "AccessType", access)]);
+        compare(&drive(DriveMode::Csp), Needs::default(), &known)
+    };
+    let said = |object: &str, access: &str, way: &str| {
+        format!("node 3 (x0): {object} has access {access} by the file; the device {way} it in a PDO (key interface)")
+    };
+    assert_eq!(found("6040", "ro"), of(&[&said("6040h:00", "ro", "receives")], &[]));
+    assert_eq!(found("607A", "const"), of(&[&said("607Ah:00", "const", "receives")], &[]));
+    assert_eq!(found("6064", "wo"), of(&[&said("6064h:00", "wo", "sends")], &[]));
+    assert_eq!(found("607A", "rwr"), of(&[], &[&said("607Ah:00", "rwr", "receives")]));
+    assert_eq!(found("6061", "rww"), of(&[], &[&said("6061h:00", "rww", "sends")]));
+    for (section, access) in [("6040", "rw"), ("6040", "wo"), ("6041", "rw"), ("6041", "rwr"), ("6041", "const")] {
+        assert_eq!(found(section, access), Findings::default(), "{section} {access}");
+    }
+}
+
+fn terminal(address: u16) -> Terminal {
+    Terminal { place: 0, address }
+}
+
+/// A module with a digital input and an analog output at these addresses.
+fn module(input: Option<u16>, output: Option<u16>) -> DeviceConfig {
+    let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };
+    let terminals = Terminals {
+        digital_inputs: input.map(terminal).into_iter().collect(),
+        analog_outputs: output.map(analog).into_iter().collect(),
+        ..Terminals::default()
+    };
+    let layout = Layout::module(node(), &terminals).expect("there is room");
+    DeviceConfig { layout, terminals, role: Role::Module, ..drive(DriveMode::Csp) }
+}
+
+/// A file with these sections.
+fn file(sections: &str) -> Dictionary {
+    eds::parse(format!("[DeviceInfo]\n{sections}").as_bytes(), Some(3)).expect("a good file")
+}
+
+/// The section of an object: index or index and subindex, and its keys.
+fn section(name: &str, data_type: u16, access: &str, default: &str, is_mappable: bool) -> String {
+    let mapping = u8::from(is_mappable);
+    format!(
+        "[{name}]\nParameterName=a\nDataType={data_type}\nAccessType={access}\nDefaultValue={default}\nPDOMapping={mapping}\n"
+    )
+}
+
+/// 8 inputs in 6000h:01 (CiA 401-1): `mapping` is PDOMapping.
+fn inputs(is_mappable: bool) -> String {
+    let head = "[6000]\nParameterName=a\nObjectType=8\nSubNumber=2\n".to_owned();
+    head + &section("6000sub0", 5, "ro", "1", false) + &section("6000sub1", 5, "ro", "", is_mappable)
+}
+
+/// PDO 1 that carries 6000h:01, 8 bits.
+fn pdo_of_inputs() -> String {
+    "[1800]\nParameterName=a\nObjectType=9\nSubNumber=1\n".to_owned()
+        + &section("1800sub1", 7, "rw", "$NODEID+0x180", false)
+        + "[1A00]\nParameterName=a\nObjectType=9\nSubNumber=2\n"
+        + &section("1A00sub0", 5, "rw", "1", false)
+        + &section("1A00sub1", 7, "rw", "0x60000108", false)
+}
+
+#[test]
+fn object_that_cannot_be_mapped_is_an_error_unless_the_file_maps_it_itself() {
+    let pdo = pdo_of_inputs();
+    let of_input = |sections: String| compare(&module(Some(5), None), Needs::default(), &file(&sections));
+    let sentence = "node 3 (module): 6000h:01 cannot be mapped to a PDO by the file: its PDOMapping is not 1 (key io)";
+    let itself = format!("{sentence}; PDO 1 of the file carries it all the same");
+    assert_eq!(of_input(inputs(false) + &pdo), of(&[], &[&itself]));
+    let other = pdo.replace("0x60000108", "0x60000208");
+    assert_eq!(of_input(inputs(false) + &other), of(&[sentence], &[]));
+    assert_eq!(of_input(inputs(true) + &pdo), Findings::default());
 }
