@@ -2,16 +2,19 @@
 //!
 //! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
 //!          device itself is asked when it starts. A default that is missing or 0 says nothing
-//! Reads    6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry
+//! Reads    6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that the keys of
+//!          the cell need
 //! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
 
 mod mapped;
+mod presence;
 
 use crate::commission::words;
 use crate::config::DeviceConfig;
 use crate::drive::objects;
 use crate::eds::Dictionary;
 use crate::sdo::Object;
+use std::collections::BTreeSet;
 
 /// Mode of operation of homing in the drive (6060h); bit 5 of 6502h.
 const HOMING: i8 = 6;
@@ -34,9 +37,10 @@ pub struct Findings {
 
 /// Compares a device with its file.
 pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
-    let mut sheet = Sheet { device, known, found: Findings::default() };
+    let mut sheet = Sheet { device, known, lacking: BTreeSet::new(), found: Findings::default() };
     sheet.modes(needs.homes);
     sheet.mapped();
+    sheet.present(needs.homes);
     sheet.found
 }
 
@@ -44,6 +48,8 @@ pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findi
 struct Sheet<'a> {
     device: &'a DeviceConfig,
     known: &'a Dictionary,
+    /// Indices of which something is missing in the file.
+    lacking: BTreeSet<u16>,
     found: Findings,
 }
 

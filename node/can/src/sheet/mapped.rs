@@ -29,7 +29,7 @@ impl Sheet<'_> {
 
     fn field(&mut self, direction: Direction, object: Object, bits: u32, key: &str) {
         let known = self.known;
-        let Some(entry) = known.entry(object) else { return };
+        let Some(entry) = known.entry(object) else { return self.missing(object, key) };
         let (data_type, access) = (entry.data_type, entry.access);
         if !is_integer(data_type, bits) {
             self.error(&format!(

@@ -1,5 +1,5 @@
 use super::*;
-use crate::config::{Analog, Role, Terminals};
+use crate::config::{Analog, Role, Terminals, Write};
 use crate::drive::{DriveMode, Layout};
 use crate::{NodeId, Watching, eds};
 use lineshaft_core::drive::Terminal;
@@ -159,4 +159,95 @@ fn object_that_cannot_be_mapped_is_an_error_unless_the_file_maps_it_itself() {
     let other = pdo.replace("0x60000108", "0x60000208");
     assert_eq!(of_input(inputs(false) + &other), of(&[sentence], &[]));
     assert_eq!(of_input(inputs(true) + &pdo), Findings::default());
+}
+
+/// The file of the simulated drive, whose object has another index: it lacks this one.
+fn without(index: &str) -> Dictionary {
+    let (from, to) = (format!("[{index}"), format!("[2F{}", &index[2..]));
+    assert!(OWN.contains(&from) && !OWN.contains(&to), "{index}");
+    eds::parse(OWN.replace(&from, &to).as_bytes(), Some(3)).expect("a good file")
+}
+
+/// Addresses 8 to 15 are bits of 6000h:02 (CiA 401-1). A count of 0, or none, says nothing.
+#[test]
+fn io_beyond_the_inputs_of_the_file_is_an_error() {
+    let of_input =
+        |address, sections: String| compare(&module(Some(address), None), Needs::default(), &file(&sections));
+    let sections = inputs(true) + &pdo_of_inputs();
+    assert_eq!(of_input(7, sections.clone()), Findings::default());
+    let beyond = "node 3 (module): 6000h:02 does not exist by the file, whose 6000h:00 is 1; entries of io from address 8 on need it";
+    for address in [8, 60] {
+        assert_eq!(of_input(address, sections.clone()), of(&[beyond], &[]), "{address}");
+    }
+    let unsaid = sections.replacen("DefaultValue=1\n", "DefaultValue=0\n", 1);
+    let missing = "node 3 (module): 6000h:02 is missing in the file; entries of io from address 8 on need it";
+    assert_eq!(of_input(8, unsaid), of(&[], &[missing]));
+}
+
+/// Channels 0 to 2 of analog outputs are 6411h:01 to 03, from RPDO 2 on (CiA 401-1); the position of an encoder is in TPDO 2 (CiA 406).
+#[test]
+fn what_the_file_lacks_is_a_warning() {
+    let known = file(&(inputs(true) + &pdo_of_inputs()));
+    let found = compare(&module(None, Some(2)), Needs::default(), &known);
+    let [object, pdo] = [
+        "node 3 (module): 6411h:01 is missing in the file; entries of io from address 0 on need it",
+        "node 3 (module): 1401h is missing in the file; RPDO 2, which the cell needs, has it",
+    ];
+    assert_eq!(found, of(&[], &[object, pdo]));
+    let layout = Layout::encoder(node()).expect("there is room");
+    let encoder = DeviceConfig { layout, role: Role::Encoder, ..drive(DriveMode::Csp) };
+    let [object, pdo] = [
+        "node 3 (encoder): 6004h:00 is missing in the file; key encoders needs it",
+        "node 3 (encoder): 1801h is missing in the file; TPDO 2, which the cell needs, has it",
+    ];
+    assert_eq!(compare(&encoder, Needs::default(), &known), of(&[], &[object, pdo]));
+    let compact = "CompactPDO=3\n".to_owned() + &inputs(true) + &pdo_of_inputs();
+    assert_eq!(compare(&encoder, Needs::default(), &file(&compact)), of(&[], &[object]));
+}
+
+#[test]
+fn what_is_written_for_a_key_has_to_be_there_and_writable() {
+    let heartbeat = DeviceConfig { watching: Watching::Heartbeat { time_ns: 300_000_000 }, ..drive(DriveMode::Csp) };
+    let guarding = DeviceConfig {
+        watching: Watching::Guarding { guard_ns: 100_000_000, life_factor: 3 },
+        ..drive(DriveMode::Csp)
+    };
+    let homes = Needs { homes: true };
+    let plain = drive(DriveMode::Csp);
+    for (device, needs, index, object, key) in [
+        (&heartbeat, Needs::default(), "1017", "1017h:00", "heartbeat"),
+        (&guarding, Needs::default(), "100D", "100Dh:00", "guarding"),
+        (&plain, homes, "6098", "6098h:00", "homing.in_drive"),
+        (&plain, homes, "609A", "609Ah:00", "homing.in_drive"),
+    ] {
+        let missing = format!("node 3 (x0): {object} is missing in the file; key {key} needs it");
+        assert_eq!(compare(device, needs, &without(index)), of(&[], &[&missing]));
+        let read_only = changed(&[(index, "AccessType", "ro")]);
+        let wrong = format!("node 3 (x0): {object} has access ro by the file; it is written for key {key}");
+        assert_eq!(compare(device, needs, &read_only), of(&[&wrong], &[]));
+        assert_eq!(compare(device, needs, &changed(&[])), Findings::default());
+    }
+    let factors = "node 3 (x0): 6092h:01 and 608Fh:01 are missing in the file; key feed is compared with one of them";
+    let mut measured = drive(DriveMode::Csp);
+    if let Role::Drive(drive) = &mut measured.role {
+        drive.per_revolution = Some((10_000, 1));
+    }
+    assert_eq!(compare(&measured, Needs::default(), &without("608F")), of(&[], &[factors]));
+    assert_eq!(compare(&measured, Needs::default(), &changed(&[])), Findings::default());
+}
+
+/// 6081h is UNSIGNED32, 6041h the status word, which is read alone.
+#[test]
+fn startup_is_compared_with_the_objects_of_the_file() {
+    let found = |index, bytes: usize| {
+        let startup = vec![Write { object: Object { index, sub: 0 }, data: vec![0; bytes] }];
+        compare(&DeviceConfig { startup, ..drive(DriveMode::Csp) }, Needs::default(), &changed(&[]))
+    };
+    assert_eq!(found(0x6081, 4), Findings::default());
+    let length = "node 3 (x0): 6081h:00 is UNSIGNED32 by the file, 4 bytes; key startup writes 2";
+    assert_eq!(found(0x6081, 2), of(&[length], &[]));
+    let access = "node 3 (x0): 6041h:00 has access ro by the file; it is written for key startup";
+    assert_eq!(found(0x6041, 2), of(&[access], &[]));
+    let missing = "node 3 (x0): 2F00h:00 is missing in the file; key startup needs it";
+    assert_eq!(found(0x2F00, 4), of(&[], &[missing]));
 }
