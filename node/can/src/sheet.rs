@@ -2,7 +2,7 @@
 //!
 //! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
 //!          device itself is asked when it starts. A default that is missing or 0 says nothing
-//! Reads    6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that the keys of
+//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that the keys of
 //!          the cell need
 //! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
 
@@ -10,7 +10,7 @@ mod mapped;
 mod presence;
 
 use crate::commission::words;
-use crate::config::DeviceConfig;
+use crate::config::{DeviceConfig, Role};
 use crate::drive::objects;
 use crate::eds::Dictionary;
 use crate::sdo::Object;
@@ -38,6 +38,7 @@ pub struct Findings {
 /// Compares a device with its file.
 pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
     let mut sheet = Sheet { device, known, lacking: BTreeSet::new(), found: Findings::default() };
+    sheet.profile();
     sheet.modes(needs.homes);
     sheet.mapped();
     sheet.present(needs.homes);
@@ -66,6 +67,24 @@ impl Sheet<'_> {
     fn number(&self, object: Object) -> Option<u32> {
         let number = self.known.value(object)?.number()?;
         u32::try_from(number).ok().filter(|number| *number != 0)
+    }
+
+    /// Compares what the cell takes the device for with its profile.
+    fn profile(&mut self) {
+        let object = objects::DEVICE_TYPE;
+        let Some(device_type) = self.number(object) else { return };
+        let (found, (expected, what)) = (device_type & 0xFFFF, self.device.role.profile());
+        if found == expected {
+            return;
+        }
+        let section = match self.device.role {
+            Role::Drive(_) => "axes",
+            Role::Module => "io",
+            Role::Encoder => "encoders",
+        };
+        self.error(&format!(
+            "{object} is {device_type:08X}h by the file, profile {found}; entries of {section} need profile {expected} ({what})"
+        ));
     }
 
     /// Compares the mode of the drive, and homing in it, with 6502h.

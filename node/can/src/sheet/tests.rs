@@ -236,6 +236,23 @@ fn what_is_written_for_a_key_has_to_be_there_and_writable() {
     assert_eq!(compare(&measured, Needs::default(), &changed(&[])), Findings::default());
 }
 
+/// The lower half of 1000h is the profile: 192h is 402, 191h is 401 (CiA 301).
+#[test]
+fn device_of_another_profile_is_an_error() {
+    let found = |value| compare(&drive(DriveMode::Csp), Needs::default(), &changed(&[("1000", "DefaultValue", value)]));
+    let sentence =
+        "node 3 (x0): 1000h:00 is 00030191h by the file, profile 401; entries of axes need profile 402 (drive)";
+    assert_eq!(found("0x00030191"), of(&[sentence], &[]));
+    for value in ["0x00FF0192", "0", ""] {
+        assert_eq!(found(value), Findings::default(), "{value}");
+    }
+    let known = |value| file(&(section("1000", 7, "ro", value, false) + &inputs(true) + &pdo_of_inputs()));
+    let sentence =
+        "node 3 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
+    assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00020192")), of(&[sentence], &[]));
+    assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00030191")), Findings::default());
+}
+
 /// 6081h is UNSIGNED32, 6041h the status word, which is read alone.
 #[test]
 fn startup_is_compared_with_the_objects_of_the_file() {

@@ -346,3 +346,14 @@ fn mode_that_the_file_does_not_offer_is_refused() {
     assert_eq!(said, sentence);
     assert_eq!(warned(&[(&from, &to)], BUS, &["node: 3"]), [""; 0]);
 }
+
+/// The file of a drive for a node with an input of `io`.
+#[test]
+fn file_of_another_profile_is_refused_for_a_module() {
+    let (_folder, path) = beside(&[]);
+    let io = "io:\n  s: {type: di, backend: bus0, node: 10, address: 5}\n";
+    let cell = with_sections(", nodes: [{node: 10, eds: drive.eds}]", io);
+    let said = cell.buses(Some(&path)).expect_err("it has a problem").to_string();
+    let sentence = "drive.eds`: node 10 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
+    assert!(said.contains(sentence), "{said}");
+}
