@@ -2,8 +2,8 @@
 //!
 //! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
 //!          device itself is asked when it starts. A default that is missing or 0 says nothing
-//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that the keys of
-//!          the cell need
+//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that
+//!          keys of the cell need; Baudrate of a DCF, BaudRate_ of an EDS
 //! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
 
 mod mapped;
@@ -22,6 +22,8 @@ const HOMING: i8 = 6;
 /// What the cell says of a device in addition to its configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
+    /// Bit rate of the bus (bit/s); none where the cell does not say it.
+    pub bit_rate: Option<u32>,
     /// Whether the drive homes by itself (`homing.in_drive` of the axis).
     pub homes: bool,
 }
@@ -42,6 +44,9 @@ pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findi
     sheet.modes(needs.homes);
     sheet.mapped();
     sheet.present(needs.homes);
+    if let Some(bit_rate) = needs.bit_rate {
+        sheet.bit_rate(bit_rate);
+    }
     sheet.found
 }
 
@@ -85,6 +90,23 @@ impl Sheet<'_> {
         self.error(&format!(
             "{object} is {device_type:08X}h by the file, profile {found}; entries of {section} need profile {expected} ({what})"
         ));
+    }
+
+    /// Compares the bit rate of the bus (bit/s) with those of the file (kbit/s): the one that the device is configured for, those that it
+    /// knows.
+    fn bit_rate(&mut self, bit_rate: u32) {
+        let known = self.known;
+        let here = format!("bitrate of the backend is {bit_rate} bit/s");
+        let own = known.commissioning.as_ref().and_then(|own| own.baud_rate).filter(|own| *own != 0);
+        if let Some(own) = own.filter(|own| *own != bit_rate / 1000) {
+            self.error(&format!("Baudrate is {own} kbit/s in [DeviceComissioning] of the file; {here}"));
+        }
+        let rates = &known.device.baud_rates;
+        if !rates.is_empty() && !rates.iter().any(|rate| u32::from(*rate) == bit_rate / 1000) {
+            let rates: Vec<_> = rates.iter().map(u16::to_string).collect();
+            let rates = rates.join(", ");
+            self.warning(&format!("[DeviceInfo] of the file has the bit rates {rates} kbit/s; {here}"));
+        }
     }
 
     /// Compares the mode of the drive, and homing in it, with 6502h.

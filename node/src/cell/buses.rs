@@ -65,7 +65,7 @@ impl Parts<'_> {
                 }
             }
             let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
-            let maker = Maker { folder, problems: &problems, warnings: &warnings };
+            let maker = Maker { folder, bit_rate: bus.bit_rate, problems: &problems, warnings: &warnings };
             let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {
                 maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
             };
@@ -122,6 +122,8 @@ type Driven<'a> = (u16, &'a AxisConfig, Capabilities);
 /// Makes devices of what the cell and their files say.
 struct Maker<'a> {
     folder: &'a Path,
+    /// (bit/s)
+    bit_rate: Option<u32>,
     problems: &'a Problems,
     /// What is no error.
     warnings: &'a RefCell<Vec<String>>,
@@ -184,7 +186,7 @@ impl Maker<'_> {
             missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
             rated_effort: drive.rated_effort,
         });
-        let needs = Needs { homes: axis.parameters.homing.in_drive };
+        let needs = Needs { bit_rate: self.bit_rate, homes: axis.parameters.homing.in_drive };
         let device = self.device(&drive.device, role, needs, plan)?;
         Some(DeviceConfig { terminals, ..device })
     }
@@ -197,8 +199,8 @@ impl Maker<'_> {
             Role::Encoder => Layout::encoder(number),
             _ => Layout::module(number, &terminals),
         };
-        let device =
-            self.device(node, role, Needs::default(), |_| layout.map_err(|error| format!("{number}: {error}")))?;
+        let needs = Needs { bit_rate: self.bit_rate, homes: false };
+        let device = self.device(node, role, needs, |_| layout.map_err(|error| format!("{number}: {error}")))?;
         Some(DeviceConfig { terminals, ..device })
     }
 

@@ -6,6 +6,9 @@ use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");
 
+/// The drive homes by itself.
+const HOMES: Needs = Needs { bit_rate: None, homes: true };
+
 /// The file of the simulated drive, with another value of a key in some sections.
 fn changed(changes: &[(&str, &str, &str)]) -> Dictionary {
     let mut text = OWN.to_owned();
@@ -44,16 +47,16 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
     let cst = format!("{said}: mode 10 (cst) is missing; key mode chooses another");
     assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &known), of(&[&cst], &[]));
     let homing = format!("{said}: mode 6 (hm) is missing, and homing.in_drive is true");
-    assert_eq!(compare(&drive(DriveMode::Csp), Needs { homes: true }, &known), of(&[&homing], &[]));
+    assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &known), of(&[&homing], &[]));
     let with_homing = changed(&[("6502", "DefaultValue", "0x1A5")]);
-    assert_eq!(compare(&drive(DriveMode::Csp), Needs { homes: true }, &with_homing), Findings::default());
+    assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &with_homing), Findings::default());
 }
 
 #[test]
 fn supported_modes_of_0_or_none_say_nothing() {
     for value in ["0", "", "0xFFFFFFFF"] {
         let known = changed(&[("6502", "DefaultValue", value)]);
-        assert_eq!(compare(&drive(DriveMode::Cst), Needs { homes: true }, &known), Findings::default(), "{value}");
+        assert_eq!(compare(&drive(DriveMode::Cst), HOMES, &known), Findings::default(), "{value}");
     }
 }
 
@@ -212,13 +215,12 @@ fn what_is_written_for_a_key_has_to_be_there_and_writable() {
         watching: Watching::Guarding { guard_ns: 100_000_000, life_factor: 3 },
         ..drive(DriveMode::Csp)
     };
-    let homes = Needs { homes: true };
     let plain = drive(DriveMode::Csp);
     for (device, needs, index, object, key) in [
         (&heartbeat, Needs::default(), "1017", "1017h:00", "heartbeat"),
         (&guarding, Needs::default(), "100D", "100Dh:00", "guarding"),
-        (&plain, homes, "6098", "6098h:00", "homing.in_drive"),
-        (&plain, homes, "609A", "609Ah:00", "homing.in_drive"),
+        (&plain, HOMES, "6098", "6098h:00", "homing.in_drive"),
+        (&plain, HOMES, "609A", "609Ah:00", "homing.in_drive"),
     ] {
         let missing = format!("node 3 (x0): {object} is missing in the file; key {key} needs it");
         assert_eq!(compare(device, needs, &without(index)), of(&[], &[&missing]));
@@ -251,6 +253,23 @@ fn device_of_another_profile_is_an_error() {
         "node 3 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
     assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00020192")), of(&[sentence], &[]));
     assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00030191")), Findings::default());
+}
+
+/// The file has 125, 250, 500, 1000 kbit/s. A Baudrate of 0 says nothing; of 83.3 kbit/s a file has the whole part.
+#[test]
+fn bit_rate_is_compared_with_that_of_the_configuration() {
+    let found = |baudrate: &str, bit_rate| {
+        let text = format!("{OWN}\n[DeviceComissioning]\nNodeID=3\nBaudrate={baudrate}\n");
+        let known = eds::parse(text.as_bytes(), Some(3)).expect("a good file");
+        compare(&drive(DriveMode::Csp), Needs { bit_rate, homes: false }, &known)
+    };
+    let error = "node 3 (x0): Baudrate is 500 kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s";
+    assert_eq!(found("500", Some(1_000_000)), of(&[error], &[]));
+    for (baudrate, bit_rate) in [("500", Some(500_000)), ("0", Some(500_000)), ("", Some(125_000)), ("500", None)] {
+        assert_eq!(found(baudrate, bit_rate), Findings::default(), "{baudrate}");
+    }
+    let warning = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 83300 bit/s";
+    assert_eq!(found("83", Some(83_300)), of(&[], &[warning]));
 }
 
 /// 6081h is UNSIGNED32, 6041h the status word, which is read alone.

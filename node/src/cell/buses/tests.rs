@@ -341,10 +341,10 @@ fn mode_that_the_file_does_not_offer_is_refused() {
     let at =
         "[6502]\nParameterName=Supported drive modes\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=";
     let (from, to) = (format!("{at}0x3EF"), format!("{at}0x185"));
-    let said = refused_by_file(&[(&from, &to)], BUS, "node: 3, mode: ip");
+    let said = refused_by_file(&[(from.as_str(), to.as_str())], BUS, "node: 3, mode: ip");
     let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; key mode chooses another";
     assert_eq!(said, sentence);
-    assert_eq!(warned(&[(&from, &to)], BUS, &["node: 3"]), [""; 0]);
+    assert_eq!(warned(&[(from.as_str(), to.as_str())], BUS, &["node: 3"]), [""; 0]);
 }
 
 /// The file of a drive for a node with an input of `io`.
@@ -356,4 +356,17 @@ fn file_of_another_profile_is_refused_for_a_module() {
     let said = cell.buses(Some(&path)).expect_err("it has a problem").to_string();
     let sentence = "drive.eds`: node 10 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
     assert!(said.contains(sentence), "{said}");
+}
+
+/// A DCF for 500 kbit/s at a bus of 1 Mbit/s; the EDS knows 125, 250, 500 and 1000 kbit/s.
+#[test]
+fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
+    let own = [("[Comments]\n", "[DeviceComissioning]\nBaudrate=500\n[Comments]\n")];
+    let sentence = "node 3 (x0): Baudrate is 500 kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s";
+    assert_eq!(refused_by_file(&own, BUS, "node: 3"), sentence);
+    let half = BUS.replace("1000000", "500000");
+    assert_eq!(warned(&own, &half, &["node: 3"]), [""; 0]);
+    let odd = BUS.replace("1000000", "800000");
+    let sentence = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 800000 bit/s";
+    assert_eq!(warned(&[], &odd, &["node: 3"]), [sentence]);
 }
