@@ -506,5 +506,20 @@ fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
     run(&["sdo", "read", "3", "6064", "--bus", "socketcan:can0", "--eds", "none.eds"])
         .refused(2, "--eds `none.eds` cannot be read: ");
     run(&["scan", "--cell", "none.yaml"]).refused(2, "none.yaml");
+    let folder = tempfile::tempdir().unwrap();
+    let configure = |values: &[(&str, &str)]| {
+        let file = dcf(folder.path(), values);
+        run(&["configure", "3", "--dcf", &file, "--bus", "slcan-tcp:127.0.0.1:1"])
+    };
+    configure(&[("6081", "-1"), ("6083", "5")])
+        .refused(2, "[6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is");
+    // What is never written is no error: the bus is opened.
+    let said = configure(&[("6041", "x"), ("6083", "5")]);
+    said.refused(1, "the adapter cannot be reached: Connection refused");
+    said.refused(1, "warning: --dcf `");
+    said.refused(
+        1,
+        "[6041] ParameterValue=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); passed over\n",
+    );
     run(&["scan", "--bus", "socketcan:can0", "--timeout", "1 ms"]).refused(2, "1 ms is not allowed; 10 ms to 60 s is");
 }

@@ -189,6 +189,40 @@ fn a_robot_description_is_checked_with_its_cell() {
     assert_eq!(text(&told.stderr), warning);
 }
 
+/// 6041h is read only: a value that cannot be read is a warning there. 6081h would be written: it is an error.
+#[test]
+fn what_is_wrong_in_an_eds_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let eds = std::fs::read_to_string(root("launch-configs/can/cia402_sim.eds")).unwrap();
+    write("drive.eds", &eds.replacen("[6041]\n", "[6041]\nParameterValue=x\n", 1));
+    write(
+        "cell.yaml",
+        "lineshaft: 1\ncycle: 4 ms\n\
+         backends: {bus0: {type: can, transport: 'slcan-tcp:127.0.0.1:1', bitrate: 1000000}}\n\
+         axes:\n  x: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: {backend: bus0, node: 3, eds: drive.eds},\n    \
+         max_velocity: 1 m/s, max_acceleration: 1 m/s^2}\n",
+    );
+    let said = "`drive.eds`: line 1531: [6041] ParameterValue=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); \
+                passed over\n";
+    let check = lineshaft(folder.path(), &["check", "cell.yaml"]);
+    assert_eq!((code(&check), text(&check.stderr)), (0, format!("warning: eds {said}")));
+    let scan = ["can", "scan", "--cell", "cell.yaml"];
+    let pdo = ["can", "pdo", "3", "--bus", "slcan-tcp:127.0.0.1:1", "--eds", "drive.eds"];
+    for (words, key) in [(scan.as_slice(), "eds"), (pdo.as_slice(), "--eds")] {
+        let output = lineshaft(folder.path(), words);
+        let begin = format!("warning: {key} {said}error: ");
+        assert!(code(&output) == 1 && text(&output.stderr).starts_with(&begin), "{}", text(&output.stderr));
+    }
+    write("drive.eds", &eds.replacen("[6081]\n", "[6081]\nParameterValue=-1\n", 1));
+    let sentence =
+        "eds `drive.eds`: line 1789: [6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is";
+    for words in [["check", "cell.yaml"].as_slice(), scan.as_slice()] {
+        let output = lineshaft(folder.path(), words);
+        assert!(code(&output) == 2 && text(&output.stderr).contains(sentence), "{}", text(&output.stderr));
+    }
+}
+
 #[test]
 fn types_of_functions_are_listed_and_explained() {
     let here = root("");

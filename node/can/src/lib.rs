@@ -14,6 +14,7 @@ pub mod master;
 mod nmt;
 mod node_id;
 pub mod sdo;
+pub mod sheet;
 pub mod transport;
 mod watch;
 

@@ -18,9 +18,11 @@ use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
 use lineshaft_can::sdo::Object;
+use lineshaft_can::sheet::{self, Findings, Needs};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
@@ -39,8 +41,9 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// The buses, in the order of the backends.
-    pub(super) fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+    /// The buses, in the order of the backends, and warnings of the files of their devices.
+    pub(super) fn buses(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
+        let warnings: RefCell<Vec<String>> = RefCell::default();
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
         let axes: Vec<_> = self.machine.drives().collect();
@@ -64,7 +67,7 @@ impl Parts<'_> {
                 }
             }
             let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
-            let maker = Maker { folder, problems: &problems };
+            let maker = Maker { folder, bit_rate: bus.bit_rate, problems: &problems, warnings: &warnings };
             let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {
                 maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
             };
@@ -99,7 +102,7 @@ impl Parts<'_> {
             Some(config)
         };
         let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
-        if problems.is_empty() { Ok(buses) } else { Err(problems) }
+        if problems.is_empty() { Ok((buses, warnings.into_inner())) } else { Err(problems) }
     }
 
     /// The files of the devices at one of the backends, by their nodes.
@@ -121,10 +124,24 @@ type Driven<'a> = (u16, &'a AxisConfig, Capabilities);
 /// Makes devices of what the cell and their files say.
 struct Maker<'a> {
     folder: &'a Path,
+    /// (bit/s)
+    bit_rate: Option<u32>,
     problems: &'a Problems,
+    /// What is no error.
+    warnings: &'a RefCell<Vec<String>>,
 }
 
 impl Maker<'_> {
+    /// Notes warnings, each once: many devices have one file.
+    fn warn(&self, sentences: impl IntoIterator<Item = String>) {
+        let mut warnings = self.warnings.borrow_mut();
+        for sentence in sentences {
+            if !warnings.contains(&sentence) {
+                warnings.push(sentence);
+            }
+        }
+    }
+
     fn drive(
         &self,
         place: usize,
@@ -171,7 +188,8 @@ impl Maker<'_> {
             missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
             rated_effort: drive.rated_effort,
         });
-        let device = self.device(&drive.device, role, plan)?;
+        let needs = Needs { bit_rate: self.bit_rate, homes: axis.parameters.homing.in_drive };
+        let device = self.device(&drive.device, role, needs, plan)?;
         Some(DeviceConfig { terminals, ..device })
     }
 
@@ -183,7 +201,8 @@ impl Maker<'_> {
             Role::Encoder => Layout::encoder(number),
             _ => Layout::module(number, &terminals),
         };
-        let device = self.device(node, role, |_| layout.map_err(|error| format!("{number}: {error}")))?;
+        let needs = Needs { bit_rate: self.bit_rate, homes: false };
+        let device = self.device(node, role, needs, |_| layout.map_err(|error| format!("{number}: {error}")))?;
         Some(DeviceConfig { terminals, ..device })
     }
 
@@ -191,13 +210,17 @@ impl Maker<'_> {
         &self,
         node: &CellNode,
         role: Role,
+        needs: Needs,
         plan: impl FnOnce(Option<&Dictionary>) -> Result<Layout, String>,
     ) -> Option<DeviceConfig> {
         let identity = node.identity;
         let dictionary = match &node.eds {
             Some((name, at)) => {
-                let file = device_file("eds", &self.folder.join(name), node.node);
-                Some(file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?)
+                let path = self.folder.join(name);
+                let file = device_file("eds", &path, node.node);
+                let dictionary = file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?;
+                self.warn(passed_over("eds", &path, &dictionary));
+                Some(dictionary)
             }
             None => None,
         };
@@ -214,7 +237,7 @@ impl Maker<'_> {
         startup.extend(node.startup.iter().cloned());
         let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
         let known = |number: Option<u32>| number.filter(|number| *number != 0);
-        Some(DeviceConfig {
+        let made = DeviceConfig {
             node: node.node,
             watching: node.watching,
             layout,
@@ -227,7 +250,23 @@ impl Maker<'_> {
             left_out,
             terminals: Terminals::default(),
             role,
-        })
+        };
+        if let Some(dictionary) = &dictionary {
+            self.compare(node, &made, needs, dictionary);
+        }
+        Some(made)
+    }
+
+    /// Compares a device with its file.
+    fn compare(&self, node: &CellNode, device: &DeviceConfig, needs: Needs, dictionary: &Dictionary) {
+        let Some((name, at)) = &node.eds else { return };
+        let file = quote(&self.folder.join(name).display().to_string());
+        let of_file = |sentence: String| format!("eds {file}: {sentence}");
+        let Findings { errors, warnings } = sheet::compare(device, needs, dictionary);
+        for sentence in errors {
+            self.problems.push(*at, of_file(sentence), None);
+        }
+        self.warn(warnings.into_iter().map(of_file));
     }
 }
 
@@ -249,6 +288,14 @@ pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dicti
         Some(own) => Err(format!("{what} {name} is the configuration of node {own}, not of {node}")),
         None => Ok(dictionary),
     }
+}
+
+/// What was passed over in the file of a device, in sentences; `what` says who has named it.
+pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary) -> Vec<String> {
+    let name = quote(&path.display().to_string());
+    let (problems, dropped) = (dictionary.warnings().kept(), dictionary.warnings().dropped());
+    let more = (dropped > 0).then(|| format!("{what} {name}: and {dropped} more"));
+    problems.iter().map(|problem| format!("{what} {name}: {problem}")).chain(more).collect()
 }
 
 /// What the configuration in a file gives objects, apart from those that the master writes; and what is left out of it.

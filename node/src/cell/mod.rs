@@ -54,7 +54,7 @@ mod wiring;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
-pub(crate) use buses::{device_file, left_out_of, load_of};
+pub(crate) use buses::{device_file, left_out_of, load_of, passed_over};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
 pub(crate) use groups::trajectory_limits;
@@ -258,6 +258,14 @@ impl Cell {
     /// # Errors
     /// All that is wrong with the files, and with what they make of the buses.
     pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+        self.buses_and_warnings(file).map(|(buses, _)| buses)
+    }
+
+    /// The same, and what was passed over in the files.
+    ///
+    /// # Errors
+    /// Those of [`Self::buses`].
+    pub fn buses_and_warnings(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
         self.parts().buses(file)
     }
 

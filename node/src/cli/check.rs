@@ -37,8 +37,8 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
         eprint!("{problems}");
         return Exit::Usage;
     }
-    let buses = match cell.buses(Some(&args.cell)) {
-        Ok(buses) => buses,
+    let (buses, passed_over) = match cell.buses_and_warnings(Some(&args.cell)) {
+        Ok(found) => found,
         Err(problems) => {
             eprint!("{problems}");
             return Exit::Usage;
@@ -54,6 +54,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     for warning in warnings(&cell).into_iter().chain(idle) {
         eprintln!("warning: {warning}");
     }
+    super::warn(passed_over);
     if let Some(path) = &args.graph
         && let Err(sentence) = draw(&cell, &args.cell, path)
     {

@@ -22,7 +22,7 @@ mod validate;
 use self::logging::Logging;
 use crate::cell::Preset;
 use crate::recording::bag::BagOptions;
-use crate::recording::clean::clean_lines;
+use crate::recording::clean::{clean, clean_lines};
 use crate::recording::plot::{HEIGHTS, WIDTHS};
 use crate::recording::validate::{Align, Tolerance};
 use crate::run::realtime::Processor;
@@ -624,6 +624,13 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
 /// Tells an error, in which foreign text may stand.
 fn complain(error: &dyn std::fmt::Display) {
     eprintln!("error: {}", clean_lines(&error.to_string()));
+}
+
+/// Prints what is no error, a line each.
+fn warn(warnings: impl IntoIterator<Item = String>) {
+    for warning in warnings {
+        eprintln!("warning: {}", clean(&warning));
+    }
 }
 
 /// Prints to standard output; a reader that has seen enough is no failure.

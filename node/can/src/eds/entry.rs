@@ -2,11 +2,12 @@
 //!
 //! Law      a key that is missing has the value that harms least: no access but reading, no mapping, no limit
 //! Reads    sections of one object, and `CompactSubObj`, one section for many of them with their names and values beside it
-//! Refuses  a data type that is no number, an access that is no word of the standard; with a warning: no data type at all
+//! Refuses  a data type that is no number, an access that is no word of the standard; a value of the configuration that cannot be read
+//!          or belongs to no object; with a warning: no data type at all, a value that is in a file of its own (`DownloadFile`)
 //! Source   CiA 306-1
 
 use super::data_type::DataType;
-use super::ini::{Section, Sections};
+use super::ini::{Item, Section, Sections};
 use super::notes::{Notes, given, without_remark};
 use super::object::{Access, Entry, Given, ObjectType};
 use super::value::Value;
@@ -61,8 +62,14 @@ pub(super) fn read(
         low: notes.given(section, "lowlimit", data_type),
         high: notes.given(section, "highlimit", data_type),
         default: notes.given(section, "defaultvalue", data_type),
-        parameter: notes.given(section, "parametervalue", data_type),
+        parameter: None,
     };
+    if let Some(item) = section.get("parametervalue") {
+        entry.parameter = parameter(section, item, &entry, notes);
+    }
+    if let Some(item) = section.get("downloadfile") {
+        notes.warning(section, item, "the value is in a file, which is not read: write it with `can sdo write --file`");
+    }
     if entry.has_no_room()
         && let Some(item) = section.get("lowlimit")
     {
@@ -72,10 +79,30 @@ pub(super) fn read(
     Some(entry)
 }
 
+/// The value that the configuration gives an object. One that would be written and cannot be read is an error: the device would keep
+/// another one.
+fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut Notes) -> Option<Given> {
+    match given(item.value, entry.data_type) {
+        Ok(given) => given,
+        Err(why) if entry.is_configurable() => {
+            notes.error(section, item, &why);
+            None
+        }
+        Err(why) => {
+            notes.warning(section, item, &why);
+            None
+        }
+    }
+}
+
 fn data_type(section: &Section<'_>, is_domain: bool, sections: &Sections<'_>, notes: &mut Notes) -> Option<DataType> {
     let Some(item) = section.get("datatype") else {
         if is_domain {
             return Some(DataType::Domain);
+        }
+        if let Some(item) = section.get("parametervalue") {
+            notes.error(section, item, "the section has no DataType, without which the value cannot be read");
+            return None;
         }
         let name = super::problem::quoted(section.name);
         notes.warnings.add(Some(section.line), format!("the section {name} has no DataType; the object is left out"));
@@ -110,6 +137,14 @@ fn defined(number: u16, sections: &Sections<'_>) -> Option<DataType> {
 fn access(section: &Section<'_>, is_domain: bool, notes: &mut Notes) -> Option<Access> {
     let Some(item) = section.get("accesstype") else {
         let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, super::problem::quoted(section.name));
+        if let Some(item) = section.get("parametervalue").filter(|_| !is_domain) {
+            notes.error(
+                section,
+                item,
+                "the section has no AccessType, without which it is not known whether to write it",
+            );
+            return None;
+        }
         if !is_domain {
             notes.warnings.add(Some(section.line), format!("the section {name} has no AccessType; ro is taken"));
         }
@@ -140,6 +175,7 @@ pub(super) fn compact(
         notes.warning(section, item, &format!("a value for many objects has at most {LONGEST_REPEATED} bytes"));
         one.default = None;
     }
+    // That it has a value of its own is an error of the caller's.
     one.parameter = None;
     let number_of_entries = Entry {
         name: "NrOfObjects".to_owned(),
@@ -159,12 +195,27 @@ pub(super) fn compact(
         let name = own.unwrap_or_else(|| format!("{}{sub}", parent.chars().take(LONGEST_NAME - 3).collect::<String>()));
         let mut entry = Entry { name, ..one.clone() };
         if let Some((values, item)) = values.and_then(|values| Some((values, values.get(&key)?))) {
-            match given(item.value, entry.data_type) {
-                Ok(value) => entry.parameter = value,
-                Err(why) => notes.warning(values, item, &why),
-            }
+            entry.parameter = parameter(values, item, &entry, notes);
         }
         entries.push((sub, entry));
     }
     entries
+}
+
+/// Values of `[xxxxValue]` that no object takes; `compact` are the objects that have taken theirs.
+pub(super) fn refuse_lost(values: &Section<'_>, compact: &[u8], notes: &mut Notes) {
+    let of_object = |key: &str| key.parse().is_ok_and(|sub: u8| compact.contains(&sub) && sub.to_string() == key);
+    let taken = |key: &str| key == "nrofentries" || of_object(key);
+    for (key, item) in &values.items {
+        if taken(key) || without_remark(item.value).is_empty() {
+            continue;
+        }
+        let why = match compact.last() {
+            Some(last) => format!(
+                "no object takes the value; allowed are the subindices 1 to {last} that have no section of their own, in decimal digits"
+            ),
+            None => "no object takes the value: CompactSubObj of the index makes none".to_owned(),
+        };
+        notes.error(values, *item, &why);
+    }
 }

@@ -3,7 +3,7 @@
 //! Law      `[section]`, `key=value`, `;` at the beginning of a line for a comment; blanks around all of them do not count; letters of
 //!          sections and keys are large or small; of two sections or keys with the same name the later one holds
 //! Reads    UTF-8, with or without its mark, or else Latin-1; lines end in LF or CR LF
-//! Refuses  a section without its bracket; with a warning: a line that is none of these, a line beyond 64 KiB, a key before all sections
+//! Refuses  a section without its bracket, a line beyond 64 KiB; with a warning: a line that is none of these, a key before all sections
 //! Source   CiA 306-1, "file structure"; files of devices
 
 use super::problem::{Problems, quoted};
@@ -67,7 +67,8 @@ pub(super) fn sections<'a>(text: &'a str, errors: &mut Problems, warnings: &mut 
             continue;
         }
         if line.len() > LONGEST_LINE {
-            warnings.add(Some(number), format!("the line is longer than {LONGEST_LINE} bytes, and is passed over"));
+            // It may be a value of the configuration.
+            errors.add(Some(number), format!("the line is longer than {LONGEST_LINE} bytes"));
             continue;
         }
         if let Some(header) = line.strip_prefix('[') {
@@ -171,9 +172,10 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_end_is_passed_over() {
+    fn a_line_without_end_is_refused_unless_it_is_a_comment() {
         let long = format!("[a]\nx={}\n", "1".repeat(LONGEST_LINE));
-        assert_eq!(read(&long).2, "line 2: the line is longer than 65536 bytes, and is passed over");
+        assert_eq!(read(&long).1, "line 2: the line is longer than 65536 bytes");
+        assert_eq!(read(&format!("[a]\n;{}\n", "1".repeat(LONGEST_LINE))).1, "");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! From the bytes of a file to a dictionary.
 //!
-//! Law      a wrong value, a list that lies, a missing name cost a warning and themselves; an object whose type or access cannot be
-//!          understood is an error, and all errors are told at once
+//! Law      a wrong default, a list that lies, a missing name cost a warning and themselves; an object whose type or access cannot be
+//!          understood, and a value of the configuration that cannot be read, is an error, and all errors are told at once
 //! Refuses  a file beyond 16 MiB, a node id that is none, more than 100000 objects, a file without objects
 //! Source   CiA 306-1
 
@@ -109,8 +109,12 @@ fn dummies(sections: &Sections<'_>, notes: &mut Notes) -> BTreeSet<u16> {
 fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Parts<'a>> {
     let mut all: BTreeMap<u16, Parts<'a>> = BTreeMap::new();
     for (name, section) in sections {
-        let Some((digits, rest)) = name.split_at_checked(4) else { continue };
-        let Some(index) = hex(digits).and_then(|index| u16::try_from(index).ok()) else { continue };
+        let (digits, rest) = name.split_at_checked(4).unwrap_or((name.as_str(), ""));
+        let index = Some(digits).filter(|digits| digits.len() == 4).and_then(hex);
+        let Some(index) = index.and_then(|index| u16::try_from(index).ok()) else {
+            refuse_stray(section, notes);
+            continue;
+        };
         if let Some(sub) = rest.strip_prefix("sub") {
             let Some(sub) = hex(sub).and_then(|sub| u8::try_from(sub).ok()) else {
                 let name = quoted(section.name);
@@ -132,11 +136,27 @@ fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Par
             "name" => all.entry(index).or_default().names = Some(section),
             "value" => all.entry(index).or_default().values = Some(section),
             // ObjectLinks say what belongs together on a screen, Denotation what somebody calls an object.
-            _ => {}
+            _ => refuse_stray(section, notes),
         }
+    }
+    for values in all.values().filter(|parts| parts.head.is_none()).filter_map(|parts| parts.values) {
+        entry::refuse_lost(values, &[], notes);
     }
     all.retain(|_, parts| parts.head.is_some() || !parts.subs.is_empty());
     all
+}
+
+/// A value of the configuration in a section of no object would be lost. Objects of modules (`[M1SubExt6000]`) are no part of this room.
+fn refuse_stray(section: &Section<'_>, notes: &mut Notes) {
+    let Some(item) = section.get("parametervalue") else { return };
+    let mut letters = section.name.chars();
+    let is_of_module = letters.next().is_some_and(|first| first.eq_ignore_ascii_case(&'m'))
+        && letters.next().is_some_and(|next| next.is_ascii_digit());
+    if is_of_module {
+        notes.warning(section, item, "the section is that of a module");
+    } else {
+        notes.error(section, item, "the section is that of no object; allowed are names like [2000] and [2000sub1]");
+    }
 }
 
 /// Hexadecimal digits, and nothing else.
@@ -191,9 +211,19 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
             Head { name: format!("{index:04X}h"), object_type: ObjectType::Record }
         }
     };
+    if let Some((section, item)) = parts.head.and_then(|section| Some((section, section.get("parametervalue")?)))
+        && !head.object_type.is_single()
+    {
+        let why = "the index has no value of its own; allowed are sections of its subindices, or [xxxxValue] with CompactSubObj";
+        notes.error(section, item, why);
+    }
     let before = dictionary.entries.len();
+    let mut compact = Vec::new();
     match parts.head {
         Some(section) if head.object_type.is_single() => {
+            if let Some(values) = parts.values {
+                entry::refuse_lost(values, &[], notes);
+            }
             // Without its only object an index says nothing.
             let Some(mut read) = entry::read(section, head.object_type, sections, notes) else { return };
             read.name.clone_from(&head.name);
@@ -201,10 +231,17 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
         }
         Some(section) if section.get("compactsubobj").is_some() => {
             for (sub, read) in entry::compact(section, &head.name, parts.names, parts.values, sections, notes) {
+                // What a section of its own says goes before, and takes nothing of [xxxxValue].
+                if sub > 0 && !parts.subs.contains_key(&sub) {
+                    compact.push(sub);
+                }
                 dictionary.entries.insert(Object { index, sub }, read);
             }
         }
         _ => {}
+    }
+    if let Some(values) = parts.values.filter(|_| parts.head.is_some() && !head.object_type.is_single()) {
+        entry::refuse_lost(values, &compact, notes);
     }
     for (sub, section) in parts.subs.iter().filter(|_| !head.object_type.is_single()) {
         if let Some(mut read) = entry::read(section, ObjectType::Var, sections, notes) {

@@ -346,3 +346,86 @@ fn the_example_cells_make_buses() {
         assert_eq!(cell.buses(Some(&path)).map(|buses| buses.len()).map_err(|problems| problems.to_string()), Ok(1));
     }
 }
+
+/// A folder with the EDS of the simulated drive, changed, as `drive.eds`, and where the cell beside it would be.
+fn beside(changes: &[(&str, &str)]) -> (tempfile::TempDir, std::path::PathBuf) {
+    let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("drive.eds"), text).unwrap();
+    let path = folder.path().join("c.yaml");
+    (folder, path)
+}
+
+/// The warnings of drives with this file, each after the name of the file.
+fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
+    let (_folder, path) = beside(changes);
+    let drives: Vec<_> = drives.iter().map(|drive| format!("{drive}, eds: drive.eds")).collect();
+    let (_, warnings) =
+        cell("4 ms", bus, &drives).buses_and_warnings(Some(&path)).unwrap_or_else(|error| panic!("{error}"));
+    warnings.iter().map(|warning| warning.split_once("drive.eds`: ").expect("the file").1.to_owned()).collect()
+}
+
+/// Why a drive with this file is refused.
+fn refused_by_file(changes: &[(&str, &str)], bus: &str, drive: &str) -> String {
+    let (_folder, path) = beside(changes);
+    let drive = format!("{drive}, eds: drive.eds");
+    let problems = cell("4 ms", bus, &[drive]).buses(Some(&path)).expect_err("it has a problem");
+    problems.to_string().split_once("drive.eds`: ").expect("the file").1.trim_end().to_owned()
+}
+
+#[test]
+fn a_file_with_an_unreadable_value_of_the_configuration_is_refused() {
+    let said = refused_by_file(&[("[6081]\n", "[6081]\nParameterValue=-1\n")], BUS, "node: 3");
+    assert!(said.ends_with("[6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is"), "{said}");
+}
+
+/// Of a file for two drives it is told once.
+#[test]
+fn what_is_passed_over_in_a_file_is_told_once() {
+    let warnings = warned(&[("[6041]\n", "[6041]\nParameterValue=x\n")], BUS, &["node: 3", "node: 4"]);
+    let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
+    let sentence =
+        "[6041] ParameterValue=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); passed over";
+    assert!(warning.starts_with("line ") && warning.ends_with(sentence), "{warning}");
+    assert_eq!(warned(&[], BUS, &["node: 3"]), [""; 0]);
+}
+
+/// 185h is pp, pv, csp, csv. A default of 0 says nothing.
+#[test]
+fn mode_that_the_file_does_not_offer_is_refused() {
+    let at =
+        "[6502]\nParameterName=Supported drive modes\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=";
+    let (from, to) = (format!("{at}0x3EF"), format!("{at}0x185"));
+    let said = refused_by_file(&[(from.as_str(), to.as_str())], BUS, "node: 3, mode: ip");
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; key mode chooses another";
+    assert_eq!(said, sentence);
+    assert_eq!(warned(&[(from.as_str(), to.as_str())], BUS, &["node: 3"]), [""; 0]);
+}
+
+/// The file of a drive for a node with an input of `io`.
+#[test]
+fn file_of_another_profile_is_refused_for_a_module() {
+    let (_folder, path) = beside(&[]);
+    let io = "io:\n  s: {type: di, backend: bus0, node: 10, address: 5}\n";
+    let cell = with_sections(", nodes: [{node: 10, eds: drive.eds}]", io);
+    let said = cell.buses(Some(&path)).expect_err("it has a problem").to_string();
+    let sentence = "drive.eds`: node 10 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
+    assert!(said.contains(sentence), "{said}");
+}
+
+/// A DCF for 500 kbit/s at a bus of 1 Mbit/s; the EDS knows 125, 250, 500 and 1000 kbit/s.
+#[test]
+fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
+    let own = [("[Comments]\n", "[DeviceComissioning]\nBaudrate=500\n[Comments]\n")];
+    let sentence = "node 3 (x0): Baudrate is 500 kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s";
+    assert_eq!(refused_by_file(&own, BUS, "node: 3"), sentence);
+    let half = BUS.replace("1000000", "500000");
+    assert_eq!(warned(&own, &half, &["node: 3"]), [""; 0]);
+    let odd = BUS.replace("1000000", "800000");
+    let sentence = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 800000 bit/s";
+    assert_eq!(warned(&[], &odd, &["node: 3"]), [sentence]);
+}

@@ -4,14 +4,15 @@ use super::Failure;
 use super::args::ConfigureArgs;
 use super::open::Known;
 use super::progress::Progress;
-use crate::cell::device_file;
-use crate::cli::say;
+use crate::cell::{device_file, passed_over};
+use crate::cli::{say, warn};
 use lineshaft_can::sdo::Object;
 use std::time::Duration;
 
 pub(super) fn configure(args: &ConfigureArgs) -> Result<(), Failure> {
     let (node, path) = (args.node, &args.dcf);
     let dictionary = device_file("--dcf", path, node).map_err(Failure::Usage)?;
+    warn(passed_over("--dcf", path, &dictionary));
     let file = path.display();
     let values = dictionary.written().map_err(|error| Failure::Usage(format!("--dcf {file}: {error}")))?;
     if values.is_empty() {

@@ -7,7 +7,8 @@
 use super::Failure;
 use super::args::DumpArgs;
 use super::monitor::{carry, told};
-use crate::cell::{Cell, device_file};
+use crate::cell::{Cell, device_file, passed_over};
+use crate::cli::warn;
 use crate::recording::clean::clean;
 use crate::recording::run::{Message, Run, RunError};
 use crate::recording::{Way, attached_files};
@@ -140,6 +141,7 @@ fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, De
     let mut other = Decoder::default();
     if let (Some(node), Some(path)) = (args.node, &args.eds) {
         let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
+        warn(passed_over("--eds", path, &dictionary));
         decoders.values_mut().chain([&mut other]).for_each(|decoder| decoder.know(node, dictionary.clone()));
     }
     Ok((decoders, other))
@@ -166,7 +168,9 @@ fn attached(run: &Run) -> Result<BTreeMap<String, Decoder>, Failure> {
 }
 
 fn of_cell(cell: &Cell, path: &Path) -> Result<BTreeMap<String, Decoder>, String> {
-    let buses = cell.buses(Some(path)).map_err(|problems| problems.to_string().trim_end().to_owned())?;
+    let found = cell.buses_and_warnings(Some(path));
+    let (buses, warnings) = found.map_err(|problems| problems.to_string().trim_end().to_owned())?;
+    warn(warnings);
     let of = |bus: lineshaft_can::config::BusConfig| {
         let mut decoder = Decoder::default();
         bus.devices.iter().for_each(|device| carry(&mut decoder, device));

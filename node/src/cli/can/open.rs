@@ -2,7 +2,8 @@
 
 use super::Failure;
 use super::args::BusArgs;
-use crate::cell::{Cell, device_file};
+use crate::cell::{Cell, device_file, passed_over};
+use crate::cli::warn;
 use crate::recording::clean::clean;
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::{self, ObjectError, Session};
@@ -34,7 +35,7 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// What the words say; the files are read.
+    /// What the words say; the files are read, and what is passed over in them is printed.
     pub(super) fn of(args: &BusArgs) -> Result<Self, Failure> {
         let Some(path) = &args.cell else {
             // The parser has seen to it that there is one or the other.
@@ -49,7 +50,8 @@ impl Known {
         };
         let problems = |problems: crate::document::Problems| Failure::Usage(problems.to_string().trim_end().to_owned());
         let cell = Cell::load(path).map_err(problems)?;
-        let buses = cell.buses(Some(path)).map_err(problems)?;
+        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(problems)?;
+        warn(warnings);
         let config = chosen(buses, args.backend.as_deref(), path)?;
         let dictionaries = cell.dictionaries(&config.name, path).map_err(Failure::Usage)?;
         Ok(Self {
@@ -64,7 +66,9 @@ impl Known {
     /// The objects of a node by a file that was named for it.
     pub(super) fn with_eds(mut self, node: NodeId, eds: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = eds {
-            self.dictionaries.insert(node, device_file("--eds", path, node).map_err(Failure::Usage)?);
+            let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
+            warn(passed_over("--eds", path, &dictionary));
+            self.dictionaries.insert(node, dictionary);
         }
         Ok(self)
     }

@@ -102,16 +102,94 @@ fn a_value_of_the_configuration_goes_before_the_default() {
 fn one_section_stands_for_many_objects_with_their_names_and_values() {
     let dictionary = read(
         "[3004]\nCompactSubObj=0x3\nParameterName=Sensor\nObjectType=8\nDataType=0x0006\nAccessType=rw\nDefaultValue=3\n\
-         [3004Name]\nNrOfEntries=1\n2=Second\n[3004Value]\nNrOfEntries=2\n1=7\n3=70000\n[3004ObjectLinks]\nObjectLinks=0\n",
+         [3004Name]\nNrOfEntries=1\n2=Second\n[3004Value]\nNrOfEntries=2\n1=7\n3=9\n[3004ObjectLinks]\nObjectLinks=0\n",
     );
     let all: Vec<_> = dictionary.entries_of(0x3004).map(|(object, entry)| (object.sub, entry.name.as_str())).collect();
     assert_eq!(all, [(0, "NrOfObjects"), (1, "Sensor1"), (2, "Second"), (3, "Sensor3")]);
     assert_eq!(dictionary.value(at(0x3004, 0)), Some(Value::Unsigned(3)));
     assert_eq!(dictionary.value(at(0x3004, 1)), Some(Value::Unsigned(7)));
     assert_eq!(dictionary.value(at(0x3004, 2)), Some(Value::Unsigned(3)));
+    assert_eq!(dictionary.parameter_value(at(0x3004, 2)), None);
+    assert_eq!(dictionary.parameter_value(at(0x3004, 3)), Some(Value::Unsigned(9)));
+    assert_eq!(warnings(&dictionary), [""; 0]);
+}
+
+/// The device would keep another value, and nobody would know.
+#[test]
+fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
+    assert_eq!(
+        errors("[2000]\nParameterName=a\nDataType=0x5\nAccessType=rw\nDefaultValue=1\nParameterValue=256\n"),
+        "line 7: [2000] ParameterValue=256: 256 is not within 0 and 255, as UNSIGNED8 is"
+    );
+    assert_eq!(
+        errors("[2000]\nParameterName=a\nDataType=0x5\nAccessType=wo\nParameterValue=$NODEID+129\n"),
+        "line 6: [2000] ParameterValue=$NODEID+129: 256 is not within 0 and 255, as UNSIGNED8 is"
+    );
+    assert_eq!(
+        errors(
+            "[3004]\nCompactSubObj=3\nParameterName=a\nObjectType=8\nDataType=6\nAccessType=rw\n[3004Value]\n3=70000\n"
+        ),
+        "line 9: [3004Value] 3=70000: 70000 is not within 0 and 65535, as UNSIGNED16 is"
+    );
+}
+
+/// What a configuration does not write costs a warning: what the device only tells, and what tools shall leave alone (ObjFlags).
+#[test]
+fn an_unreadable_value_that_is_never_written_is_warned_of() {
+    let dictionary = read(
+        "[2000]\nParameterName=a\nDataType=5\nAccessType=ro\nParameterValue=256\n\
+         [2001]\nParameterName=a\nDataType=5\nAccessType=rw\nObjFlags=1\nParameterValue=x\n\
+         [2002]\nParameterName=a\nObjectType=2\nDownloadFile=a.bin\n",
+    );
     assert_eq!(
         warnings(&dictionary),
-        ["line 15: [3004Value] 3=70000: 70000 is not within 0 and 65535, as UNSIGNED16 is; passed over"]
+        [
+            "line 6: [2000] ParameterValue=256: 256 is not within 0 and 255, as UNSIGNED8 is; passed over",
+            "line 12: [2001] ParameterValue=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); passed over",
+            "line 16: [2002] DownloadFile=a.bin: the value is in a file, which is not read: write it with `can sdo write --file`; \
+             passed over",
+        ]
+    );
+}
+
+#[test]
+fn a_value_of_the_configuration_that_no_object_takes_is_an_error() {
+    let compact = "[3004]\nCompactSubObj=2\nParameterName=a\nObjectType=8\nDataType=6\nAccessType=rw\n";
+    let of_keys = "no object takes the value; allowed are the subindices 1 to 2 that have no section of their own, in decimal digits";
+    let of_index =
+        "the index has no value of its own; allowed are sections of its subindices, or [xxxxValue] with CompactSubObj";
+    let stray = "the section is that of no object; allowed are names like [2000] and [2000sub1]";
+    for (sections, expected) in [
+        (format!("{compact}[3004Value]\nNrOfEntries=1\n1=4\n3=5\n"), format!("line 11: [3004Value] 3=5: {of_keys}")),
+        (format!("{compact}[3004Value]\n01=5\n2=\n"), format!("line 9: [3004Value] 01=5: {of_keys}")),
+        (
+            format!("{compact}[3005Value]\n1=5\n"),
+            "line 9: [3005Value] 1=5: no object takes the value: CompactSubObj of the index makes none".to_owned(),
+        ),
+        (
+            format!("{compact}[2000]\nParameterName=a\nDataType=5\nAccessType=rw\n[2000Value]\n1=5\n"),
+            "line 13: [2000Value] 1=5: no object takes the value: CompactSubObj of the index makes none".to_owned(),
+        ),
+        (format!("{compact}ParameterValue=7\n"), format!("line 8: [3004] ParameterValue=7: {of_index}")),
+        (
+            "[2000]\nParameterName=a\nAccessType=rw\nParameterValue=7\n".to_owned(),
+            "line 5: [2000] ParameterValue=7: the section has no DataType, without which the value cannot be read".to_owned(),
+        ),
+        (
+            "[2000]\nParameterName=a\nDataType=5\nParameterValue=7\n".to_owned(),
+            "line 5: [2000] ParameterValue=7: the section has no AccessType, without which it is not known whether to write it"
+                .to_owned(),
+        ),
+        (format!("{compact}[0x2000]\nParameterValue=7\n"), format!("line 9: [0x2000] ParameterValue=7: {stray}")),
+        (format!("{compact}[200]\nParameterValue=7\n"), format!("line 9: [200] ParameterValue=7: {stray}")),
+        (format!("{compact}[3004 sub1]\nParameterValue=7\n"), format!("line 9: [3004 sub1] ParameterValue=7: {stray}")),
+    ] {
+        assert_eq!(errors(&sections), expected);
+    }
+    let module = read(&format!("{compact}[M1SubExt6000]\nParameterValue=7\n"));
+    assert_eq!(
+        warnings(&module),
+        ["line 9: [M1SubExt6000] ParameterValue=7: the section is that of a module; passed over"]
     );
 }
 

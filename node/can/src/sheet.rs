@@ -1,0 +1,130 @@
+//! What a device is to do on a bus, compared with its EDS or DCF file.
+//!
+//! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
+//!          device itself is asked when it starts. A default that is missing or 0 says nothing
+//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that
+//!          keys of the cell need; Baudrate of a DCF, BaudRate_ of an EDS
+//! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
+
+mod mapped;
+mod presence;
+
+use crate::commission::words;
+use crate::config::{DeviceConfig, Role};
+use crate::drive::objects;
+use crate::eds::Dictionary;
+use crate::sdo::Object;
+use std::collections::BTreeSet;
+
+/// Mode of operation of homing in the drive (6060h); bit 5 of 6502h.
+const HOMING: i8 = 6;
+
+/// What the cell says of a device in addition to its configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// Bit rate of the bus (bit/s); none where the cell does not say it.
+    pub bit_rate: Option<u32>,
+    /// Whether the drive homes by itself (`homing.in_drive` of the axis).
+    pub homes: bool,
+}
+
+/// Sentences, each beginning with the device.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Findings {
+    /// What the file contradicts.
+    pub errors: Vec<String>,
+    /// What the file lacks, or where it contradicts itself.
+    pub warnings: Vec<String>,
+}
+
+/// Compares a device with its file.
+pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
+    let mut sheet = Sheet { device, known, lacking: BTreeSet::new(), found: Findings::default() };
+    sheet.profile();
+    sheet.modes(needs.homes);
+    sheet.mapped();
+    sheet.present(needs.homes);
+    if let Some(bit_rate) = needs.bit_rate {
+        sheet.bit_rate(bit_rate);
+    }
+    sheet.found
+}
+
+/// A comparison.
+struct Sheet<'a> {
+    device: &'a DeviceConfig,
+    known: &'a Dictionary,
+    /// Indices of which something is missing in the file.
+    lacking: BTreeSet<u16>,
+    found: Findings,
+}
+
+impl Sheet<'_> {
+    fn error(&mut self, sentence: &str) {
+        self.found.errors.push(format!("{}: {sentence}", self.device));
+    }
+
+    fn warning(&mut self, sentence: &str) {
+        self.found.warnings.push(format!("{}: {sentence}", self.device));
+    }
+
+    /// A number that the file gives; none where it is missing or 0.
+    fn number(&self, object: Object) -> Option<u32> {
+        let number = self.known.value(object)?.number()?;
+        u32::try_from(number).ok().filter(|number| *number != 0)
+    }
+
+    /// Compares what the cell takes the device for with its profile.
+    fn profile(&mut self) {
+        let object = objects::DEVICE_TYPE;
+        let Some(device_type) = self.number(object) else { return };
+        let (found, (expected, what)) = (device_type & 0xFFFF, self.device.role.profile());
+        if found == expected {
+            return;
+        }
+        let section = match self.device.role {
+            Role::Drive(_) => "axes",
+            Role::Module => "io",
+            Role::Encoder => "encoders",
+        };
+        self.error(&format!(
+            "{object} is {device_type:08X}h by the file, profile {found}; entries of {section} need profile {expected} ({what})"
+        ));
+    }
+
+    /// Compares the bit rate of the bus (bit/s) with those of the file (kbit/s): the one that the device is configured for, those that it
+    /// knows.
+    fn bit_rate(&mut self, bit_rate: u32) {
+        let known = self.known;
+        let here = format!("bitrate of the backend is {bit_rate} bit/s");
+        let own = known.commissioning.as_ref().and_then(|own| own.baud_rate).filter(|own| *own != 0);
+        if let Some(own) = own.filter(|own| *own != bit_rate / 1000) {
+            self.error(&format!("Baudrate is {own} kbit/s in [DeviceComissioning] of the file; {here}"));
+        }
+        let rates = &known.device.baud_rates;
+        if !rates.is_empty() && !rates.iter().any(|rate| u32::from(*rate) == bit_rate / 1000) {
+            let rates: Vec<_> = rates.iter().map(u16::to_string).collect();
+            let rates = rates.join(", ");
+            self.warning(&format!("[DeviceInfo] of the file has the bit rates {rates} kbit/s; {here}"));
+        }
+    }
+
+    /// Compares the mode of the drive, and homing in it, with 6502h.
+    fn modes(&mut self, homes: bool) {
+        let object = objects::SUPPORTED_MODES;
+        let device = self.device;
+        let Some((drive, offered)) = device.drive().zip(self.number(object)) else { return };
+        let offers = |mode: i8| offered >> (mode - 1) & 1 == 1;
+        let said = format!("{object} is {offered:08X}h by the file ({})", words::modes(offered));
+        let (mode, name) = (drive.mode.number(), drive.mode.name());
+        if !offers(mode) {
+            self.error(&format!("{said}: mode {mode} ({name}) is missing; key mode chooses another"));
+        }
+        if homes && !offers(HOMING) {
+            self.error(&format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true"));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

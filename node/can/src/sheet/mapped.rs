@@ -1,0 +1,100 @@
+//! Objects that the PDOs of a device carry, compared with its file.
+
+use super::Sheet;
+use crate::drive::layout::{Asked, MOST_PDOS, Told, Transmission};
+use crate::eds::{Access, DataType, Direction};
+use crate::sdo::Object;
+use lineshaft_core::drive::Interface;
+
+impl Sheet<'_> {
+    /// Compares type, length and access of what its PDOs carry, where the master maps them.
+    pub(super) fn mapped(&mut self) {
+        let device = self.device;
+        for pdo in device.layout.asked.iter().filter(|pdo| pdo.is_mapped) {
+            for field in &pdo.fields {
+                if let Some(key) = key_of_asked(field.word) {
+                    self.field(Direction::Receive, field.object, field.bits, key);
+                }
+            }
+        }
+        let is_for_torque = device.drive().is_some_and(|drive| drive.mode.interface() == Interface::Torque);
+        for pdo in device.layout.told.iter().filter(|pdo| pdo.is_mapped) {
+            for field in &pdo.fields {
+                if let Some(key) = key_of_told(field.word, pdo.transmission, is_for_torque) {
+                    self.field(Direction::Transmit, field.object, field.bits, key);
+                }
+            }
+        }
+    }
+
+    fn field(&mut self, direction: Direction, object: Object, bits: u32, key: &str) {
+        let known = self.known;
+        let Some(entry) = known.entry(object) else { return self.missing(object, key) };
+        let (data_type, access) = (entry.data_type, entry.access);
+        if !is_integer(data_type, bits) {
+            self.error(&format!(
+                "{object} is {data_type} by the file; an integer of {bits} bits is mapped to a PDO (key {key})"
+            ));
+        }
+        let (is_wrong, is_odd, way) = match direction {
+            Direction::Receive => (!access.is_writable(), access == Access::Rwr, "receives"),
+            Direction::Transmit => (!access.is_readable(), access == Access::Rww, "sends"),
+        };
+        let name = access.name();
+        let sentence = format!("{object} has access {name} by the file; the device {way} it in a PDO (key {key})");
+        if is_wrong {
+            self.error(&sentence);
+        } else if is_odd {
+            self.warning(&sentence);
+        }
+        if !entry.is_mappable {
+            let sentence =
+                format!("{object} cannot be mapped to a PDO by the file: its PDOMapping is not 1 (key {key})");
+            match self.carrier(direction, object) {
+                Some(number) => self.warning(&format!("{sentence}; PDO {number} of the file carries it all the same")),
+                None => self.error(&sentence),
+            }
+        }
+    }
+
+    /// The PDO that carries an object by the file itself.
+    fn carrier(&self, direction: Direction, object: Object) -> Option<u16> {
+        let carries = |number: &u16| {
+            let pdo = self.known.pdo_mapping(direction, *number);
+            pdo.is_ok_and(|pdo| pdo.mapped.iter().any(|mapped| mapped.object == object))
+        };
+        (1..=u16::from(MOST_PDOS)).find(carries)
+    }
+}
+
+/// Whether values of a type are integers of so many bits, of either sign; those of a type that is not known may be.
+fn is_integer(data_type: DataType, bits: u32) -> bool {
+    match data_type {
+        DataType::Other(_) => true,
+        DataType::Real32 | DataType::Real64 => false,
+        other => other.bits() == Some(bits),
+    }
+}
+
+/// The key of the cell that has a value in a PDO; none where the value is nothing.
+fn key_of_asked(word: Asked) -> Option<&'static str> {
+    match word {
+        Asked::Control | Asked::Position | Asked::Velocity | Asked::Torque | Asked::Mode => Some("interface"),
+        Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) => Some("io"),
+        Asked::Nothing => None,
+    }
+}
+
+/// The same of what a device sends. Inputs and error code of a drive are mapped because the file has them.
+fn key_of_told(word: Told, transmission: Transmission, is_for_torque: bool) -> Option<&'static str> {
+    match word {
+        Told::Status | Told::Position | Told::Mode => Some("interface"),
+        Told::Torque => Some(if is_for_torque { "interface" } else { "rated_effort" }),
+        Told::Inputs if transmission == Transmission::EachSync => Some("io"),
+        Told::Inputs | Told::Fault => Some("eds"),
+        Told::Captured(slot) | Told::Captures(slot) => Some(if slot < 2 { "probe_1" } else { "probe_2" }),
+        Told::Digital(_) | Told::Analog(_) => Some("io"),
+        Told::Encoder => Some("encoders"),
+        Told::Nothing => None,
+    }
+}

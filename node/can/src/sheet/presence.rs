@@ -1,0 +1,122 @@
+//! Objects that a device needs, and that its file may lack.
+
+use super::Sheet;
+use crate::Watching;
+use crate::config::{Role, Write};
+use crate::drive::objects;
+use crate::eds::Direction;
+use crate::sdo::Object;
+
+impl Sheet<'_> {
+    /// Notes an object that a PDO carries and the file lacks; of each index the first one, behind which the others are. An index that says
+    /// how many subindices it has lacks the next ones for sure.
+    pub(super) fn missing(&mut self, object: Object, key: &str) {
+        if !self.lacking.insert(object.index) {
+            return;
+        }
+        let Object { index, sub } = object;
+        let is_of_bits = [objects::MODULE_INPUTS.index, objects::MODULE_OUTPUTS.index].contains(&index);
+        let user = match self.device.role {
+            Role::Module => {
+                let address = u32::from(sub.saturating_sub(1)) * if is_of_bits { 8 } else { 1 };
+                format!("entries of io from address {address} on need it")
+            }
+            Role::Drive(_) | Role::Encoder => format!("key {key} needs it"),
+        };
+        let count = if sub == 0 { None } else { self.number(Object { index, sub: 0 }) };
+        match count.filter(|count| *count < u32::from(sub)) {
+            Some(count) => {
+                self.error(&format!("{object} does not exist by the file, whose {index:04X}h:00 is {count}; {user}"));
+            }
+            None => self.warning(&format!("{object} is missing in the file; {user}")),
+        }
+    }
+
+    /// Notes what else the file lacks or does not allow: PDOs, and objects that are written before the device starts or for homing.
+    pub(super) fn present(&mut self, homes: bool) {
+        self.pdos();
+        for (object, key) in self.needed(homes) {
+            self.written(object, key);
+        }
+        let device = self.device;
+        for Write { object, data } in &device.startup {
+            self.written(*object, "startup");
+            self.length(*object, data.len());
+        }
+        self.factors();
+    }
+
+    fn pdos(&mut self) {
+        // What CompactPDO stands for has no sections.
+        let (device, known) = (self.device, self.known);
+        if known.device.compact_pdo.is_some_and(|bits| bits != 0) {
+            return;
+        }
+        let received = device.layout.asked.iter().map(|pdo| (Direction::Receive, pdo.number, "RPDO"));
+        let sent = device.layout.told.iter().map(|pdo| (Direction::Transmit, pdo.number, "TPDO"));
+        for (direction, number, name) in received.chain(sent) {
+            let indices = [direction.communication(number), direction.mapping(number)];
+            if let Some(index) = indices.into_iter().find(|index| known.head(*index).is_none()) {
+                self.warning(&format!(
+                    "{index:04X}h is missing in the file; {name} {number}, which the cell needs, has it"
+                ));
+            }
+        }
+    }
+
+    /// Objects that must be there to be written, and the keys of the cell that need them.
+    fn needed(&self, homes: bool) -> Vec<(Object, &'static str)> {
+        let mut needed = Vec::new();
+        match self.device.watching {
+            Watching::Heartbeat { .. } => needed.push((objects::PRODUCER_HEARTBEAT, "heartbeat")),
+            Watching::Guarding { .. } => {
+                needed.extend([(objects::GUARD_TIME, "guarding"), (objects::LIFE_TIME_FACTOR, "guarding")]);
+            }
+            Watching::None => {}
+        }
+        let Some(drive) = self.device.drive() else { return needed };
+        // Both probes are set up by one object.
+        let key = ["probe_1", "probe_2"].into_iter().zip(drive.probes).find(|(_, probe)| probe.is_some());
+        needed.extend(key.map(|(key, _)| (objects::TOUCH_PROBE_FUNCTION, key)));
+        // One by number has no mode in its PDOs.
+        needed.extend(drive.drive_type.map(|_| (objects::MODE, "drivetype")));
+        if homes {
+            let homing =
+                [objects::HOMING_METHOD, objects::HOMING_SEARCH, objects::HOMING_ZERO, objects::HOMING_ACCELERATION];
+            needed.extend(homing.map(|object| (object, "homing.in_drive")));
+        }
+        needed
+    }
+
+    fn written(&mut self, object: Object, key: &str) {
+        let known = self.known;
+        match known.entry(object).map(|entry| entry.access) {
+            None => self.warning(&format!("{object} is missing in the file; key {key} needs it")),
+            Some(access) if !access.is_writable() => {
+                let name = access.name();
+                self.error(&format!("{object} has access {name} by the file; it is written for key {key}"));
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// Compares the bytes of a value of `startup` with the type of its object.
+    fn length(&mut self, object: Object, bytes: usize) {
+        let Some(data_type) = self.known.entry(object).map(|entry| entry.data_type) else { return };
+        let Some(length) = data_type.bits().map(|bits| bits.div_ceil(8)) else { return };
+        if length as usize != bytes {
+            self.error(&format!("{object} is {data_type} by the file, {length} bytes; key startup writes {bytes}"));
+        }
+    }
+
+    /// What key feed is compared with.
+    fn factors(&mut self) {
+        let has_feed = self.device.drive().is_some_and(|drive| drive.per_revolution.is_some());
+        let [feed, resolution] = [objects::FEED_CONSTANT, objects::ENCODER_RESOLUTION].map(|[first, _]| first);
+        if has_feed && self.known.entry(feed).is_none() && self.known.entry(resolution).is_none() {
+            let sentence =
+                format!("{feed} and {resolution} are missing in the file; key feed is compared with one of them");
+            self.warning(&sentence);
+        }
+    }
+}
