@@ -3,6 +3,7 @@
 use super::field::{self, Field};
 use super::program::LINES;
 use super::types;
+use crate::signal::{Measure, Type};
 use serde::{Deserialize, Serialize};
 
 /// A type of function.
@@ -109,7 +110,7 @@ pub struct Description {
     pub edits_tables: bool,
     /// Keys of the words that it reads beside its source, [`WORDS`](super::program::WORDS) at most.
     pub words: &'static [&'static str],
-    /// What it publishes beside its lines.
+    /// What it publishes in addition to its lines, [`MOST_SHOWN`] at most.
     pub shows: &'static [Shown],
     /// It takes VALUE_NEW.
     pub renews: bool,
@@ -119,31 +120,61 @@ pub struct Description {
     pub takes_goals: bool,
 }
 
-/// The name of a value that a slot publishes beside its lines, with what it is (inc).
-pub type Shown = (&'static str, &'static str);
+/// Values that a slot publishes in addition to its lines, at most.
+pub(super) const MOST_SHOWN: usize = 9;
 
-const OF_PROGRAMS: &[Shown] = &[("fuel", "instructions that the last call of its program took")];
+/// A value that a slot publishes in addition to its lines; 0 at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// The end of the name of its signal.
+    pub name: &'static str,
+    /// How its word is read.
+    pub kind: Type,
+    /// What it measures.
+    pub measure: Measure,
+    /// What it is.
+    pub help: &'static str,
+}
+
+impl Shown {
+    /// A position or a distance (inc).
+    const fn position(name: &'static str, help: &'static str) -> Self {
+        Self { name, kind: Type::Int, measure: Measure::Position, help }
+    }
+
+    /// A whole number without a unit.
+    pub(super) const fn number(name: &'static str, help: &'static str) -> Self {
+        Self { name, kind: Type::Int, measure: Measure::None, help }
+    }
+
+    /// A bit.
+    pub(super) const fn bit(name: &'static str, help: &'static str) -> Self {
+        Self { name, kind: Type::Bit, measure: Measure::None, help }
+    }
+}
+
+const OF_PROGRAMS: &[Shown] = &[Shown::number("fuel", "instructions that the last call of its program took")];
 
 const OF_MARKS: &[Shown] = &[
     SAK_SHARE,
-    ("correction", "what printing mark control has added to its sink so far"),
-    ("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
+    Shown::position("correction", "what printing mark control has added to its sink so far"),
+    Shown::position("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
 ];
 
-const SAK_SHARE: Shown = ("sak_share", "what compensation of the following error adds to its sink");
+const SAK_SHARE: Shown = Shown::position("sak_share", "what compensation of the following error adds to its sink");
 
 const OF_SAK: &[Shown] = &[SAK_SHARE];
 
 /// Of AW1 to AW8.
 const OF_DRIVES: &[Shown; LINES] = &[
-    ("feedback1", FEEDBACK),
-    ("feedback2", FEEDBACK),
-    ("feedback3", FEEDBACK),
-    ("feedback4", FEEDBACK),
-    ("feedback5", FEEDBACK),
-    ("feedback6", FEEDBACK),
-    ("feedback7", FEEDBACK),
-    ("feedback8", FEEDBACK),
+    Shown::position("feedback1", FEEDBACK),
+    Shown::position("feedback2", FEEDBACK),
+    Shown::position("feedback3", FEEDBACK),
+    Shown::position("feedback4", FEEDBACK),
+    Shown::position("feedback5", FEEDBACK),
+    Shown::position("feedback6", FEEDBACK),
+    Shown::position("feedback7", FEEDBACK),
+    Shown::position("feedback8", FEEDBACK),
 ];
 
 const FEEDBACK: &str = "actual position of the axis with that number, since it was zeroed";
@@ -272,6 +303,7 @@ pub const TYPES: &[Description] = &[
         rests: 1,
         tables: 8,
         edits_tables: true,
+        shows: types::DFKT_SHOWS,
         renews: true,
         ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", types::DFKT)
     },
@@ -306,7 +338,7 @@ pub const TYPES: &[Description] = &[
         outputs: 2,
         rests: 1,
         words: &["vel_override_mw", "acc_override_mw"],
-        shows: &[("remaining", "what is left of its order")],
+        shows: &[Shown::position("remaining", "what is left of its order")],
         renews: true,
         takes_goals: true,
         ..Description::of(
@@ -430,6 +462,7 @@ mod tests {
             assert!(row.fields.iter().all(may_stand), "{}", row.name);
             assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);
             assert_eq!(row.defaults().len(), row.width());
+            assert!(row.shows.len() <= MOST_SHOWN, "{}", row.name);
             for place in 0..row.width() {
                 let (_, field, nth) = row.field_of(place).expect("each value has a field");
                 assert_eq!(row.find(field.name).map(|(_, first)| first + nth), Some(place));

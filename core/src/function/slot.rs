@@ -14,7 +14,7 @@ mod programs;
 use self::programs::{first_output, module};
 use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
-use super::kind::{Description, Quantity};
+use super::kind::{Description, MOST_SHOWN, Quantity};
 use super::notice::Notice;
 use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
@@ -212,7 +212,7 @@ impl Slot {
     /// What it shows.
     #[inline]
     fn shows(&self) -> &[i64] {
-        if self.is_active() { self.function.shown().unwrap_or(&self.shown) } else { &[0; LINES] }
+        if self.is_active() { self.function.shown().unwrap_or(&self.shown) } else { &[0; MOST_SHOWN] }
     }
 
     /// What compensation of the following error adds (inc).
@@ -387,10 +387,9 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        let mut show = |(value, nth): (&i64, usize)| board.set_int(wires.first.plus(signals(nth)), *value);
-        match self.function.shown() {
-            Some(kept) => kept.iter().zip(0..wires.shows).for_each(&mut show),
-            None => self.shown.iter().zip(0..wires.shows).for_each(&mut show),
+        let shown = self.function.shown().unwrap_or(&self.shown);
+        for (word, value) in board.block(wires.first.plus(signals(0)), wires.shows).iter_mut().zip(shown) {
+            *word = value.cast_unsigned();
         }
         written
     }

@@ -13,7 +13,7 @@ use super::imes::{self, Imes};
 use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
 use super::interpolator::{self, fipw, fipw::Fipw};
-use super::kind::Kind;
+use super::kind::{Kind, Shown};
 use super::program::{Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
 use super::regl::{self, Regl};
 use super::sidiff::{self, Sidiff};
@@ -34,6 +34,7 @@ pub(super) const FIPW: &[Field] = fipw::FIELDS;
 pub(super) const FIPZ: &[Field] = fipz::FIELDS;
 pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
 pub(super) const DFKT: &[Field] = dfkt::FIELDS;
+pub(super) const DFKT_SHOWS: &[Shown] = dfkt::SHOWS;
 pub(super) const FGEN: &[Field] = fgen::FIELDS;
 pub(super) const REGL: &[Field] = regl::FIELDS;
 pub(super) const EPOS: &[Field] = epos::FIELDS;
@@ -193,6 +194,7 @@ impl Any {
     #[inline]
     pub(super) fn shown(&self) -> Option<&[i64]> {
         match self {
+            Self::Dfkt(function) => Some(function.shown()),
             Self::Fgen(function) => Some(function.shown()),
             Self::Epos(function) => Some(function.shown()),
             Self::Apsf(function) => Some(function.shown()),
