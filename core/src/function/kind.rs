@@ -123,7 +123,10 @@ pub struct Description {
 /// Values that a slot publishes in addition to its lines, at most.
 pub(super) const MOST_SHOWN: usize = 9;
 
-/// A value that a slot publishes in addition to its lines; 0 at rest.
+/// Place of what READ_VALUE has found among the values of a type that finds one.
+pub(super) const ANSWER: usize = 3;
+
+/// A value that a slot publishes in addition to its lines; 0 at rest, but for what READ_VALUE has found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// The end of the name of its signal.
@@ -155,11 +158,16 @@ impl Shown {
 
 const OF_PROGRAMS: &[Shown] = &[Shown::number("fuel", "instructions that the last call of its program took")];
 
-const OF_MARKS: &[Shown] = &[
-    SAK_SHARE,
-    Shown::position("correction", "what printing mark control has added to its sink so far"),
-    Shown::position("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
-];
+const OF_MARKS: &[Shown] = &[SAK_SHARE, CORRECTION, DEVIATION];
+
+/// Of a type of which READ_VALUE finds a value: that is the last one.
+const OF_MARKS_AND_ANSWER: &[Shown] =
+    &[SAK_SHARE, CORRECTION, DEVIATION, Shown::position("output_value", "what the last READ_VALUE has found")];
+
+const CORRECTION: Shown = Shown::position("correction", "what printing mark control has added to its sink so far");
+
+const DEVIATION: Shown =
+    Shown::position("deviation", "how far the last mark was from its place on the slave, 0 where there was none");
 
 const SAK_SHARE: Shown = Shown::position("sak_share", "what compensation of the following error adds to its sink");
 
@@ -284,7 +292,7 @@ pub const TYPES: &[Description] = &[
         inputs: 5,
         outputs: 2,
         tables: 8,
-        shows: OF_MARKS,
+        shows: OF_MARKS_AND_ANSWER,
         renews: true,
         reads_at_rest: true,
         ..Description::of(
@@ -463,6 +471,8 @@ mod tests {
             assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);
             assert_eq!(row.defaults().len(), row.width());
             assert!(row.shows.len() <= MOST_SHOWN, "{}", row.name);
+            let answer = row.shows.get(ANSWER).filter(|shown| shown.name == "output_value");
+            assert_eq!(answer.is_some(), row.reads_at_rest, "{}", row.name);
             for place in 0..row.width() {
                 let (_, field, nth) = row.field_of(place).expect("each value has a field");
                 assert_eq!(row.find(field.name).map(|(_, first)| first + nth), Some(place));
