@@ -102,17 +102,19 @@ impl MarkPath {
         (self.start, self.curve) = (fallback(self.start), None);
     }
 
-    /// Does it give its curve up, in a cycle in which the master moves by so much (inc)? Behind its end there is none.
-    pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> bool {
+    /// The SYNCMSTART that it had, where it gives its curve up in a cycle in which the master moves by so much (inc). Behind its end there is no
+    /// curve.
+    pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> Option<i64> {
         let Some(curve) = self.curve.as_mut().filter(|_| is_under_way) else {
             self.curve = None;
-            return false;
+            return None;
         };
         let leaves = !curve.step(change, cycle_ms);
-        if leaves {
+        let start = self.start;
+        leaves.then(|| {
             self.fall_back();
-        }
-        leaves
+            start
+        })
     }
 
     pub(super) fn is_sound(&self) -> bool {
@@ -373,7 +375,7 @@ impl Axis {
         let [of_master, of_slave] = &mut seen;
         let change = changes[0].to_f64();
         if path.curve.is_some() {
-            self.watch_curve(&mut path, change);
+            self.watch_curve(cx, &mut path, change);
         }
         let share = match tau {
             Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
