@@ -14,8 +14,8 @@
 mod points;
 
 use super::field::{Field, Words, number, place};
-use super::kind::Shown;
 use super::program::{Fault, LINES, Occasion, Outcome, Program, Seen, Setting};
+use super::shown::Shown;
 use super::time::check_cycle;
 use crate::code::Code;
 use points::{Points, check_tables};

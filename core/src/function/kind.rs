@@ -2,8 +2,8 @@
 
 use super::field::{self, Field};
 use super::program::LINES;
+use super::shown::Shown;
 use super::types;
-use crate::signal::{Measure, Type};
 use serde::{Deserialize, Serialize};
 
 /// A type of function.
@@ -110,7 +110,7 @@ pub struct Description {
     pub edits_tables: bool,
     /// Keys of the words that it reads beside its source, [`WORDS`](super::program::WORDS) at most.
     pub words: &'static [&'static str],
-    /// What it publishes in addition to its lines, [`MOST_SHOWN`] at most.
+    /// What it publishes in addition to its lines, 9 values at most.
     pub shows: &'static [Shown],
     /// It takes VALUE_NEW.
     pub renews: bool,
@@ -118,42 +118,6 @@ pub struct Description {
     pub reads_at_rest: bool,
     /// Its orders end, so that goals may give them.
     pub takes_goals: bool,
-}
-
-/// Values that a slot publishes in addition to its lines, at most.
-pub(super) const MOST_SHOWN: usize = 9;
-
-/// Place of what READ_VALUE has found among the values of a type that finds one.
-pub(super) const ANSWER: usize = 3;
-
-/// A value that a slot publishes in addition to its lines; 0 at rest, but for what READ_VALUE has found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
-    /// The end of the name of its signal.
-    pub name: &'static str,
-    /// How its word is read.
-    pub kind: Type,
-    /// What it measures.
-    pub measure: Measure,
-    /// What it is.
-    pub help: &'static str,
-}
-
-impl Shown {
-    /// A position or a distance (inc).
-    const fn position(name: &'static str, help: &'static str) -> Self {
-        Self { name, kind: Type::Int, measure: Measure::Position, help }
-    }
-
-    /// A whole number without a unit.
-    pub(super) const fn number(name: &'static str, help: &'static str) -> Self {
-        Self { name, kind: Type::Int, measure: Measure::None, help }
-    }
-
-    /// A bit.
-    pub(super) const fn bit(name: &'static str, help: &'static str) -> Self {
-        Self { name, kind: Type::Bit, measure: Measure::None, help }
-    }
 }
 
 const OF_PROGRAMS: &[Shown] = &[Shown::number("fuel", "instructions that the last call of its program took")];
@@ -446,6 +410,7 @@ impl Kind {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shown::{ANSWER, MOST_SHOWN};
     use super::*;
 
     /// Proves: AMK-IMES-03, AMK-IMES-04, AMK-IMES-05, AMK-IMES-07, AMK-BINEA-08, AMK-BINEA-13, AMK-CAM-29
