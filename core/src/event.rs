@@ -39,7 +39,7 @@ pub enum Kind {
     Limit,
     /// An axis got its zero.
     Homed,
-    /// Parameters changed.
+    /// Parameters changed, or READ_VALUE has found a value of a function.
     Parameter,
     /// Cycles were missed.
     Overrun,

@@ -61,6 +61,9 @@ fn row(event: &Event) -> Option<&'static Row> {
 }
 
 fn changed(event: &Event, config: &MachineConfig) -> String {
+    if let Some(found) = function::found(event, config) {
+        return found;
+    }
     let Some(row) = row(event) else { return "parameter changed".to_owned() };
     let value = parameter_value(row, event.asked, event.source, config);
     format!("{} is {value}, effective {}", row.key, row.effect.text())

@@ -16,7 +16,7 @@ use crate::encoder::Lead;
 use crate::parameter::{OffsetRates, Synchronization};
 use crate::position::Position;
 use crate::sync::filter::{Filtering, Keeps, MasterFilter};
-use crate::sync::follower::{Band, Beside};
+use crate::sync::follower::{Band, Beside, Follower};
 use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
@@ -212,6 +212,25 @@ impl Axis {
             || !self.conditioning.is_empty()
     }
 
+    /// How parameters ask for its master to be filtered, in a gear; none: it is not.
+    fn filtering(&self, follower: &Follower) -> Option<Filtering> {
+        let mode = follower.mode();
+        let tau = self.parameters.master_tau(mode.keeps_position())?;
+        let keeps = match mode {
+            SyncMode::Velocity => Keeps::Velocity,
+            SyncMode::Position => Keeps::Position,
+            _ => Keeps::Marks,
+        };
+        let is_gear = follower.transmission().cam().is_none();
+        is_gear.then_some(Filtering { tau, keeps, limit: self.parameters.sync.filter_limit as f64 })
+    }
+
+    /// The tau in force of the filter of its master (us); 0 without a filter.
+    pub(super) fn filter_tau(&self) -> f64 {
+        let (Some(filter), Some(coupling)) = (&self.conditioning.filter, self.coupling()) else { return 0.0 };
+        self.filtering(&coupling.follower).map_or(0.0, |filtering| filter.tau(&filtering))
+    }
+
     /// What the slave follows in this cycle, and what comes beside.
     pub(super) fn condition(&mut self, cx: &mut Context<'_>, lead: Lead) -> Conditioned {
         let Some(coupling) = self.coupling().filter(|_| self.conditions()) else {
@@ -223,13 +242,8 @@ impl Axis {
         let by_position = mode.keeps_position();
         let cycle_s = self.cycle_s();
         let sync = self.parameters.sync;
-        let tau = self.parameters.master_tau(by_position).filter(|_| is_gear);
-        let keeps = match mode {
-            SyncMode::Velocity => Keeps::Velocity,
-            SyncMode::Position => Keeps::Position,
-            _ => Keeps::Marks,
-        };
-        let filtering = tau.map(|tau| Filtering { tau, keeps, limit: sync.filter_limit as f64 });
+        let filtering = self.filtering(follower);
+        let tau = filtering.map(|filtering| filtering.tau);
         let fastest = follower.catch_up_velocity() * cycle_s;
         let state = &mut self.conditioning;
 

@@ -102,17 +102,19 @@ impl MarkPath {
         (self.start, self.curve) = (fallback(self.start), None);
     }
 
-    /// Does it give its curve up, in a cycle in which the master moves by so much (inc)? Behind its end there is none.
-    pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> bool {
+    /// The SYNCMSTART that it had, where it gives its curve up in a cycle in which the master moves by so much (inc). Behind its end there is no
+    /// curve.
+    pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> Option<i64> {
         let Some(curve) = self.curve.as_mut().filter(|_| is_under_way) else {
             self.curve = None;
-            return false;
+            return None;
         };
         let leaves = !curve.step(change, cycle_ms);
-        if leaves {
+        let start = self.start;
+        leaves.then(|| {
             self.fall_back();
-        }
-        leaves
+            start
+        })
     }
 
     pub(super) fn is_sound(&self) -> bool {
@@ -149,6 +151,14 @@ pub(super) struct ShownMarks {
     pub missed: u64,
     /// Of both sides.
     pub extra: u64,
+    /// MARKERFILTER (marks).
+    pub filter: f64,
+    /// KORRTAU (pairs of marks).
+    pub correction_filter: f64,
+    /// STARTKORRREST (inc of the slave).
+    pub start_left: f64,
+    /// MMARKERR (inc of the slave).
+    pub distance_error: f64,
 }
 
 /// Two sides in a cycle, master first, and what they are judged by.
@@ -365,7 +375,7 @@ impl Axis {
         let [of_master, of_slave] = &mut seen;
         let change = changes[0].to_f64();
         if path.curve.is_some() {
-            self.watch_curve(&mut path, change);
+            self.watch_curve(cx, &mut path, change);
         }
         let share = match tau {
             Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
@@ -488,19 +498,26 @@ impl Axis {
         let (error, correction) = marker.last();
         let [master, slave] = [Of::Master, Of::Slave].map(|of| marker.side(of).counts());
         let asked = Asked { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
+        let law = marker.law();
         ShownMarks {
             error,
             correction,
-            distance: marker.law().distance(&asked),
+            distance: law.distance(&asked),
             missed: master.0.saturating_add(slave.0),
             extra: master.1.saturating_add(slave.1),
+            filter: law.filter(),
+            correction_filter: law.correction_filter(),
+            start_left: law.start_left(),
+            distance_error: law.distance_error(),
         }
     }
 
     /// Where the axis and its leader were at their last marks (inc); 0 before the first one, and without a coupling by marks.
-    pub(super) fn places_of_marks(&self, leads: &Leads) -> (i64, i64) {
-        let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else { return (0, 0) };
-        let place = |of, now: Position| path.marker.side(of).since_mark().map_or(0, |since| (now - since).floor());
+    pub(super) fn places_of_marks(&self, leads: &Leads) -> (Position, Position) {
+        let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else {
+            return (Position::ZERO, Position::ZERO);
+        };
+        let place = |of, now: Position| path.marker.side(of).since_mark().map_or(Position::ZERO, |since| now - since);
         let leader = leads.get(coupling.leader).position;
         (place(Of::Slave, self.actual.position), place(Of::Master, leader))
     }

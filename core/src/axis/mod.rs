@@ -83,6 +83,7 @@ pub use reaction::stops_all;
 pub use rhythm::Pace;
 pub use run::{Excess, LagEstimate, LargestLag, Run, place as trajectory_place};
 pub use safety::Safety;
+pub(crate) use smooth::{Fallback, fallback};
 pub use source::{Source, Wired, may_carry, may_read};
 pub(crate) use stream::STREAM;
 pub use switches::Switches;

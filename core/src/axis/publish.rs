@@ -125,8 +125,15 @@ impl Axis {
         set(MarkerMissed, marks.missed);
         set(MarkerExtra, marks.extra);
         let (at_mark, master_at_mark) = self.places_of_marks(leads);
-        set(MarkerPosition, int(at_mark));
-        set(MarkerMaster, int(master_at_mark));
+        set(MarkerPosition, int(at_mark.floor()));
+        set(MarkerFraction, real(at_mark.fraction()));
+        set(MarkerMaster, int(master_at_mark.floor()));
+        set(MarkerMasterFraction, real(master_at_mark.fraction()));
+        set(MarkerFilter, real(marks.filter));
+        set(MarkerCorrectionFilter, real(marks.correction_filter));
+        set(MarkerStartLeft, real(marks.start_left));
+        set(MarkerDistanceError, real(marks.distance_error));
+        set(SyncFilterTau, real(self.filter_tau()));
         set(SyncBuffer, int(backward.floor()));
         set(SyncFilterError, real(owed.to_f64()));
         set(PhaseSlave, real(slave));

@@ -8,6 +8,7 @@
 //!          the start. It is start 5 instead where the master stands, the axis rests without a known mark, or 8 groups have passed;
 //!          on the curve, where the velocity of the master leaves a tenth around that of its begin
 //! Reads    marks of both sides, the leader
+//! Writes   an event where it falls back
 //! Refuses  nothing: it falls back
 //! Source   MACS-MARK-14 to -17
 
@@ -15,8 +16,9 @@ use super::engage::Engagement;
 use super::gear_in::Way;
 use super::marker::MarkPath;
 use super::{Axis, AxisState, Context, Generator, Reference};
+use crate::code::Code;
 use crate::encoder::Lead;
-use crate::event::Refusal;
+use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::MarkSignal;
 use crate::position::Position;
 use crate::sync::approach::{Approach, Begin};
@@ -45,8 +47,36 @@ fn is_smooth(start: i64) -> bool {
 }
 
 /// The SYNCMSTART that takes the place of a smooth one.
-pub(super) fn fallback(start: i64) -> i64 {
-    start - FALLS_BACK_BY
+pub(crate) fn fallback(start: i64) -> i64 {
+    start.saturating_sub(FALLS_BACK_BY)
+}
+
+/// Why a smooth start falls back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fallback {
+    /// The master is below 1 inc in [`MEAN_TIME`].
+    MasterStands,
+    /// The axis rests, and where its marks are is not known.
+    MarkUnknown,
+    /// [`MOST_GROUPS`] have passed, or have no length.
+    CurveMissing,
+    /// The velocity of the master has left [`MOST_CHANGE`] around that of the begin.
+    MasterChanged,
+}
+
+impl Fallback {
+    /// Each with its sentence.
+    const ALL: [(Self, &'static str); 4] = [
+        (Self::MasterStands, "the leader is slower than 1 inc in 50 ms"),
+        (Self::MarkUnknown, "the axis rests, and no mark of it is known"),
+        (Self::CurveMissing, "within 8 groups of marks of the leader no curve was within the limits of the axis"),
+        (Self::MasterChanged, "the velocity of the leader has changed by more than 10 % on the curve"),
+    ];
+
+    /// The sentence of the number that an event carries.
+    pub(crate) fn sentence(number: i64) -> &'static str {
+        Self::ALL.iter().find(|(why, _)| *why as i64 == number).map_or("", |(_, sentence)| sentence)
+    }
 }
 
 /// The velocity of a master (inc per cycle), smoothed.
@@ -117,7 +147,7 @@ impl Smooth {
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 enum Outcome {
     Waits,
-    FallsBack,
+    FallsBack(Fallback),
     Begins(Follower),
 }
 
@@ -160,11 +190,12 @@ impl Axis {
 
         self.check_closed_loop()?;
         self.check_free()?;
-        let (follower, begun) = match self.outcome(engagement, &smooth, lead)? {
+        let (follower, why) = match self.outcome(engagement, &smooth, lead)? {
             Outcome::Waits => return Ok(Some(smooth)),
-            Outcome::Begins(follower) => (follower, true),
-            Outcome::FallsBack => (self.follower_of(request, lead, self.gear_of(request)?)?, false),
+            Outcome::Begins(follower) => (follower, None),
+            Outcome::FallsBack(why) => (self.follower_of(request, lead, self.gear_of(request)?)?, Some(why)),
         };
+        let begun = why.is_none();
         let coupling = self.coupling_by(leader, request, follower);
         // It has begun: what takes over ends no wait of its own.
         self.engagement = None;
@@ -182,7 +213,17 @@ impl Axis {
             }
         }
         self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
+        if let Some(why) = why {
+            self.tell_fallback(cx, smooth.start, why);
+        }
         Ok(None)
+    }
+
+    /// Reports that another start takes the place of a smooth one.
+    fn tell_fallback(&self, cx: &mut Context<'_>, start: i64, why: Fallback) {
+        let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SMOOTH_START_FALLBACK);
+        let event = event.with(Number::Count(why as i64), Number::Count(start));
+        cx.events.push(Event { position: self.command.position, ..event });
     }
 
     fn outcome(&self, engagement: &Engagement, smooth: &Smooth, lead: Lead) -> Result<Outcome, Refusal> {
@@ -192,8 +233,14 @@ impl Axis {
         let rests = matches!(self.generator, Generator::Rest);
         // A counted master shows its speed only after a while.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
-        if is_known && mean.stands(cycle_ms) || slave.is_none() && rests || waited >= MOST_GROUPS * group {
-            return Ok(Outcome::FallsBack);
+        if is_known && mean.stands(cycle_ms) {
+            return Ok(Outcome::FallsBack(Fallback::MasterStands));
+        }
+        if slave.is_none() && rests {
+            return Ok(Outcome::FallsBack(Fallback::MarkUnknown));
+        }
+        if waited >= MOST_GROUPS * group {
+            return Ok(Outcome::FallsBack(Fallback::CurveMissing));
         }
         let (Some(master), Some(slave)) = (master, slave) else { return Ok(Outcome::Waits) };
         if !is_known {
@@ -274,12 +321,13 @@ impl Axis {
     }
 
     /// Gives a curve up where its master has changed its velocity: the gear takes the axis as it is, and marks start as 5 does.
-    pub(super) fn watch_curve(&mut self, path: &mut MarkPath, change: f64) {
+    pub(super) fn watch_curve(&mut self, cx: &mut Context<'_>, path: &mut MarkPath, change: f64) {
         let cycle_ms = self.cycle_s() * 1e3;
         let slave = self.underlying();
         let Generator::Follow(coupling) = &mut self.generator else { return };
-        if path.leaves_curve(change, cycle_ms, coupling.follower.transmission().approaches()) {
+        if let Some(start) = path.leaves_curve(change, cycle_ms, coupling.follower.transmission().approaches()) {
             coupling.follower.give_approach_up(slave);
+            self.tell_fallback(cx, start, Fallback::MasterChanged);
         }
     }
 }

@@ -485,6 +485,13 @@ codes! {
         remedy: "Check marks and sensors, or let corrections be larger: syncmmaxcorr, syncmftime, syncofftime.",
     }
 
+    /// A smooth start of a coupling by marks became start 5.
+    SMOOTH_START_FALLBACK = 10243, NoError {
+        says: "",
+        cause: "The smooth start of a coupling by marks (syncmstart 7, 1007) could not begin, or its curve could not go on: syncmstart 5 (1005) took its place, which catches up within the limits of the axis.",
+        remedy: "The sentence says why: let the leader run evenly before, move the axis over a mark first, or give the goal more acceleration.",
+    }
+
     /// Cycles were missed.
     OVERRUN = 10212, NoError {
         says: "",

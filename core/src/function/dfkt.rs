@@ -5,19 +5,22 @@
 //!          then y lies between n * ratio_min / ratio_div and n * ratio_max / ratio_div, so that it is 0 where n is, and then between
 //!          out_min and out_max. All of it is exact and rounded towards 0 once: a table that is mirrored at 0 mirrors each unit
 //! Reads    the source; with bit 1 of ba E1 = 1 runs, a rising E2 takes the table that E3 to E5 count and the ratio that waits
-//! Writes   the sink (0.0001 rpm); with bit 1 of ba A1 = 1 while it is stopped, A2 = 1 from a strobe that was taken until E2 falls
+//! Writes   the sink (0.0001 rpm); with bit 1 of ba A1 = 1 while it is stopped, A2 = 1 from a strobe that was taken until E2 falls; signals of
+//!          the limits that changed the output of the last call, and of ratio and table in force, in place of the output table of the source
 //! Refuses  an eighth table, tables that are none of speeds, ratio limits without anything between them, an active table that is not
 //!          there, a ratio related to 0; new numbers for the table that runs
-//! Source   AMK-DFKT-01 to -50 with D1 to D6 and D9 to D11
+//! Source   AMK-DFKT-01 to -50 and -52 to -54 with D1 to D11
 
 mod points;
 
 use super::field::{Field, Words, number, place};
 use super::program::{Fault, LINES, Occasion, Outcome, Program, Seen, Setting};
+use super::shown::Shown;
 use super::time::check_cycle;
 use crate::code::Code;
 use points::{Points, check_tables};
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 
 /// The set.
 pub(super) const FIELDS: &[Field] = &[
@@ -85,6 +88,31 @@ const STROBE: u8 = 1 << 1;
 
 const A1: u8 = 1 << 0;
 const A2: u8 = 1 << 1;
+
+/// Bits of the status (AMK-DFKT-52): which limits changed the output, and on which side of the table the input is.
+mod status {
+    pub(super) const RATIO_MAX: u8 = 1 << 0;
+    pub(super) const RATIO_MIN: u8 = 1 << 1;
+    pub(super) const OUT_MAX: u8 = 1 << 2;
+    pub(super) const OUT_MIN: u8 = 1 << 3;
+    pub(super) const TABLE_HIGH: u8 = 1 << 4;
+    pub(super) const TABLE_LOW: u8 = 1 << 5;
+    /// How many.
+    pub(super) const BITS: usize = 6;
+}
+
+/// The signals, in the order of the output table; the table in force is ours.
+pub(super) const SHOWS: &[Shown; status::BITS + 3] = &[
+    Shown::bit("limit.ratio_max", "ratio_max limits the output"),
+    Shown::bit("limit.ratio_min", "ratio_min limits the output"),
+    Shown::bit("limit.out_max", "out_max limits the output"),
+    Shown::bit("limit.out_min", "out_min limits the output"),
+    Shown::bit("limit.table_high", "the input exceeds in_final, the end of the table in force"),
+    Shown::bit("limit.table_low", "the input is below 0, the start of the table in force"),
+    Shown::number("ratio.mult", "numerator of the ratio in force"),
+    Shown::number("ratio.div", "denominator of the ratio in force"),
+    Shown::number("table", "table in force (1 to 7: Tab0 to Tab6, 0: none)"),
+];
 
 /// What START alone takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -172,6 +200,8 @@ pub(super) struct Dfkt {
     is_taken: bool,
     /// The interval of the last call.
     near: u8,
+    /// Values of [`SHOWS`].
+    shown: [i64; SHOWS.len()],
 }
 
 /// The input: `n / unit` in 0.0001 rpm.
@@ -194,7 +224,33 @@ impl Dfkt {
         };
         let ratio = Ratio { mult: 0, div: 1 };
         let mode = Mode::default();
-        Self { mode, live, ratio, waiting: ratio, table: 0, call_ns: 1, travel: 0, before: 0, is_taken: false, near: 0 }
+        Self {
+            mode,
+            live,
+            ratio,
+            waiting: ratio,
+            table: 0,
+            call_ns: 1,
+            travel: 0,
+            before: 0,
+            is_taken: false,
+            near: 0,
+            shown: [0; SHOWS.len()],
+        }
+    }
+
+    /// Values of [`SHOWS`].
+    #[inline]
+    pub(super) fn shown(&self) -> &[i64] {
+        &self.shown
+    }
+
+    /// Shows the status of a call, and what is in force.
+    #[inline]
+    fn show(&mut self, status: u8) {
+        let bit = |nth: u8| i64::from(status >> nth & 1);
+        let Ratio { mult, div } = self.ratio;
+        self.shown = [bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), mult, div, self.table.into()];
     }
 
     /// The speed of the source.
@@ -232,17 +288,18 @@ impl Dfkt {
         table <= self.mode.tables && points.is_some_and(|points| !self.mode.relates || points.last() != 0)
     }
 
-    /// The output of an input. Of a way n is below 2^31 * 2^50, of a speed below 2^63 with unit 1; unit is below 2^57. Points and words have
-    /// 15 bits, in_final 29 in units: the largest product, n * 126 * a rise * mult, stays below 2^81 * 2^7 * 2^16 * 2^15.
+    /// The output of an input, and its status. Of a way n is below 2^31 * 2^50, of a speed below 2^63 with unit 1; unit is below 2^57. Points and
+    /// words have 15 bits, in_final 29 in units: the largest product, n * 126 * a rise * mult, stays below 2^81 * 2^7 * 2^16 * 2^15.
     #[inline]
-    fn output(&mut self, input: Input, seen: &Seen<'_>) -> i64 {
-        let (t, divisor) = match points(self.table, seen) {
+    fn output(&mut self, input: Input, seen: &Seen<'_>) -> (i64, u8) {
+        let (t, divisor, beyond) = match points(self.table, seen) {
             Some(points) => {
                 let t = self.look_up(input, points);
                 let base = if self.mode.relates { points.last() } else { self.live.in_final };
-                (if base < 0 { -t } else { t }, i128::from(base.unsigned_abs()) * input.unit)
+                let divisor = i128::from(base.unsigned_abs()) * input.unit;
+                (if base < 0 { -t } else { t }, divisor, self.beyond(input))
             }
-            None => (input.n, input.unit),
+            None => (input.n, input.unit, 0),
         };
         let Ratio { mult, div } = self.ratio;
         let y = truncated(t * i128::from(mult), divisor * i128::from(div));
@@ -250,8 +307,35 @@ impl Dfkt {
         let of_input =
             |ratio: i64| truncated(input.n * i128::from(ratio), input.unit * i128::from(self.live.ratio_div));
         let (a, b) = (of_input(self.live.ratios.0), of_input(self.live.ratios.1));
-        let y = y.max(a.min(b)).min(a.max(b));
-        y.max(self.live.outputs.0 * RPM).min(self.live.outputs.1 * RPM)
+        let geared = y.max(a.min(b)).min(a.max(b));
+        let sink = geared.max(self.live.outputs.0 * RPM).min(self.live.outputs.1 * RPM);
+        // Below an input of 0 the ratio is too large where the output is too small.
+        let is_ratio_over = if input.n < 0 { geared > y } else { geared < y };
+        let by_ratio = if geared == y {
+            0
+        } else if is_ratio_over {
+            status::RATIO_MAX
+        } else {
+            status::RATIO_MIN
+        };
+        let by_output = match sink.cmp(&geared) {
+            Ordering::Less => status::OUT_MAX,
+            Ordering::Equal => 0,
+            Ordering::Greater => status::OUT_MIN,
+        };
+        (sink, by_ratio | by_output | beyond)
+    }
+
+    /// On which side of its table an input is, however the table goes on there.
+    #[inline]
+    fn beyond(&self, Input { n, unit }: Input) -> u8 {
+        if n < 0 {
+            status::TABLE_LOW
+        } else if n > i128::from(self.live.in_final * RPM) * unit {
+            status::TABLE_HIGH
+        } else {
+            0
+        }
     }
 
     /// The table at an input: T * in_final * unit, T in 0.0001 rpm.
@@ -380,7 +464,8 @@ impl Program for Dfkt {
             self.choose(seen);
         }
         let runs = !self.mode.by_inputs || seen.inputs & RUN != 0;
-        let sink = if runs { self.output(input, seen) } else { 0 };
+        let (sink, status) = if runs { self.output(input, seen) } else { (0, 0) };
+        self.show(status);
         self.told(sink, runs)
     }
 
@@ -392,6 +477,7 @@ impl Program for Dfkt {
             && is_sound(self.waiting)
             && tables.contains(&self.mode.tables)
             && tables.contains(&self.table)
+            && self.shown.iter().take(status::BITS).all(|bit| (0..=1).contains(bit))
     }
 }
 

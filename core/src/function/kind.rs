@@ -2,6 +2,7 @@
 
 use super::field::{self, Field};
 use super::program::LINES;
+use super::shown::Shown;
 use super::types;
 use serde::{Deserialize, Serialize};
 
@@ -109,7 +110,7 @@ pub struct Description {
     pub edits_tables: bool,
     /// Keys of the words that it reads beside its source, [`WORDS`](super::program::WORDS) at most.
     pub words: &'static [&'static str],
-    /// What it publishes beside its lines.
+    /// What it publishes in addition to its lines, 9 values at most.
     pub shows: &'static [Shown],
     /// It takes VALUE_NEW.
     pub renews: bool,
@@ -119,31 +120,33 @@ pub struct Description {
     pub takes_goals: bool,
 }
 
-/// The name of a value that a slot publishes beside its lines, with what it is (inc).
-pub type Shown = (&'static str, &'static str);
+const OF_PROGRAMS: &[Shown] = &[Shown::number("fuel", "instructions that the last call of its program took")];
 
-const OF_PROGRAMS: &[Shown] = &[("fuel", "instructions that the last call of its program took")];
+const OF_MARKS: &[Shown] = &[SAK_SHARE, CORRECTION, DEVIATION];
 
-const OF_MARKS: &[Shown] = &[
-    SAK_SHARE,
-    ("correction", "what printing mark control has added to its sink so far"),
-    ("deviation", "how far the last mark was from its place on the slave, 0 where there was none"),
-];
+/// Of a type of which READ_VALUE finds a value: that is the last one.
+const OF_MARKS_AND_ANSWER: &[Shown] =
+    &[SAK_SHARE, CORRECTION, DEVIATION, Shown::position("output_value", "what the last READ_VALUE has found")];
 
-const SAK_SHARE: Shown = ("sak_share", "what compensation of the following error adds to its sink");
+const CORRECTION: Shown = Shown::position("correction", "what printing mark control has added to its sink so far");
+
+const DEVIATION: Shown =
+    Shown::position("deviation", "how far the last mark was from its place on the slave, 0 where there was none");
+
+const SAK_SHARE: Shown = Shown::position("sak_share", "what compensation of the following error adds to its sink");
 
 const OF_SAK: &[Shown] = &[SAK_SHARE];
 
 /// Of AW1 to AW8.
 const OF_DRIVES: &[Shown; LINES] = &[
-    ("feedback1", FEEDBACK),
-    ("feedback2", FEEDBACK),
-    ("feedback3", FEEDBACK),
-    ("feedback4", FEEDBACK),
-    ("feedback5", FEEDBACK),
-    ("feedback6", FEEDBACK),
-    ("feedback7", FEEDBACK),
-    ("feedback8", FEEDBACK),
+    Shown::position("feedback1", FEEDBACK),
+    Shown::position("feedback2", FEEDBACK),
+    Shown::position("feedback3", FEEDBACK),
+    Shown::position("feedback4", FEEDBACK),
+    Shown::position("feedback5", FEEDBACK),
+    Shown::position("feedback6", FEEDBACK),
+    Shown::position("feedback7", FEEDBACK),
+    Shown::position("feedback8", FEEDBACK),
 ];
 
 const FEEDBACK: &str = "actual position of the axis with that number, since it was zeroed";
@@ -253,7 +256,7 @@ pub const TYPES: &[Description] = &[
         inputs: 5,
         outputs: 2,
         tables: 8,
-        shows: OF_MARKS,
+        shows: OF_MARKS_AND_ANSWER,
         renews: true,
         reads_at_rest: true,
         ..Description::of(
@@ -272,6 +275,7 @@ pub const TYPES: &[Description] = &[
         rests: 1,
         tables: 8,
         edits_tables: true,
+        shows: types::DFKT_SHOWS,
         renews: true,
         ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", types::DFKT)
     },
@@ -306,7 +310,7 @@ pub const TYPES: &[Description] = &[
         outputs: 2,
         rests: 1,
         words: &["vel_override_mw", "acc_override_mw"],
-        shows: &[("remaining", "what is left of its order")],
+        shows: &[Shown::position("remaining", "what is left of its order")],
         renews: true,
         takes_goals: true,
         ..Description::of(
@@ -406,6 +410,7 @@ impl Kind {
 
 #[cfg(test)]
 mod tests {
+    use super::super::shown::{ANSWER, MOST_SHOWN};
     use super::*;
 
     /// Proves: AMK-IMES-03, AMK-IMES-04, AMK-IMES-05, AMK-IMES-07, AMK-BINEA-08, AMK-BINEA-13, AMK-CAM-29
@@ -430,6 +435,9 @@ mod tests {
             assert!(row.fields.iter().all(may_stand), "{}", row.name);
             assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);
             assert_eq!(row.defaults().len(), row.width());
+            assert!(row.shows.len() <= MOST_SHOWN, "{}", row.name);
+            let answer = row.shows.get(ANSWER).filter(|shown| shown.name == "output_value");
+            assert_eq!(answer.is_some(), row.reads_at_rest, "{}", row.name);
             for place in 0..row.width() {
                 let (_, field, nth) = row.field_of(place).expect("each value has a field");
                 assert_eq!(row.find(field.name).map(|(_, first)| first + nth), Some(place));

@@ -18,6 +18,7 @@ use super::kind::{Description, Quantity};
 use super::notice::Notice;
 use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
+use super::shown::{ANSWER, MOST_SHOWN};
 use super::types::Any;
 use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
 use crate::code::Code;
@@ -119,8 +120,8 @@ pub struct Slot {
     /// Which outputs it writes.
     writes: u8,
     sink: i64,
-    /// What the last call gave to show.
-    shown: [i64; 3],
+    /// What the last call gave to show, 0 at rest; at [`ANSWER`] what the last READ_VALUE has found.
+    shown: [i64; ANSWER + 1],
     error: Code,
     lead: Lead,
     /// By how much the sink was set anew in this cycle: that is no motion.
@@ -149,7 +150,7 @@ impl Slot {
             outputs: 0,
             writes: 0,
             sink: 0,
-            shown: [0; 3],
+            shown: [0; ANSWER + 1],
             error: Code::NONE,
             lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
             anew: Position::ZERO,
@@ -212,7 +213,17 @@ impl Slot {
     /// What it shows.
     #[inline]
     fn shows(&self) -> &[i64] {
-        if self.is_active() { self.function.shown().unwrap_or(&self.shown) } else { &[0; LINES] }
+        match self.function.shown() {
+            Some(kept) if self.is_active() => kept,
+            Some(_) => &[0; MOST_SHOWN],
+            None => &self.shown,
+        }
+    }
+
+    /// A function at rest shows nothing of its last call.
+    fn clear_shown(&mut self) {
+        let [.., answer] = self.shown;
+        self.shown = [0, 0, 0, answer];
     }
 
     /// What compensation of the following error adds (inc).
@@ -237,14 +248,15 @@ impl Slot {
         Some((state, self.notice.take(state, cycle, cycle_ns)?))
     }
 
-    /// Takes a command: all of it, or nothing but the error that it shows. `room` holds two of the widest sets.
+    /// Takes a command: all of it, or nothing but the error that it shows. `room` holds two of the widest sets. Returns what READ_VALUE has
+    /// found, with the number of its field.
     pub(crate) fn command(
         &mut self,
         wires: &Wires,
         (order, values): (Order, &[(u16, i64)]),
         tables: &[Arc<Table>],
         room: &mut [i64],
-    ) -> Result<(), Fault> {
+    ) -> Result<Option<(u16, i64)>, Fault> {
         let result = self.try_command(wires, (order, values), tables, room);
         self.error = result.err().map_or(Code::NONE, |fault| fault.code);
         self.is_shown = false;
@@ -257,8 +269,9 @@ impl Slot {
         (order, values): (Order, &[(u16, i64)]),
         tables: &[Arc<Table>],
         room: &mut [i64],
-    ) -> Result<(), Fault> {
+    ) -> Result<Option<(u16, i64)>, Fault> {
         let row = wires.kind.description();
+        let mut answer = None;
         match order {
             Order::Start if self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
             Order::ReadValue if row.reads_at_rest && self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
@@ -302,12 +315,14 @@ impl Slot {
                     if let Some(word) = self.active.get_mut(usize::from(place)) {
                         *word = value;
                     }
+                    self.shown[ANSWER] = value;
+                    answer = row.field_of(place.into()).map(|(number, ..)| (number, value));
                 }
             }
             Order::Stage | Order::ReadValue => {}
         }
         self.staged.copy_from_slice(tried);
-        Ok(())
+        Ok(answer)
     }
 
     /// Returns an error if START would refuse the staged set of a function at rest.
@@ -387,10 +402,9 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        let mut show = |(value, nth): (&i64, usize)| board.set_int(wires.first.plus(signals(nth)), *value);
-        match self.function.shown() {
-            Some(kept) => kept.iter().zip(0..wires.shows).for_each(&mut show),
-            None => self.shown.iter().zip(0..wires.shows).for_each(&mut show),
+        let shown = self.function.shown().unwrap_or(&self.shown);
+        for (word, value) in board.block(wires.first.plus(signals(0)), wires.shows).iter_mut().zip(shown) {
+            *word = value.cast_unsigned();
         }
         written
     }
@@ -491,7 +505,8 @@ impl Slot {
     /// Writes what a call gave.
     #[inline]
     fn write(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board) -> Written {
-        self.shown = [outcome.sak_share, outcome.correction, outcome.deviation];
+        let [.., answer] = self.shown;
+        self.shown = [outcome.sak_share, outcome.correction, outcome.deviation, answer];
         self.writes = outcome.writes;
         self.write_sink(wires, board);
         self.set_outputs(wires, outcome.outputs, outcome.writes, board);
@@ -571,7 +586,8 @@ impl Slot {
             return written;
         }
         self.phase = Phase::Reset;
-        (self.shown, self.mark) = ([0; 3], None);
+        self.clear_shown();
+        self.mark = None;
         written
     }
 

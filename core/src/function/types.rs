@@ -16,6 +16,7 @@ use super::interpolator::{self, fipw, fipw::Fipw};
 use super::kind::Kind;
 use super::program::{Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
 use super::regl::{self, Regl};
+use super::shown::Shown;
 use super::sidiff::{self, Sidiff};
 use super::varsync::{self, Varsync};
 use super::wires::Room;
@@ -34,6 +35,7 @@ pub(super) const FIPW: &[Field] = fipw::FIELDS;
 pub(super) const FIPZ: &[Field] = fipz::FIELDS;
 pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
 pub(super) const DFKT: &[Field] = dfkt::FIELDS;
+pub(super) const DFKT_SHOWS: &[Shown] = dfkt::SHOWS;
 pub(super) const FGEN: &[Field] = fgen::FIELDS;
 pub(super) const REGL: &[Field] = regl::FIELDS;
 pub(super) const EPOS: &[Field] = epos::FIELDS;
@@ -193,6 +195,7 @@ impl Any {
     #[inline]
     pub(super) fn shown(&self) -> Option<&[i64]> {
         match self {
+            Self::Dfkt(function) => Some(function.shown()),
             Self::Fgen(function) => Some(function.shown()),
             Self::Epos(function) => Some(function.shown()),
             Self::Apsf(function) => Some(function.shown()),

@@ -110,11 +110,17 @@ impl Machine {
         }
         let State { slots, tables, .. } = &mut self.state;
         let taken = slots.get_mut(usize::from(slot)).ok_or_else(unknown)?;
-        taken.command(wires, (order, values), tables, &mut self.room).map_err(|fault| refusal(fault, slot))?;
+        let answer =
+            taken.command(wires, (order, values), tables, &mut self.room).map_err(|fault| refusal(fault, slot))?;
         if order != Order::ReadValue || !values.is_empty() || wires.kind.description().reads_at_rest {
             self.count_change();
         }
         self.accept(command, Object::Function(slot));
+        if let Some((field, value)) = answer {
+            let event = Event::new(Severity::Info, EventKind::Parameter, Object::Function(slot), Code::NONE);
+            let event = event.of_command(command.sequence).with(Number::Position(value), Number::None);
+            self.events.push(Event { parameter: Some(field), position: Position::whole(value), ..event });
+        }
         let tells = moved.is_some() && matches!(order, Order::Start | Order::Reset);
         self.couples |= tells;
         Ok(tells)

@@ -292,9 +292,8 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
         let help = "binary output of the function, before inversion";
         add(&format!("out{line}"), Type::Bit, Measure::None, help);
     }
-    let shown = if slot.kind == crate::function::Kind::Apsf { Measure::None } else { Measure::Position };
-    for (name, help) in row.shows {
-        add(name, Type::Int, shown, help);
+    for shown in row.shows {
+        add(shown.name, shown.kind, shown.measure, shown.help);
     }
     first
 }

@@ -83,4 +83,11 @@ signal_block! {
     Compensation "compensation" Int, Position; "what the drive is asked for beside the command: pitch error and backlash"
     SyncLeaving "sync.leaving" Int, None; "number of the gear_out that waits for its place, 0 for none"
     RegulatorSetpoint "regulator.current_setpoint" Real, None; "current that the current loop is asked for, within ampmaxcur (mA)"
+    SyncFilterTau "sync.filter_tau" Real, None; "tau in force of the filter of syncvftime (us), 0 without a filter"
+    MarkerFraction "marker.fraction" Real, None; "fraction of marker.position, 0 to 1"
+    MarkerMasterFraction "marker.master.fraction" Real, None; "fraction of marker.master, 0 to 1"
+    MarkerFilter "marker.filter" Real, None; "tau of the filter of syncmftime (marks, MARKERFILTER), 0 without one"
+    MarkerCorrectionFilter "marker.correction_filter" Real, None; "tau of the filter of corrections (pairs of marks, KORRTAU), 0 without one"
+    MarkerStartLeft "marker.start_left" Real, Position; "what is left of the start correction (STARTKORRREST)"
+    MarkerDistanceError "marker.distance_error" Real, Position; "sum of the errors of the distances of the leader's marks, filtered (MMARKERR)"
 }

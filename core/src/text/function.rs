@@ -85,6 +85,11 @@ pub(super) fn state(event: &Event, config: &MachineConfig) -> String {
     }
 }
 
+/// What READ_VALUE has found of a function; none of another object.
+pub(super) fn found(event: &Event, config: &MachineConfig) -> Option<String> {
+    Some(format!("READ_VALUE: {} is {}", field(event, config)?.name, plain(event.asked)))
+}
+
 /// A table that a function reads.
 fn uses_table(event: &Event, config: &MachineConfig) -> String {
     match slot(event.asked, config) {

@@ -2,7 +2,7 @@
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
 use super::{function, number_text, plain, row, scale_of, trajectory};
-use crate::axis::COORDINATE_USES;
+use crate::axis::{COORDINATE_USES, Fallback, fallback};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
@@ -112,6 +112,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::BAD_RATIO => bad_ratio(event).unwrap_or_else(by_row),
         Code::MARK_MISSED => format!("a mark of the {} has stayed away", mark_side(event.asked)),
         Code::MARK_EXTRA => format!("a mark of the {} came outside its window", mark_side(event.asked)),
+        Code::SMOOTH_START_FALLBACK => smooth_start_fallback(event),
         Code::VIRTUAL_MASTER_SOURCE | Code::VIRTUAL_MASTER_NO_RAMP => virtual_master(event),
         Code::LEADER_LOOP if key(event) == "vmenctyp" => format!(
             "vmenctyp {} names an axis that follows the virtual master itself; one that does not is allowed",
@@ -424,6 +425,14 @@ fn errors(register: u8) -> String {
 /// The side that a mark is of.
 fn mark_side(number: Number) -> &'static str {
     if number == Number::Count(1) { "axis" } else { "master" }
+}
+
+/// Which start takes the place of a smooth one, and why.
+fn smooth_start_fallback(event: &Event) -> String {
+    let (Number::Count(why), Number::Count(start)) = (event.asked, event.limit) else {
+        return "syncmstart 7 falls back to 5".to_owned();
+    };
+    format!("syncmstart {start} falls back to {}: {}", fallback(start), Fallback::sentence(why))
 }
 
 /// The key that says what gives the marks of a side.

@@ -40,10 +40,15 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
 
 /// Names that have one meaning are told as a range.
 fn shown(shows: &[Shown]) -> String {
-    let told = shows.chunk_by(|(_, help), (_, other)| help == other).filter_map(|chunk| {
-        let ((first, help), (last, _)) = (chunk.first()?, chunk.last()?);
-        let names = if first == last { format!("`{first}`") } else { format!("`{first}` to `{last}`") };
-        Some(format!("{names}, {help} (inc)"))
+    let told = shows.chunk_by(|shown, other| shown.help == other.help).filter_map(|chunk| {
+        let (first, last) = (chunk.first()?, chunk.last()?);
+        let names = match chunk.len() {
+            1 => format!("`{}`", first.name),
+            _ => format!("`{}` to `{}`", first.name, last.name),
+        };
+        let unit = first.measure.unit();
+        let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+        Some(format!("{names}, {}{unit}", first.help))
     });
     told.collect::<Vec<_>>().join("; ")
 }

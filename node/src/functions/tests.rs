@@ -82,6 +82,9 @@ fn a_type_tells_what_it_reads_and_writes() {
     ] {
         assert!(fgen.lines().any(|there| there == line), "{line}\n{fgen}");
     }
+    // A value without a unit has none here.
+    assert!(text(Kind::Apsf).contains("  shows     fuel, instructions that the last call of its program took\n"));
+    assert!(text(Kind::Dfkt).contains("  shows     limit.ratio_max, ratio_max limits the output; limit.ratio_min, "));
     assert_eq!(text(Kind::Regl).matches("  word      src").count(), 2);
     assert!(text(Kind::Epos).contains("  goals     orders that end, by ~/run_function\n") && !fgen.contains("  goals"));
     for (kind, chooses) in [(Kind::Dcopy, true), (Kind::Ecopy, true), (Kind::Apsf, true), (Kind::Varsync, false)] {

@@ -98,6 +98,25 @@ impl Bench {
         (told.sink, told.outputs)
     }
 
+    /// The status of the last call, as AMK-DFKT-52 has it.
+    fn status(&self) -> i64 {
+        (0_u32..6).zip(self.dfkt.shown()).map(|(nth, bit)| bit << nth).sum()
+    }
+
+    /// Ratio and table in force.
+    fn in_force(&self) -> &[i64] {
+        &self.dfkt.shown()[6..]
+    }
+
+    /// The status for inputs in rpm, without binary inputs.
+    fn statuses<const N: usize>(&mut self, rpm: [i64; N]) -> [i64; N] {
+        self.start(0, 0);
+        rpm.map(|rpm| {
+            self.step(rpm * RPM, 0);
+            self.status()
+        })
+    }
+
     /// Outputs for inputs in rpm, without binary inputs.
     fn follows<const N: usize>(&mut self, rpm: [i64; N]) -> [i64; N] {
         self.start(0, 0);
@@ -282,6 +301,36 @@ fn the_speed_is_limited_behind_the_ratio() {
     assert_eq!(free(&[], &[("active_table", 0), ("out_max", 0), ("out_min", 0)]).follows([100, -100]), [0, 0]);
 }
 
+/// Bits 4 and 5 are the sides of the table, whatever it does there (D7).
+/// Proves: AMK-DFKT-52, AMK-DFKT-O2
+#[test]
+fn status_shows_input_beyond_the_ends_of_the_table() {
+    for (low, high) in [(2, 1), (0, 0)] {
+        let mut bench = example(&[("cont_low", low), ("cont_high", high)]);
+        assert_eq!(bench.statuses([1000, 2000, 2500, 0, -500, -2500]), [0, 0, 16, 0, 32, 32], "{low} {high}");
+    }
+    // Without a table there is no end of one.
+    assert_eq!(free(&[], &[("active_table", 0)]).statuses([500, 2500, -500]), [0; 3]);
+}
+
+/// The inputs of the tests of both limits; 1 is ratio_max, 2 ratio_min, 4 out_max, 8 out_min.
+/// Proves: AMK-DFKT-52
+#[test]
+fn status_shows_the_limits_that_changed_the_output() {
+    let ratios = |least, most, low| {
+        let limits = [("ratio_min", least), ("ratio_max", most), ("ratio_div", 1000), ("cont_low", low)];
+        free(&[y(&[1000, 1000])], &limits)
+    };
+    assert_eq!(ratios(-2000, 2000, 0).statuses([100, 0, 800, -100]), [1, 1, 0, 2 + 32]);
+    // 1000 / 1500 and 1000 / -500 are less than 1.5.
+    assert_eq!(ratios(1500, 2000, 0).statuses([1500, -500]), [2 + 16, 2 + 32]);
+    assert_eq!(ratios(1500, 2000, 2).statuses([-500]), [32]);
+    // 2 is more than -1.5, forwards and backwards.
+    assert_eq!(ratios(-2000, -1500, 2).statuses([500, -500]), [1, 1 + 32]);
+    let mut bench = free(&[], &[("active_table", 0), ("out_max", 500), ("out_min", -200), ("ratio_min", 2)]);
+    assert_eq!(bench.statuses([100, 250, 251, -100, -101]), [2, 2, 2 + 4, 2, 2 + 8]);
+}
+
 /// Proves: AMK-DFKT-23, AMK-DFKT-24
 #[test]
 fn a_data_block_is_the_same_table() {
@@ -452,6 +501,25 @@ fn a_new_ratio_waits_for_the_strobe() {
     assert_eq!(bench.step(N, E1 | E2 | E4), (1500 * RPM, A2));
 }
 
+/// Numerator, denominator and number of the table; what waits is not in force.
+/// Proves: AMK-DFKT-53, AMK-DFKT-54
+#[test]
+fn ratio_and_table_in_force_are_shown() {
+    let mut bench = chosen(&[]);
+    bench.start(N, E1);
+    assert_eq!(bench.in_force(), [1, 1, 1]);
+    bench.value_new(&[("mult", -3), ("div", 2), ("out_min", -400)]);
+    bench.step(N, E1);
+    assert_eq!((bench.in_force(), bench.status()), (&[1, 1, 1][..], 0));
+    bench.step(N, E1 | E2 | E4);
+    assert_eq!((bench.in_force(), bench.status()), (&[-3, 2, 2][..], 8));
+    // While it is stopped no limit binds.
+    bench.step(N, 0);
+    assert_eq!((bench.in_force(), bench.status()), (&[-3, 2, 2][..], 0));
+    bench.step(N, E2);
+    assert_eq!(bench.in_force(), [-3, 2, 0]);
+}
+
 /// Proves: AMK-DFKT-38, AMK-DFKT-48
 #[test]
 fn a_strobe_for_a_table_that_is_not_there_does_nothing() {
@@ -548,8 +616,8 @@ fn sets() -> impl Strategy<Value = (Vec<(&'static str, i64)>, Vec<i64>, bool)> {
     )
 }
 
-/// The output of a set at a speed in 0.0001 rpm, by the formulas of the spec in their order.
-fn by_the_book(values: &[(&'static str, i64)], points: &[i64], n: Fraction) -> i64 {
+/// The output of a set at a speed in 0.0001 rpm, and its status, by the formulas of the spec in their order.
+fn by_the_book(values: &[(&'static str, i64)], points: &[i64], n: Fraction) -> (i64, i64) {
     let get = |name: &str| values.iter().find(|(known, _)| *known == name).map_or(0, |(_, value)| *value);
     let whole = |value: i64| Fraction::from_integer(value.into());
     let rpm = n / whole(RPM);
@@ -583,8 +651,20 @@ fn by_the_book(values: &[(&'static str, i64)], points: &[i64], n: Fraction) -> i
     }
     let of_input = |name| rpm * whole(get(name)) / whole(get("ratio_div"));
     let (a, b) = (of_input("ratio_min"), of_input("ratio_max"));
-    y = y.clamp(a.min(b), a.max(b)).clamp(whole(get("out_min")), whole(get("out_max")));
-    (y * whole(RPM)).trunc().to_integer() as i64
+    let geared = y.clamp(a.min(b), a.max(b));
+    let sink = geared.clamp(whole(get("out_min")), whole(get("out_max")));
+    let [y_cut, geared_cut, sink_cut] = [y, geared, sink].map(|y| (y * whole(RPM)).trunc().to_integer());
+    let ratio_over = if rpm < zero { y < b } else { y > b };
+    let has_table = get("active_table") != 0;
+    let bits = [
+        geared_cut != y_cut && ratio_over,
+        geared_cut != y_cut && !ratio_over,
+        sink_cut < geared_cut,
+        sink_cut > geared_cut,
+        has_table && rpm > end,
+        has_table && rpm < zero,
+    ];
+    (sink_cut as i64, (0_u32..).zip(bits).map(|(nth, bit)| i64::from(bit) << nth).sum())
 }
 
 proptest! {
@@ -610,7 +690,8 @@ proptest! {
                 Fraction::from_integer(input.into())
             };
             let (given, _) = bench.step(input, E1);
-            prop_assert_eq!(given, by_the_book(&values, &points, n), "{} {:?}", n, bench.dfkt);
+            let told = (given, bench.status());
+            prop_assert_eq!(told, by_the_book(&values, &points, n), "{} {:?}", n, bench.dfkt);
             prop_assert!((get("out_min") * RPM..=get("out_max") * RPM).contains(&given));
             // The ratio, where 0, the one speed that out_min and out_max always allow, does not win over it.
             let of = |name| n * Fraction::new(get(name).into(), get("ratio_div").into());

@@ -54,7 +54,8 @@ impl Slot {
     pub(super) fn fail(&mut self, wires: &Wires, code: Code, board: &mut Board) -> Written {
         let written = self.rest_sink(wires, board);
         (self.phase, self.error) = (Phase::Reset, code);
-        (self.shown, self.mark) = ([0; 3], None);
+        self.clear_shown();
+        self.mark = None;
         self.publish(wires, board);
         self.is_shown = false;
         Written { failed: Some(code), ..written }

@@ -230,6 +230,34 @@ fn a_filtered_position_arrives_in_the_end() {
     assert_eq!((place(&rig, X).raw(), rig.real("x.sync.filter_error")), ((5_000_i128 << 32) * 355 / 113, 0.0));
 }
 
+/// Beyond 50 inc the tau falls by 1 ms per ms, not below 5 ms; below a fifth of that it comes back as slowly.
+/// Proves: MACS-SYNC-11
+#[test]
+fn tau_of_the_filter_in_force_is_a_signal() {
+    let mut rig = on(TO_LINE, (1, 1), &[("syncvftime", -20_000), ("syncvflimit", 50)]);
+    rig.give(line_at(10_000.0));
+    let (mut tau, mut least): (f64, f64) = (20_000.0, 20_000.0);
+    for cycle in 0..1_500 {
+        rig.run(1);
+        let lacked = rig.real("x.sync.filter_error").abs();
+        if lacked > 50.0 {
+            tau = (tau - 1_000.0).max(5_000.0);
+        } else if lacked < 10.0 {
+            tau = (tau + 1_000.0).min(20_000.0);
+        }
+        let shown = rig.real("x.sync.filter_tau");
+        assert!((shown - tau).abs() < 1e-6, "{cycle}: {shown}, not {tau}");
+        least = least.min(tau);
+    }
+    assert_eq!((least, tau), (5_000.0, 20_000.0));
+    set(&mut rig, &[("syncvftime", -30_000)]);
+    rig.run(2);
+    assert_eq!(rig.real("x.sync.filter_tau"), 30_000.0);
+    set(&mut rig, &[("syncvftime", 0)]);
+    rig.run(2);
+    assert_eq!(rig.real("x.sync.filter_tau"), 0.0);
+}
+
 /// Switched off in motion, what the filter owes comes within the limits of the axis.
 #[test]
 fn a_filter_that_is_switched_off_owes_nothing() {

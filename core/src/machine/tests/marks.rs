@@ -205,6 +205,62 @@ fn filtered_corrections_settle() {
     assert!(world.apart().abs() < 2.0, "{}", world.apart());
 }
 
+/// 10 inc a ms: 20 marks pass in syncmftime, of which MARKERFILTER is a third, and 10 in syncofftime, over which the start is split. A product
+/// that comes 60 inc late is 120 inc of the axis, of which the filter takes its part in the pair of that product.
+/// Proves: MACS-MARK-09, MACS-MARK-12, MACS-MARK-13
+#[test]
+fn filters_and_start_correction_of_marks_are_signals() {
+    let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
+    let mut world = World::new(500.0, &time);
+    world.run(100, 10);
+    // It is coupled on the run.
+    world.rig.plant.jump_encoder(0, 10);
+    world.belt += 10;
+    world.couple();
+    let shown = |world: &World| {
+        ["filter", "correction_filter", "start_left", "distance_error"]
+            .map(|name| world.rig.real(&format!("x.marker.{name}")))
+    };
+    assert_eq!(shown(&world), [0.0; 4]);
+    for _ in 0..400 {
+        world.cycle(10);
+        if world.rig.real("x.marker.correction") != 0.0 {
+            break;
+        }
+    }
+    let split = world.rig.real("x.marker.correction");
+    let [filter, correction_filter, left, error] = shown(&world);
+    assert!((filter - 20.0 / 3.0).abs() < 1e-6 && (correction_filter - 10.0).abs() < 1e-6, "{:?}", shown(&world));
+    assert!(split < -60.0 && (left - 9.0 * split).abs() < 0.1 && error.abs() < 0.1, "{split}: {:?}", shown(&world));
+    world.run(1_400, 10);
+    assert!(shown(&world)[2].abs() < 1e-9, "{:?}", shown(&world));
+    world.products[0] += 60.0;
+    let mut most = 0.0_f64;
+    for _ in 0..400 {
+        world.cycle(10);
+        most = most.min(shown(&world)[3]);
+    }
+    assert!((most + 120.0 / (20.0 / 3.0)).abs() < 0.5, "{most}");
+    world.rig.give(Action::Halt(AxisSet::one(X)));
+    world.rig.run(50);
+    assert_eq!(shown(&world), [0.0; 4]);
+}
+
+/// Products a quarter of an increment behind 500, labels at 300.
+/// Proves: MACS-CMD-20
+#[test]
+fn places_of_marks_have_fractions() {
+    let mut world = World::new(500.25, &[("syncmstart", 6)]);
+    world.couple();
+    world.run(1_500, 10);
+    let place = |name: &str, fraction: &str| world.rig.int(name) as f64 + world.rig.real(fraction);
+    let master = place("x.marker.master", "x.marker.master.fraction");
+    let last = ((world.belt as f64 - 500.25) / 1_000.0).floor() * 1_000.0 + 500.25;
+    assert!((master - last).abs() < 1e-3, "{master}, not {last}");
+    let beyond = (place("x.marker.position", "x.marker.fraction") - 300.0 + 1.0).rem_euclid(2_000.0) - 1.0;
+    assert!(beyond.abs() < 1e-3, "{beyond}");
+}
+
 /// Products 1 % further apart: the average finds that, and the gear is corrected by it, so that nothing is left for the marks.
 /// Proves: MACS-MARK-10, MACS-MARK-11, MACS-SYS-01
 #[test]

@@ -146,7 +146,13 @@ fn the_number_of_marks_goes_by_the_acceleration() {
     }
 }
 
-/// A belt that stands, or a roll that rests and has shown no mark: it is start 5, at once.
+/// The sentences of the events that tell of a start in the place of the smooth one.
+fn fallbacks(rig: &Rig) -> Vec<String> {
+    let told = rig.events.iter().filter(|event| event.code == Code::SMOOTH_START_FALLBACK);
+    told.map(|event| crate::text::sentence(event, rig.machine.config())).collect()
+}
+
+/// A belt that stands, or a roll that rests and has shown no mark: it is start 5, at once, and an event.
 /// Proves: MACS-MARK-16
 #[test]
 fn without_a_speed_or_a_mark_it_is_start_five() {
@@ -156,6 +162,7 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
     run(&mut rig, 0, 51);
     assert!(rig.was_accepted(goal));
     assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    assert_eq!(fallbacks(&rig), ["x: syncmstart 7 falls back to 5: the leader is slower than 1 inc in 50 ms"]);
     run(&mut rig, 10, 1_500);
     assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
 
@@ -170,6 +177,28 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
     assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
     run(&mut rig, 10, 1_500);
     assert_eq!((rig.int("x.in_sync"), rig.real("x.marker.error").abs() < 1.0), (1, true));
+    let sentence = "x: syncmstart 1007 falls back to 1005: the axis rests, and no mark of it is known";
+    assert_eq!(fallbacks(&rig), [sentence]);
+}
+
+/// A roll in motion whose drive gives no index pulse: 8 groups of 1000 inc at 10 inc a cycle pass in 800 cycles.
+/// Proves: MACS-MARK-16
+#[test]
+fn fallback_after_eight_groups_is_an_event() {
+    let mut config = config(0);
+    config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
+    let mut rig = Rig::of(config);
+    rig.enable();
+    set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 7)]);
+    give(&mut rig, 10, Action::Move(at(X, 1_000.0)));
+    run(&mut rig, 10, 100);
+    give(&mut rig, 10, by_marks(2));
+    run(&mut rig, 10, 790);
+    assert_eq!((rig.int("x.sync.waiting") != 0, fallbacks(&rig).len()), (true, 0));
+    run(&mut rig, 10, 20);
+    assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
+    let why = "within 8 groups of marks of the leader no curve was within the limits of the axis";
+    assert_eq!(fallbacks(&rig), [format!("x: syncmstart 7 falls back to 5: {why}")]);
 }
 
 /// The belt becomes faster on the way: by 5 % the curve holds, and ends where it should; by 20 % it is given up, without a jump, and marks bring the rest.
@@ -178,7 +207,7 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
 fn a_master_that_changes_its_speed_ends_the_curve() {
     let mut rig = world(1_234, 20, &[]);
     let seen = start(&mut rig, 2, 20, Some((30, 21)));
-    assert!(seen.apart.abs() <= 1, "{seen:?}");
+    assert!(seen.apart.abs() <= 1 && fallbacks(&rig).is_empty(), "{seen:?}");
     for later in [24, 14] {
         let mut rig = world(1_234, 20, &[]);
         give(&mut rig, 20, by_marks(2));
@@ -197,6 +226,8 @@ fn a_master_that_changes_its_speed_ends_the_curve() {
         }
         // Half an increment in each cycle, and what a count of the belt leaves unknown.
         assert!(steepest <= 2.51, "{steepest}");
+        let why = "the velocity of the leader has changed by more than 10 % on the curve";
+        assert_eq!(fallbacks(&rig), [format!("x: syncmstart 7 falls back to 5: {why}")]);
         assert_eq!(rig.int("x.in_sync"), 1);
         assert!(rig.real("x.marker.error").abs() < 2.0, "{}", rig.real("x.marker.error"));
     }

@@ -156,18 +156,40 @@ pub struct Law {
     start_left: f64,
     /// STARTKORRVAL.
     start_step: f64,
+    /// MARKERFILTER of the last mark (marks), KORRTAU of the last pair (pairs); 0 without a filter.
+    filters: (f64, f64),
 }
 
 impl Law {
     /// Could it have come about?
     pub fn is_sound(&self) -> bool {
-        let values = [self.correction, self.start_left, self.start_step];
+        let values = [self.correction, self.start_left, self.start_step, self.filters.0, self.filters.1];
         self.master.is_sound() && self.slave.is_sound() && values.iter().all(|value| value.is_finite())
     }
 
     /// MMarkerDist: the average distance of the master's marks (inc); the nominal one before the first.
     pub fn distance(&self, asked: &Asked<'_>) -> f64 {
         if self.master.distance > 0.0 { self.master.distance } else { asked.distance().unwrap_or_default() }
+    }
+
+    /// MARKERFILTER: tau of the filter of marks at the last mark (marks); 0 without a filter.
+    pub fn filter(&self) -> f64 {
+        self.filters.0
+    }
+
+    /// KORRTAU: tau of the filter of corrections at the last pair (pairs of marks); 0 without a filter.
+    pub fn correction_filter(&self) -> f64 {
+        self.filters.1
+    }
+
+    /// STARTKORRREST: what is left of the start correction (inc of the slave).
+    pub fn start_left(&self) -> f64 {
+        self.start_left
+    }
+
+    /// MMARKERR: sum of the errors of the distances of the master's marks, filtered (inc of the slave); 0 without a filter.
+    pub fn distance_error(&self) -> f64 {
+        if self.filters.0 > 0.0 { self.master.slow } else { 0.0 }
     }
 
     /// MMarkCorr: by what share of the master's velocity the gear is corrected.
@@ -183,7 +205,9 @@ impl Law {
         let (Some(nominal), Some(time)) = (asked.distance(), asked.filter_time()) else { return };
         self.master.begin(nominal);
         let reference = (!asked.corrects_gear()).then_some(nominal);
-        self.master.take(measured, (asked.tau_of(time), nominal), reference, asked.ratio);
+        let tau = asked.tau_of(time);
+        self.filters.0 = tau;
+        self.master.take(measured, (tau, nominal), reference, asked.ratio);
     }
 
     /// A mark of the slave, so far from the one before (inc).
@@ -209,6 +233,7 @@ impl Law {
         let Some(time) = asked.filter_time() else {
             // Of a filter that was switched off nothing stays.
             (self.correction, self.start_left, self.start_step) = (0.0, 0.0, 0.0);
+            self.filters = (0.0, 0.0);
             return asked.bound(error + slave_jitter);
         };
         let tau = asked.tau_of(time);
@@ -216,6 +241,7 @@ impl Law {
         let jitter = if asked.has(option::NO_AVERAGE) { 0.0 } else { jitter };
         let error = asked.bound(error - self.start_left - jitter + slave_jitter);
         let slowness = if asked.has(option::OWN_FILTER) { tau } else { asked.marks_in_offset_time() };
+        self.filters = (tau, slowness);
         self.correction = pt1(self.correction, error, slowness);
         // The last step takes what is left.
         let step = if self.start_step.abs() >= self.start_left.abs() { self.start_left } else { self.start_step };
@@ -344,6 +370,34 @@ mod tests {
             law.take_master(distance, &asked);
             near(law.correct(error, &asked), error / 13.333_333_333 / 20.0);
         }
+    }
+
+    /// 13.33 and 20 marks of a filter; 15 inc too far are -15 inc, of which the filter takes 1 / 13.33; of the start 20 parts in 20 pairs.
+    /// Proves: MACS-MARK-09, MACS-MARK-12, MACS-MARK-13
+    #[test]
+    fn values_of_the_filters_are_those_of_the_last_mark_and_pair() {
+        let (sync, marks) = (sync(), marks());
+        let asked = asked(&sync, &marks);
+        let shown = |law: &Law| [law.filter(), law.correction_filter(), law.start_left(), law.distance_error()];
+        let mut law = Law::default();
+        assert_eq!(shown(&law), [0.0; 4]);
+        law.take_master(515.0, &asked);
+        near(law.filter(), 13.333_333_333);
+        law.start(205.0, &asked);
+        near(law.start_left(), 205.0);
+        law.correct(205.0, &asked);
+        for (value, expected) in
+            shown(&law).into_iter().zip([13.333_333_333, 20.0, 205.0 * 0.95, -15.0 / 13.333_333_333])
+        {
+            near(value, expected);
+        }
+        let own = Marks { options: 4, ..marks };
+        law.correct(0.0, &Asked { marks: &own, ..asked });
+        near(law.correction_filter(), 13.333_333_333);
+        // Of a filter that was switched off nothing stays.
+        let off = Marks { filter_time: 0, ..marks };
+        law.correct(0.0, &Asked { marks: &off, ..asked });
+        assert_eq!(shown(&law), [0.0; 4]);
     }
 
     /// Chattering edges, and marks that were passed over, are no distance from mark to mark.

@@ -3,9 +3,11 @@
 use super::{Line, Order, SinkConfig, SourceConfig, TableConfig, Type, cell, field, order, slot, with};
 use crate::code::Code;
 use crate::command::Action;
+use crate::event::{Event, Kind};
 use crate::machine::tests::rig::{LINE, Rig, at};
 use crate::object::{Leader, Object};
 use crate::table::{Form, Table};
+use crate::text::sentence;
 use std::sync::Arc;
 
 fn curve(points: &[i64]) -> Arc<Table> {
@@ -87,6 +89,41 @@ fn read_value_finds_a_place_at_rest_alone() {
         let again = rig.give(with(0, order, &[]));
         assert_eq!(rig.answer(again).expect_err("it is started").code, Code::FUNCTION_ACTIVE);
     }
+}
+
+/// 1000 over 2000 inc: half of master_offset. The signal is that of the last answer, whatever the function does then.
+/// Proves: AMK-XFIPW-44, AMK-XFIPW-88, AMK-XFIPW-119
+#[test]
+fn answer_of_read_value_is_a_signal_and_an_event() {
+    let mut rig = machine(Type::Xfipw, &[("ba", 2), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 2000)]);
+    let offset = field(Type::Xfipw, "master_offset");
+    let answers = |rig: &Rig, sequence: u64| {
+        let of_it = |event: &&Event| event.kind == Kind::Parameter && event.command == sequence;
+        let told = rig.events.iter().filter(of_it);
+        let told = told.map(|event| (event.position.floor(), sentence(event, rig.machine.config())));
+        told.collect::<Vec<_>>()
+    };
+    assert_eq!(rig.int("f.output_value"), 0);
+    for (place, value) in [(500, 250), (-500, -250)] {
+        let read = rig.give(with(0, Order::ReadValue, &[(offset, place)]));
+        assert_eq!(rig.int("f.output_value"), value);
+        assert_eq!(answers(&rig, read), [(value, format!("f: READ_VALUE: output_value is {value} inc"))]);
+    }
+    let odd = rig.give(with(0, Order::ReadValue, &[(field(Type::Xfipw, "ba"), 1)]));
+    assert!(rig.answer(odd).is_err() && answers(&rig, odd).is_empty());
+    assert_eq!((rig.int("f.output_value"), rig.int("f.error")), (-250, i64::from(Code::AMK_NO_MODE.0)));
+    rig.give(with(0, Order::Start, &[(offset, 0)]));
+    rig.run(3);
+    assert_eq!((rig.int("f.active"), rig.int("f.output_value")), (1, -250));
+    rig.mirror();
+    rig.give(order(0, Order::Reset));
+    rig.run(3);
+    assert_eq!((rig.int("f.active"), rig.int("f.output_value")), (0, -250));
+    // Of other types READ_VALUE finds nothing.
+    let mut rig = machine(Type::Fipw, &FIPW);
+    let read = rig.give(order(0, Order::ReadValue));
+    assert!(rig.was_accepted(read) && answers(&rig, read).is_empty());
+    assert!(rig.machine.directory().find("f.output_value").is_none());
 }
 
 /// AMK-FIPW-01: a table lasts 50 to 32767 inc.

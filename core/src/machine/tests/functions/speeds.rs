@@ -61,6 +61,30 @@ fn a_rotary_axis_runs_a_speed_by_a_table_and_reset_ends_it() {
     assert_eq!((rig.real("disc.command.velocity"), rig.state("disc")), (0.0, "STANDSTILL"));
 }
 
+/// 50 rpm are 100 by the table, of which out_max lets 80 through; 110 rpm lie beyond its end, and -1 rpm before its begin.
+/// Proves: AMK-DFKT-52, AMK-DFKT-53, AMK-DFKT-54
+#[test]
+fn signals_show_the_limits_ratio_and_table_of_a_speed_by_a_table() {
+    let shown = |rig: &Rig| {
+        ["limit.out_max", "limit.table_high", "limit.table_low", "ratio.mult", "ratio.div", "table"]
+            .map(|name| rig.int(&format!("wind.{name}")))
+    };
+    let mut rig = follows();
+    assert_eq!(shown(&rig), [0; 6]);
+    rig.give(order(0, Order::Start));
+    assert_eq!(shown(&rig), [0, 0, 0, 1, 1, 1]);
+    for (input, expected) in [(500_000.0, [1, 0, 0]), (1_100_000.0, [0, 1, 0]), (-10_000.0, [0, 0, 1])] {
+        rig.give(Action::set_memory(2, input));
+        rig.run(1);
+        assert_eq!(shown(&rig)[..3], expected, "{input}");
+    }
+    rig.give(with(0, Order::ValueNew, &[(field(Type::Dfkt, "active_table"), 2), (field(Type::Dfkt, "mult"), -7)]));
+    rig.run(1);
+    assert_eq!(shown(&rig)[3..], [-7, 1, 2]);
+    rig.give(order(0, Order::Reset));
+    assert_eq!(shown(&rig), [0; 6]);
+}
+
 /// Proves: AMK-DFKT-35, AMK-DFKT-36, AMK-DFKT-40, AMK-DFKT-46, AMK-DFKT-47
 #[test]
 fn an_input_runs_and_stops_it_and_a1_stands_for_rest() {
