@@ -15,6 +15,7 @@ mod can_cli;
 mod can_drives;
 mod can_faults;
 mod can_frames;
+mod can_habits;
 mod can_modes;
 mod can_objects;
 mod can_recovery;
