@@ -113,7 +113,8 @@ impl CanService {
     }
 
     fn open(&self) -> Result<Box<dyn transport::Transport>, String> {
-        let options = Options { bit_rate: self.config.bit_rate.unwrap_or_default(), baud: None };
+        let BusConfig { bit_rate, serial_baudrate: baud, .. } = self.config;
+        let options = Options { bit_rate: bit_rate.unwrap_or_default(), baud };
         transport::open(&self.config.transport, options).map_err(|error| error.to_string())
     }
 
