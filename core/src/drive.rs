@@ -3,6 +3,7 @@
 mod analog;
 mod backend;
 mod cia402;
+mod enabling;
 mod error_code;
 mod node;
 mod service;
@@ -12,6 +13,7 @@ use crate::object::Object;
 pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS, LONGEST_ENABLE_NS};
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
+pub use enabling::NotEnabled;
 pub use error_code::{error_text, register_texts};
 pub use node::{ForeignEmergency, NodeChange, NodeNotice};
 use serde::{Deserialize, Serialize};

@@ -415,11 +415,13 @@ codes! {
         remedy: "Remove the cause, then reset_errors.",
     }
 
-    /// The drive did not reach operation enabled in time.
+    /// The drive did not reach operation enabled, or did not show the commanded mode, in time.
     ENABLE_TIMEOUT = 10205, Drive {
-        says: "the drive did not reach operation enabled within 5 s",
-        cause: "The drive did not reach operation enabled within 5 s.",
-        remedy: "Check supply and enable inputs of the drive, then reset_errors.",
+        says: "the drive was not enabled in time",
+        cause: "Within `enable_timeout` of the drive (5 s where the cell says nothing else) it did not reach operation enabled (6041h), or did \
+            not show the mode that it is commanded in (6061h); the message says which.",
+        remedy: "State: check supply and enable inputs of the drive. Mode: check that the drive offers it (6502h) and takes it (6060h). Then \
+            reset_errors.",
     }
 
     /// An encoder gives no valid value.
