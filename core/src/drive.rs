@@ -101,6 +101,8 @@ pub struct DriveInput {
     pub inputs: u32,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
     pub index: Option<i64>,
+    /// It was handed a setpoint that it has not acknowledged in time; of drives whose setpoints need that (profile position).
+    pub unacknowledged: bool,
 }
 
 /// Digital inputs of a drive (CiA 402-2, object 60FDh): 1 where the switch is actuated.

@@ -4,7 +4,7 @@ use super::rig::{Rig, X, Y, config, to};
 use crate::code::Code;
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::{BusState, DriveState, Edge, Emergency, Inputs, Latch, Objects, Terminal};
+use crate::drive::{BusState, DriveState, Edge, Emergency, Inputs, Latch, Objects, Terminal, control};
 use crate::event::{Event, Kind, Severity};
 use crate::object::{AxisSet, Object};
 use crate::sim::{Mechanics, Model, Plant, SimBrake};
@@ -178,6 +178,28 @@ fn a_mode_is_told_by_the_numbers_of_the_drive() {
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(5_010);
     assert!(not_enabled(&rig).ends_with(" after 5000 ms: 6061h shows mode 8, mode 1 is needed"));
+}
+
+/// Its drive stands at an old setpoint, whatever the axis asks for: no voltage.
+#[test]
+fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
+    for moves in [false, true] {
+        let mut rig = Rig::enabled();
+        if moves {
+            rig.give(Action::Move(to(X, 50_000)));
+        }
+        rig.run(20);
+        rig.tamper = |inputs| inputs.drive[0].unacknowledged = true;
+        rig.run(1);
+        let errors = told(&rig, Code::SETPOINT_NOT_ACKNOWLEDGED);
+        assert!(errors.iter().any(|event| event.kind == Kind::Error), "{moves}");
+        assert_eq!((rig.state("x"), rig.outputs().drive[0].control), ("ERROR_STOP", control::DISABLE_VOLTAGE));
+        // Without power nothing is handed over any more.
+        rig.tamper = |_| {};
+        let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(10);
+        assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (Code::NONE, "DISABLED"));
+    }
 }
 
 /// 200 ms of 1 ms cycles, and 10 s.

@@ -88,7 +88,7 @@ impl Drive {
             probes: config.probes,
             catches: Default::default(),
             mode: 0,
-            commander: Commander::new(config.mode),
+            commander: Commander::new(config.mode, cycle_ns),
             target_bits: target.map_or(32, |field| field.bits),
             is_mode_fixed: !told().any(|field| field.word == Told::Mode),
             is_shut_down: config.drive_type.is_some(),
@@ -194,6 +194,7 @@ impl Drive {
             emergency: self.emergency.take(),
             inputs,
             index,
+            unacknowledged: is_online && self.commander.is_unacknowledged(),
         };
     }
 

@@ -482,6 +482,28 @@ fn a_cycle_takes_no_memory() {
     assert_eq!(violation_count(), before);
 }
 
+/// In mode pp (1), which the axis sees as csp (8): without bit 12 of its status word the setpoint is late behind 500 cycles; in csp none is.
+#[test]
+fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
+    let mut rig = Rig::running(Watching::None);
+    let mut pp = drive(0, 3, Watching::None);
+    as_drive(&mut pp).mode = DriveMode::Pp;
+    rig.replace(0, &pp);
+    for output in &mut rig.outputs.drive {
+        *output = DriveOutput { position: 9, control: control::ENABLE, mode: Mode::Position, ..Default::default() };
+    }
+    let mut shown = |cycles: usize| {
+        for _ in 0..cycles {
+            rig.answer(0x0237, 0, 1);
+            rig.cycle();
+            rig.sent();
+        }
+        (rig.inputs.drive[0].mode, [0, 1].map(|drive| rig.inputs.drive[drive].unacknowledged))
+    };
+    assert_eq!(shown(500), (MODE_CSP, [false; 2]));
+    assert_eq!(shown(5), (MODE_CSP, [true, false]));
+}
+
 /// Random frames, and random changes of good ones, into a running drive in mode pp and a module: nothing panics, nobody is told more than the
 /// outputs say.
 #[test]
