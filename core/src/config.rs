@@ -457,12 +457,12 @@ impl MachineConfig {
         self.io[..index.min(self.io.len())].iter().filter(|entry| Some(entry.kind) == kind).count()
     }
 
-    /// The axes whose homing looks for a switch without an end to that: neither a longest way nor one that could tell it.
+    /// The axes whose homing looks for a switch without an end to that: neither a longest time, nor a longest way or one that could tell it.
     pub fn endless_searches(&self) -> impl Iterator<Item = &AxisConfig> {
         self.axes.iter().filter(|axis| {
             let p = &axis.parameters;
             let seeks = crate::axis::homing_methods::seeks_switch(p.homing.method);
-            seeks && axis.modulo.is_none() && p.homing_max_distance().is_none()
+            seeks && axis.modulo.is_none() && p.homing_max_distance().is_none() && p.homing.max_time == 0
         })
     }
 

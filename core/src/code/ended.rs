@@ -105,6 +105,21 @@ codes! {
         remedy: "Nothing, if that was meant; else select 5 again.",
     }
 
+    /// Homing lasts for longer than `homing.max_time`.
+    HOMING_TOO_LONG = 10315, Search {
+        says: "homing has lasted for longer than homing.max_time {limit}",
+        cause: "Homing did not find the zero within homing.max_time.",
+        remedy: "Check the switches, and the homing of the drive where it homes by itself, then reset_errors and home again; or raise \
+            homing.max_time.",
+    }
+
+    /// Homing in the drive lasts.
+    HOMING_LASTS = 10316, NoError {
+        says: "homing in the drive has lasted for {asked} and goes on; homing.max_time limits it",
+        cause: "The drive homes by itself and has not shown an end for a minute, two, and so on.",
+        remedy: "Look at the axis: halt ends homing; set homing.max_time to have it end by itself.",
+    }
+
     /// ENCODERTYPE or MENCODERTYPE has no such number.
     ENCODER_UNKNOWN_TYPE = 10321, NoError {
         says: "",
