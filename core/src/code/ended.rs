@@ -296,7 +296,7 @@ codes! {
     /// A node of a bus has booted, fallen silent, come back, changed its state.
     NODE_CHANGED = 10370, NoError {
         says: "a node of a bus has changed its state",
-        cause: "A node on CAN, of a drive, a module or an encoder, has booted, is silent, is back, is configured and operational, or was stopped by somebody (NMT).",
+        cause: "A node on CAN, of a drive, a module or an encoder, has booted, is silent, is back, is configured and operational, sends no heartbeat, or was stopped by somebody (NMT).",
         remedy: "Nothing where it is operational. Else look at its power, its cable, and who else is on the bus; it is configured again by itself.",
     }
 

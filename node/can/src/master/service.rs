@@ -195,11 +195,12 @@ impl CanService {
         let change = match what {
             Happened::BootedUp => NodeChange::Booted,
             Happened::Lost => NodeChange::Silent,
+            Happened::NeverHeard => NodeChange::Unwatched,
             Happened::Back(_) | Happened::State(NmtState::Operational) => NodeChange::Back,
             Happened::State(NmtState::Stopped) => NodeChange::Stopped,
             Happened::State(_) => NodeChange::Left,
         };
-        if took_part || what == Happened::BootedUp {
+        if took_part || matches!(what, Happened::BootedUp | Happened::NeverHeard) {
             self.note(place, change);
         }
         let Some(known) = self.devices.get_mut(place) else { return };
@@ -207,7 +208,7 @@ impl CanService {
             (known.problem, known.is_configured) = (Some(change.text().to_owned()), false);
         }
         // Whoever shows that it is there is configured at once.
-        if !known.is_configured && what != Happened::Lost {
+        if !known.is_configured && !matches!(what, Happened::Lost | Happened::NeverHeard) {
             known.due = Instant::now();
         }
     }

@@ -235,6 +235,13 @@ fn a_silent_drive_goes_offline_alone() {
     std::thread::sleep(std::time::Duration::from_millis(40));
     rig.cycle();
     assert_eq!(rig.is_online(), [false, true], "node 5 has never sent a heartbeat, and is not watched yet");
+    let reports = std::iter::from_fn(|| rig.reports.pop().ok());
+    let unwatched = |report: &Report| {
+        matches!(report, Report::Happened { device: 1, what: Happened::NeverHeard, took_part: false })
+    };
+    assert_eq!(reports.filter(unwatched).count(), 1, "which is reported");
+    rig.cycle();
+    assert!(!std::iter::from_fn(|| rig.reports.pop().ok()).any(|report| unwatched(&report)), "once");
     // It shows itself again: whoever was away is not what he was told to be.
     rig.comes(0x703, &[0x05]);
     rig.cycle();
