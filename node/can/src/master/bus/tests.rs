@@ -377,6 +377,30 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
 }
 
+/// Bit 12 stands from the homing before, as with methods 35 and 37 of some drives, or rises behind the new zero: what is further than
+/// 4 * 50,000 counts/s in a cycle of 1 ms, and 100 counts, is no motion; what homing moves the drive by is.
+#[test]
+fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
+    for before in [0x1637, 0x0237] {
+        let mut rig = Rig::running(Watching::None);
+        let home = DriveOutput { control: control::ENABLE, mode: Mode::Homing(HOME), ..Default::default() };
+        rig.outputs.drive[0] = home;
+        let mut shown = |status: u16, position: i32| {
+            rig.answer(status, position, MODE_HOMING);
+            rig.cycle();
+            rig.sent();
+            let DriveInput { count, epoch, velocity, .. } = rig.inputs.drive[0];
+            (count, epoch, velocity)
+        };
+        shown(before, 9_940);
+        shown(before, 9_950);
+        assert_eq!(shown(before, 10_000), (10_000, 0, 50_000.0), "50 counts in 1 ms");
+        assert_eq!(shown(before, 9_700), (9_700, 0, -300_000.0), "as many as may be");
+        assert_eq!(shown(before, 0), (0, 1, 0.0), "its zero");
+        assert_eq!(shown(before, 0).1, 1);
+    }
+}
+
 /// Position and count of what probe 1 has caught, in TPDO 2: a latch of the axis, once; probe 2 catches the index.
 #[test]
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
