@@ -196,6 +196,7 @@ fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
         assert_eq!((rig.state("x"), rig.outputs().drive[0].control), ("ERROR_STOP", control::DISABLE_VOLTAGE));
         // Without power nothing is handed over any more.
         rig.tamper = |_| {};
+        rig.run(300);
         let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);
         assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (Code::NONE, "DISABLED"));
