@@ -499,6 +499,8 @@ fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
         .refused(2, "\"2000000\" is no bit rate; 10000 to 1000000 bit/s is allowed");
     run(&["scan", "--bus", "slcan:/dev/ttyACM99", "--bitrate", "83300"])
         .refused(2, "adapters do not know the bit rate 83300 bit/s; they know 10000, 20000, ");
+    run(&["scan", "--bus", "slcan-tcp:127.0.0.1:1", "--serial-baudrate", "921600"])
+        .refused(2, "--serial-baudrate is for a serial line, --bus slcan:PATH, not for slcan-tcp:127.0.0.1:1");
     run(&["scan", "--bus", "slcan:/dev/ttyACM99"]).refused(1, "there is no such device; plug the adapter in");
     run(&["scan", "--bus", "slcan-tcp:127.0.0.1:1"]).refused(1, "the adapter cannot be reached: Connection refused");
     run(&["info", "0", "--bus", "socketcan:can0"]).refused(2, "\"0\" is no node; 1 to 127 is allowed");

@@ -18,8 +18,8 @@ pub use slots::{
 };
 
 use crate::axis::{
-    AxisSetup, BrakeConfig, MISSED_CYCLES, Safety, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity,
-    may_name, may_read, may_tell_sign, may_turn_loop,
+    AxisSetup, BrakeConfig, ENABLE_TIMEOUT_NS, MISSED_CYCLES, Safety, Wired, may_be_analog, may_carry, may_close_loop,
+    may_find_velocity, may_name, may_read, may_tell_sign, may_turn_loop,
 };
 use crate::code::Code;
 use crate::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
@@ -128,6 +128,10 @@ pub struct AxisConfig {
     pub law: Law,
     /// Cycles without new data from its drive that are waited for.
     pub missed_cycles: u32,
+    /// How long its drive may take to switch on: to reach operation enabled and to show its mode (ns).
+    pub enable_timeout_ns: u64,
+    /// Number of the mode (6060h) that commands the drive in the place of the cyclic mode of its interface; none: that mode.
+    pub drive_mode: Option<i8>,
     /// What its vocabularies are wired to.
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
@@ -158,6 +162,8 @@ impl AxisConfig {
             interface: Interface::Position,
             law: Law::default(),
             missed_cycles: MISSED_CYCLES,
+            enable_timeout_ns: ENABLE_TIMEOUT_NS,
+            drive_mode: None,
             vocabularies: Wiring::default(),
             open_loop: SpeedOutputs::default(),
             analog: None,
@@ -451,12 +457,12 @@ impl MachineConfig {
         self.io[..index.min(self.io.len())].iter().filter(|entry| Some(entry.kind) == kind).count()
     }
 
-    /// The axes whose homing looks for a switch without an end to that: neither a longest way nor one that could tell it.
+    /// The axes whose homing looks for a switch without an end to that: neither a longest time, nor a longest way or one that could tell it.
     pub fn endless_searches(&self) -> impl Iterator<Item = &AxisConfig> {
         self.axes.iter().filter(|axis| {
             let p = &axis.parameters;
             let seeks = crate::axis::homing_methods::seeks_switch(p.homing.method);
-            seeks && axis.modulo.is_none() && p.homing_max_distance().is_none()
+            seeks && axis.modulo.is_none() && p.homing_max_distance().is_none() && p.homing.max_time == 0
         })
     }
 
@@ -476,6 +482,7 @@ impl MachineConfig {
                 interface: axis.interface,
                 law: axis.law,
                 missed_cycles: axis.missed_cycles,
+                enable_timeout_ns: axis.enable_timeout_ns,
                 unit: axis.increments_per_unit(),
                 vocabularies: axis.vocabularies,
                 open_loop: axis.open_loop,

@@ -3,6 +3,7 @@
 mod analog;
 mod backend;
 mod cia402;
+mod enabling;
 mod error_code;
 mod node;
 mod service;
@@ -12,6 +13,7 @@ use crate::object::Object;
 pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS, LONGEST_ENABLE_NS};
 pub use backend::{Backend, Capabilities, Objects, Terminal};
 pub use cia402::*;
+pub use enabling::NotEnabled;
 pub use error_code::{error_text, register_texts};
 pub use node::{ForeignEmergency, NodeChange, NodeNotice};
 use serde::{Deserialize, Serialize};
@@ -99,6 +101,8 @@ pub struct DriveInput {
     pub inputs: u32,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
     pub index: Option<i64>,
+    /// It was handed a setpoint that it has not acknowledged in time; of drives whose setpoints need that (profile position).
+    pub unacknowledged: bool,
 }
 
 /// Digital inputs of a drive (CiA 402-2, object 60FDh): 1 where the switch is actuated.

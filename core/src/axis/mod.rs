@@ -129,6 +129,7 @@ use master::Sight;
 use overlay::Overlay;
 use phase::Phasing;
 use position_loop::PositionLoop;
+pub use power::ENABLE_TIMEOUT_NS;
 use power::Power;
 use rhythm::Rhythm;
 use runaway::Recovery;
@@ -161,6 +162,8 @@ pub struct AxisSetup {
     pub law: Law,
     /// Cycles without new data from its drive that are waited for.
     pub missed_cycles: u32,
+    /// How long its drive may take to switch on (ns).
+    pub enable_timeout_ns: u64,
     /// Increments per axis unit.
     pub unit: f64,
     /// What its vocabularies are wired to.

@@ -3,12 +3,14 @@
 use super::reaction::{Failure, closes_brake};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
-use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, control};
+use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, NotEnabled, control};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
-/// How long a drive may take to switch on, and to leave its fault (ns).
+/// How long a drive may take to switch on where its cell does not say it (ns).
+pub const ENABLE_TIMEOUT_NS: u64 = 5_000_000_000;
+/// How long a drive may take to leave its fault, and an axis to come to rest before its power goes (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
 /// How long each level of a bit stands whose edge a drive has to see: at least so long (ns), and so many cycles. Some drives look at their
 /// control word in every fourth cycle alone.
@@ -127,8 +129,9 @@ impl Axis {
                     if self.power == Power::On {
                         self.set_state(cx, AxisState::Standstill);
                     }
-                } else if self.has_timed_out(cx.cycle, since) {
-                    self.raise(cx, Failure::of(Code::ENABLE_TIMEOUT).before_motion());
+                } else if self.has_taken(cx.cycle, since, self.setup.enable_timeout_ns) {
+                    let failure = self.not_enabled(input);
+                    self.raise(cx, failure);
                 }
             }
             Power::Resetting { since } => {
@@ -161,6 +164,14 @@ impl Axis {
         let is_asked = self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number();
         // Two drives are held as they stand in one cycle.
         is_asked && (input.fresh || self.gantry().is_none())
+    }
+
+    /// The error of a drive that has not come on in time, with what it shows instead.
+    fn not_enabled(&self, input: &DriveInput) -> Failure {
+        let shown = NotEnabled { state: self.shown.state(), mode: input.mode };
+        let limit = i64::try_from(self.setup.enable_timeout_ns).unwrap_or(i64::MAX);
+        let failure = Failure::of(Code::ENABLE_TIMEOUT).before_motion();
+        failure.with(Number::Count(shown.to_number()), Number::Time(limit))
     }
 
     /// A drive that repeats itself is told once a second, and one that says this and that eight times.
@@ -225,7 +236,12 @@ impl Axis {
     }
 
     pub(super) fn has_timed_out(&self, cycle: u64, since: u64) -> bool {
-        cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > SWITCH_TIMEOUT_NS
+        self.has_taken(cycle, since, SWITCH_TIMEOUT_NS)
+    }
+
+    /// Whether more than that time (ns) has passed since a cycle.
+    fn has_taken(&self, cycle: u64, since: u64, most_ns: u64) -> bool {
+        cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > most_ns
     }
 
     pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {

@@ -206,9 +206,11 @@ impl Axis {
 
 /// Is it the same but for what a motion changes? An index pulse is never the same.
 fn is_alike(one: &DriveInput, other: &DriveInput) -> bool {
-    let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, bus, emergency, .. } = *one;
+    let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, bus, emergency, unacknowledged, .. } =
+        *one;
     (epoch, inputs, status, fault) == (other.epoch, other.inputs, other.status, other.fault)
         && (mode, online, fresh, bus) == (other.mode, other.online, other.fresh, other.bus)
+        && unacknowledged == other.unacknowledged
         && emergency.is_none()
         && other.emergency.is_none()
         && index.is_none()

@@ -92,7 +92,8 @@ impl DriveShown {
             () if input.bus == BusState::Off => Some(Code::BUS_ERROR),
             () if !input.online => Some(Code::DRIVE_LOST),
             () if self.stale_cycles > missed_cycles => Some(Code::DRIVE_STALE),
-            () => self.is_in_fault().then(|| Code::drive_fault(input.fault)),
+            () if self.is_in_fault() => Some(Code::drive_fault(input.fault)),
+            () => input.unacknowledged.then_some(Code::SETPOINT_NOT_ACKNOWLEDGED),
         }
     }
 }

@@ -105,6 +105,21 @@ codes! {
         remedy: "Nothing, if that was meant; else select 5 again.",
     }
 
+    /// Homing lasts for longer than `homing.max_time`.
+    HOMING_TOO_LONG = 10315, Search {
+        says: "homing has lasted for longer than homing.max_time {limit}",
+        cause: "Homing did not find the zero within homing.max_time.",
+        remedy: "Check the switches, and the homing of the drive where it homes by itself, then reset_errors and home again; or raise \
+            homing.max_time.",
+    }
+
+    /// Homing in the drive lasts.
+    HOMING_LASTS = 10316, NoError {
+        says: "homing in the drive has lasted for {asked} and goes on; homing.max_time limits it",
+        cause: "The drive homes by itself and has not shown an end for a minute, two, and so on.",
+        remedy: "Look at the axis: halt ends homing; set homing.max_time to have it end by itself.",
+    }
+
     /// ENCODERTYPE or MENCODERTYPE has no such number.
     ENCODER_UNKNOWN_TYPE = 10321, NoError {
         says: "",
@@ -281,7 +296,7 @@ codes! {
     /// A node of a bus has booted, fallen silent, come back, changed its state.
     NODE_CHANGED = 10370, NoError {
         says: "a node of a bus has changed its state",
-        cause: "A node on CAN, of a drive, a module or an encoder, has booted, is silent, is back, is configured and operational, or was stopped by somebody (NMT).",
+        cause: "A node on CAN, of a drive, a module or an encoder, has booted, is silent, is back, is configured and operational, sends no heartbeat, or was stopped by somebody (NMT).",
         remedy: "Nothing where it is operational. Else look at its power, its cable, and who else is on the bus; it is configured again by itself.",
     }
 
@@ -415,11 +430,13 @@ codes! {
         remedy: "Remove the cause, then reset_errors.",
     }
 
-    /// The drive did not reach operation enabled in time.
+    /// The drive did not reach operation enabled, or did not show the commanded mode, in time.
     ENABLE_TIMEOUT = 10205, Drive {
-        says: "the drive did not reach operation enabled within 5 s",
-        cause: "The drive did not reach operation enabled within 5 s.",
-        remedy: "Check supply and enable inputs of the drive, then reset_errors.",
+        says: "the drive was not enabled in time",
+        cause: "Within `enable_timeout` of the drive (5 s where the cell says nothing else) it did not reach operation enabled (6041h), or did \
+            not show the mode that it is commanded in (6061h); the message says which.",
+        remedy: "State: check supply and enable inputs of the drive. Mode: check that the drive offers it (6502h) and takes it (6060h). Then \
+            reset_errors.",
     }
 
     /// An encoder gives no valid value.
@@ -539,6 +556,15 @@ codes! {
         says: "",
         cause: "The flight recorder could not save its bag.",
         remedy: "Make room, check the folder.",
+    }
+
+    /// The drive did not acknowledge a setpoint in time (profile position).
+    SETPOINT_NOT_ACKNOWLEDGED = 10219, Drive {
+        says: "the drive did not acknowledge a setpoint in time (mode pp, bit 12 of 6041h)",
+        cause: "Mode pp: the drive did not acknowledge a setpoint within 500 ms, or its acknowledgement (bit 12 of 6041h) stayed from the setpoint \
+            before; the axis does not follow.",
+        remedy: "Check that 6040h and 607Ah reach the drive and that it takes setpoints at once (bit 5 of 6040h); modes ip and csp need no \
+            acknowledgement. Then reset_errors.",
     }
 
     /// The limit switch at the end of rising counts was reached.

@@ -25,6 +25,32 @@ pub enum DriveState {
 }
 
 impl DriveState {
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 8] = [
+        Self::NotReady,
+        Self::SwitchOnDisabled,
+        Self::Ready,
+        Self::SwitchedOn,
+        Self::Enabled,
+        Self::QuickStop,
+        Self::FaultReaction,
+        Self::Fault,
+    ];
+
+    /// Its name for people (CiA 402-2).
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::NotReady => "not ready to switch on",
+            Self::SwitchOnDisabled => "switch on disabled",
+            Self::Ready => "ready to switch on",
+            Self::SwitchedOn => "switched on",
+            Self::Enabled => "operation enabled",
+            Self::QuickStop => "quick stop active",
+            Self::FaultReaction => "fault reaction active",
+            Self::Fault => "fault",
+        }
+    }
+
     /// The state that a status word shows (CiA 402-2, table of the status word).
     pub fn from_status(status: u16) -> Self {
         match (status & 0x4F, status & 0x6F) {

@@ -25,16 +25,19 @@ pub enum NodeChange {
     Stopped = 5,
     /// State pre-operational, unasked.
     Left = 6,
+    /// Started, and its first heartbeat does not come: nothing watches it.
+    Unwatched = 7,
 }
 
 impl NodeChange {
-    const ALL: [(Self, &str); 6] = [
+    const ALL: [(Self, &str); 7] = [
         (Self::Booted, "it has booted"),
         (Self::Silent, "it is silent: no sign of life"),
         (Self::Back, "it was silent, and is back"),
         (Self::Ready, "it is configured and operational"),
         (Self::Stopped, "somebody has stopped it"),
         (Self::Left, "somebody has taken it out of operation"),
+        (Self::Unwatched, "it sends no heartbeat (1017h), so that nothing watches it"),
     ];
 
     /// For people.

@@ -48,6 +48,7 @@ pub(super) fn joined([first, second]: [&DriveInput; 2]) -> DriveInput {
         bus: worse(first.bus, second.bus),
         emergency: first.emergency.or(second.emergency),
         inputs: first.inputs | second.inputs,
+        unacknowledged: first.unacknowledged || second.unacknowledged,
         ..*first
     }
 }
@@ -120,6 +121,7 @@ mod tests {
             assert_eq!(with(|drive| (drive.status, drive.fault) = (Fault.status(), 0x2310)).fault, 0x2310);
             assert_ne!(with(|drive| drive.status |= STATUS_WARNING).status & STATUS_WARNING, 0);
             assert_eq!(with(|drive| drive.effort = 2.5).effort, 2.5);
+            assert!(with(|drive| drive.unacknowledged = true).unacknowledged);
         }
     }
 }

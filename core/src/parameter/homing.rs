@@ -28,6 +28,8 @@ pub struct Homing {
     pub index_distance: Option<i64>,
     /// Longest way of each search for a switch (inc); left out: twice the way between the software limits, else twice a modulo.
     pub max_distance: Option<i64>,
+    /// Longest time of homing, from its start to the zero (ns); 0: no limit.
+    pub max_time: i64,
     /// What MACS gives in parts of others.
     pub parts: HomingParts,
 }
@@ -150,6 +152,7 @@ impl AxisParameters {
             acceleration: None,
             parts: HomingParts::default(),
             told_done: false,
+            max_time: 0,
             ..p.homing
         };
         let rates = |p: &Self| {

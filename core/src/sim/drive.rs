@@ -363,6 +363,7 @@ impl SimDrive {
             emergency: self.emergency.take().filter(|_| self.online),
             inputs: self.actuated() & !self.hidden,
             index: passed.map(|place| self.word.of(place.wrapping_sub(self.origin))),
+            unacknowledged: false,
         }
     }
 

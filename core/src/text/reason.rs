@@ -5,7 +5,7 @@ use super::{function, number_text, plain, row, scale_of, trajectory};
 use crate::axis::{COORDINATE_USES, Fallback, fallback};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
-use crate::drive::{ForeignEmergency, NodeNotice, error_text, register_texts};
+use crate::drive::{DriveState, ForeignEmergency, NodeNotice, NotEnabled, error_text, register_texts};
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
 use crate::parameter::VirtualMasterProblem;
@@ -239,6 +239,10 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             "no start distance is enough for what the slave may do at the present speed of its leader; {} was asked for",
             plain(event.asked)
         ),
+        Code::ENABLE_TIMEOUT => match told(event).and_then(NotEnabled::from_number) {
+            Some(shown) => not_enabled(shown, event, config),
+            None => by_row(),
+        },
         Code::EMERGENCY => emergency(event),
         Code::NODE_CHANGED => match told(event).and_then(NodeNotice::from_number) {
             Some(NodeNotice { node, change, .. }) => format!("node {node}: {}", change.text()),
@@ -386,6 +390,32 @@ pub(super) fn limit_of(event: &Event, config: &MachineConfig) -> String {
     match event.limit {
         Number::None => number_text(Number::Position(event.position.floor()), event.source, config),
         limit => number_text(limit, event.source, config),
+    }
+}
+
+/// What a drive lacks that was not enabled in time: its state, its mode, or both.
+fn not_enabled(NotEnabled { state, mode }: NotEnabled, event: &Event, config: &MachineConfig) -> String {
+    let axis = match event.source {
+        Object::Axis(index) => config.axes.get(usize::from(index)),
+        _ => None,
+    };
+    let cyclic = axis.map_or(mode, |axis| axis.interface.mode().number());
+    let own = axis.and_then(|axis| axis.drive_mode).unwrap_or(cyclic);
+    // The axis sees the cyclic mode in the place of that of its drive, and the other way round.
+    let shown = match mode {
+        _ if mode == own => cyclic,
+        _ if mode == cyclic => own,
+        _ => mode,
+    };
+    let time = plain(event.limit);
+    let other_mode = format!("6061h shows mode {shown}, mode {own} is needed");
+    match (state == DriveState::Enabled, mode == cyclic) {
+        (true, false) => format!("the drive is in operation enabled, but in another mode after {time}: {other_mode}"),
+        (false, true) => format!("the drive is not in operation enabled after {time}: 6041h shows {}", state.text()),
+        (false, false) => {
+            format!("the drive is not in operation enabled after {time}: 6041h shows {}; {other_mode}", state.text())
+        }
+        (true, true) => format!("both drives did not show operation enabled in one cycle within {time}"),
     }
 }
 

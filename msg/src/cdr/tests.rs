@@ -121,7 +121,7 @@ fn no_more_room_is_asked_for_than_there_are_bytes() {
 fn a_long_sequence_that_fails_early_has_taken_little() {
     // A megabyte that announces a million strings of 24 bytes each in memory; the first one is refused.
     let mut bytes = encode(&CycleInputs::default());
-    let place = bytes.len() - 10 * 4;
+    let place = bytes.len() - 11 * 4;
     bytes[place..place + 4].copy_from_slice(&1_000_000_u32.to_le_bytes());
     bytes.resize(place + 4 + 1_000_000, 0);
     let error = refusal::<CycleInputs>(&bytes);

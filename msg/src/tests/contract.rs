@@ -97,7 +97,8 @@ const OWN_INTERFACES: [(&str, &str); 37] = [
         uint32 latches_lost
         uint8[] drive_bus
         bool[] drive_has_emergency
-        uint64[] drive_emergency",
+        uint64[] drive_emergency
+        bool[] drive_unacknowledged",
     ),
     (
         "action/MoveAxis",

@@ -64,6 +64,7 @@ fn bus(drives: usize) -> BusConfig {
         name: "bus0".to_owned(),
         transport: "socketcan:can0".parse().expect("an address"),
         bit_rate: Some(1_000_000),
+        serial_baudrate: None,
         cycle_ns: 1_000_000,
         sync_overflow: None,
         sdo_timeout_ns: 500_000_000,

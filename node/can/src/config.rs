@@ -24,6 +24,8 @@ pub struct BusConfig {
     pub transport: Address,
     /// (bit/s); none where the way has none, or sets it by itself.
     pub bit_rate: Option<u32>,
+    /// Baud rate of the serial line of an adapter (bit/s); none: 115200, or the way has no serial line.
+    pub serial_baudrate: Option<u32>,
     /// From one SYNC to the next (ns).
     pub cycle_ns: u64,
     /// SYNC counts from 1 to this, 2 to 240; none: SYNC has no counter.
@@ -292,6 +294,7 @@ mod tests {
             name,
             transport,
             bit_rate: None,
+            serial_baudrate: None,
             cycle_ns,
             sync_overflow: None,
             sdo_timeout_ns,

@@ -3,7 +3,8 @@
 //! Law      heartbeat: the device tells its state by itself, and is lost once it has been silent for longer than its time; that begins with
 //!          the first one. Guarding: it is asked by a remote frame and answers with a toggle that alternates, from 0 on after its
 //!          boot-up; it is lost once it has not answered rightly for the guard time times the life time factor, from the first question on.
-//!          One that is lost is back with its next right sign of life
+//!          One that is lost is back with its next right sign of life. One whose first heartbeat never comes is not watched: that is told
+//!          once, its time after it was started
 //! Reads    frames on 700h + node, the time
 //! Writes   the remote frames that guard
 //! Source   CiA 301, MACS-CAN-06
@@ -38,6 +39,8 @@ pub enum Happened {
     State(NmtState),
     /// It is silent.
     Lost,
+    /// It was started and its first heartbeat does not come: nothing watches it.
+    NeverHeard,
     /// It is there again, in this state.
     Back(NmtState),
 }
@@ -55,12 +58,31 @@ pub struct Watch {
     asked_ns: Option<u64>,
     /// Toggle of its next answer.
     toggle: bool,
+    /// When it was started, before its first heartbeat.
+    began_ns: Option<u64>,
+    /// That its first heartbeat does not come is told.
+    is_told: bool,
 }
 
 impl Watch {
     /// A device that has not been heard.
     pub fn new(node: NodeId, how: Watching) -> Self {
-        Self { node, how, state: None, is_lost: false, heard_ns: None, asked_ns: None, toggle: false }
+        Self {
+            node,
+            how,
+            state: None,
+            is_lost: false,
+            heard_ns: None,
+            asked_ns: None,
+            toggle: false,
+            began_ns: None,
+            is_told: false,
+        }
+    }
+
+    /// It was configured and started: heartbeats come from now on.
+    pub fn begin(&mut self, now_ns: u64) {
+        self.began_ns = Some(now_ns);
     }
 
     /// The state that it has shown last; none before the first one, and of one that is lost.
@@ -104,7 +126,10 @@ impl Watch {
             Watching::None => (None, None),
             Watching::Heartbeat { time_ns } => {
                 let is_late = since(self.heard_ns).is_some_and(|silent| silent > time_ns);
-                (self.lose_if(is_late), None)
+                let is_missing = self.heard_ns.is_none() && since(self.began_ns).is_some_and(|silent| silent > time_ns);
+                let is_new = is_missing && !self.is_told;
+                self.is_told |= is_missing;
+                (self.lose_if(is_late).or(is_new.then_some(Happened::NeverHeard)), None)
             }
             Watching::Guarding { guard_ns, life_factor } => {
                 let life_ns = guard_ns.saturating_mul(life_factor.into());
@@ -155,6 +180,29 @@ mod tests {
         assert_eq!((watch.tick(300 * MS).0, watch.state()), (None, None), "told once");
         assert_eq!(watch.hear(&life(0x05), 301 * MS), Some(Happened::Back(NmtState::Operational)));
         assert_eq!(watch.state(), Some(NmtState::Operational));
+    }
+
+    /// 100 ms behind the start, once; the first one that comes is watched as ever, and a boot-up is a sign of life.
+    #[test]
+    fn heartbeats_that_never_come_are_told_once() {
+        let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
+        assert_eq!(watch.tick(10_000 * MS).0, None, "it was not started");
+        watch.begin(10_000 * MS);
+        assert_eq!(watch.tick(10_100 * MS).0, None, "100 ms are allowed");
+        assert_eq!(watch.tick(10_100 * MS + 1).0, Some(Happened::NeverHeard));
+        assert_eq!((watch.tick(20_000 * MS).0, watch.is_lost()), (None, false), "told once; it takes part");
+        watch.begin(20_000 * MS);
+        assert_eq!(watch.tick(30_000 * MS).0, None, "told once, however often it is started");
+        assert_eq!(watch.hear(&life(0x05), 30_001 * MS), Some(Happened::State(NmtState::Operational)));
+        assert_eq!(watch.tick(30_102 * MS).0, Some(Happened::Lost));
+        // Whoever sends them, or is watched otherwise, is not told of.
+        let mut heard = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
+        heard.begin(0);
+        heard.hear(&life(0x05), 50 * MS);
+        assert_eq!(heard.tick(150 * MS).0, None);
+        let mut unwatched = Watch::new(node(), Watching::None);
+        unwatched.begin(0);
+        assert_eq!(unwatched.tick(10_000 * MS).0, None);
     }
 
     #[test]

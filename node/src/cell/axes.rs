@@ -20,7 +20,8 @@ use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
 use lineshaft_core::axis::{
-    MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read, may_tell_sign,
+    ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read,
+    may_tell_sign,
 };
 use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::{AxisConfig, EncoderConfig, TableConfig};
@@ -205,6 +206,12 @@ fn axis<'d>(
     };
     let beside = second.as_ref().map(|(drive, _)| *drive);
     let missed_cycles = missed(drive).min(beside.map_or(u32::MAX, |drive| missed(Some(drive))));
+    let enable_timeout = |drive: Option<Drive>| match drive {
+        Some(Drive::Real { enable_timeout_ns, .. }) => Some(enable_timeout_ns),
+        _ => None,
+    };
+    // Two drives are switched on together: the slower one has its time.
+    let enable_timeout_ns = enable_timeout(drive).max(enable_timeout(beside)).unwrap_or(ENABLE_TIMEOUT_NS);
     let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, analog, .. } => {
@@ -237,6 +244,8 @@ fn axis<'d>(
         interface,
         law,
         missed_cycles,
+        enable_timeout_ns,
+        drive_mode: first.as_ref().and_then(|first| first.on_can.as_ref()).map(|on_can| on_can.mode().number()),
         open_loop,
         analog,
         brake: brake?,

@@ -91,6 +91,7 @@ impl Parts<'_> {
                 name: backend.name.clone(),
                 transport: bus.transport.clone(),
                 bit_rate: bus.bit_rate,
+                serial_baudrate: bus.serial_baudrate,
                 cycle_ns: self.machine.cycle_ns,
                 sync_overflow: bus.sync_overflow,
                 sdo_timeout_ns: bus.sdo_timeout_ns,

@@ -9,7 +9,7 @@ use lineshaft_can::drive::drive_type::Kind;
 use lineshaft_can::drive::probe::{Probe, Probes};
 use lineshaft_can::drive::{DriveMode, DriveType};
 use lineshaft_can::sdo::Object;
-use lineshaft_can::transport::Address;
+use lineshaft_can::transport::{Address, BAUD_RATES, slcan};
 use lineshaft_can::{NodeId, Watching};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
@@ -61,6 +61,8 @@ pub struct CellBus {
     pub(super) transport: Address,
     /// (bit/s)
     pub(super) bit_rate: Option<u32>,
+    /// (bit/s)
+    pub(super) serial_baudrate: Option<u32>,
     pub(super) sync_overflow: Option<u8>,
     pub(super) sdo_timeout_ns: u64,
     pub(super) time_ns: Option<u64>,
@@ -145,13 +147,15 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
             value.refuse("bitrate is for a bus; datagrams have none", Some("leave it out".to_owned()));
             None
         }
-        Some(value) => value.integer(10_000..=1_000_000_u32).map(Some),
+        Some(value) => bit_rate(value, transport.as_ref()).map(Some),
         None if matches!(transport, Some(Address::Slcan(_) | Address::SlcanTcp(_))) => {
             map.required("bitrate");
             None
         }
         None => Some(None),
     };
+    let serial_baudrate =
+        map.optional("serial_baudrate").map_or(Some(None), |value| baudrate(&value, transport.as_ref()).map(Some));
     let sync_overflow = map.optional("sync_counter").map_or(Some(None), |value| value.integer(2..=240).map(Some));
     let sdo_timeout_ns = map.optional("sdo_timeout").map_or(Some(SDO_TIMEOUT_NS), |value| ms(&value, 10..=10_000));
     let time_ns = map.optional("time").map_or(Some(None), |value| ms(&value, 100..=3_600_000).map(Some));
@@ -162,6 +166,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
         place,
         transport: transport?,
         bit_rate: bit_rate?,
+        serial_baudrate: serial_baudrate?,
         sync_overflow: sync_overflow?,
         sdo_timeout_ns: sdo_timeout_ns?,
         time_ns: time_ns?,
@@ -193,6 +198,40 @@ fn transport(value: &Value<'_>) -> Option<Address> {
             None
         }
     }
+}
+
+/// The bit rate of a bus (bit/s); an slcan adapter is told it by a digit.
+fn bit_rate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
+    let rate = value.integer(10_000..=1_000_000_u32)?;
+    let is_slcan = matches!(transport, Some(Address::Slcan(_) | Address::SlcanTcp(_)));
+    let has_digit = rate.is_multiple_of(1000) && slcan::bit_rate(rate / 1000).is_some();
+    if is_slcan && !has_digit {
+        let rates = listed(slcan::bit_rates().map(|rate| 1000 * rate));
+        value.refuse(format!("bitrate is {rate}; an slcan adapter knows {rates} bit/s"), None);
+        return None;
+    }
+    Some(rate)
+}
+
+/// The baud rate of the serial line of an adapter (bit/s).
+fn baudrate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
+    if !matches!(transport?, Address::Slcan(_)) {
+        let sentence = "serial_baudrate is for a serial line, transport slcan:PATH";
+        value.refuse(sentence, Some("leave it out".to_owned()));
+        return None;
+    }
+    let rate = value.integer(0..=u32::MAX)?;
+    if !BAUD_RATES.contains(&rate) {
+        let rates = listed(BAUD_RATES.into_iter());
+        value.refuse(format!("serial_baudrate is {rate}; {rates} bit/s are allowed"), None);
+        return None;
+    }
+    Some(rate)
+}
+
+/// Numbers one after the other.
+fn listed(numbers: impl Iterator<Item = u32>) -> String {
+    numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// A time of whole milliseconds (ns).

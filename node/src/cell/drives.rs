@@ -9,9 +9,10 @@ use super::can::{self, CellDrive};
 use super::names::{Once, quote};
 use super::regulator::law;
 use super::scale::Travel;
+use super::times::time_within;
 use crate::document::{Map, Value};
 use lineshaft_can::drive::DriveMode;
-use lineshaft_core::axis::MISSED_CYCLES;
+use lineshaft_core::axis::{ENABLE_TIMEOUT_NS, MISSED_CYCLES};
 use lineshaft_core::drive::{AnalogWiring, Interface};
 use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
@@ -35,6 +36,8 @@ pub(super) enum Drive {
         law: Law,
         /// Cycles without new data that are waited for.
         missed_cycles: u32,
+        /// How long it may take to switch on (ns).
+        enable_timeout_ns: u64,
         /// How it is wired, where it is given a voltage.
         analog: Option<AnalogWiring>,
     },
@@ -42,6 +45,9 @@ pub(super) enum Drive {
 
 /// Most cycles without new data from a drive that may be waited for.
 const MOST_MISSED: u32 = 1000;
+/// How long a drive may have to switch on (ns).
+const ENABLE_TIMES_NS: std::ops::RangeInclusive<u64> = 100_000_000..=600_000_000_000;
+
 pub(super) fn interface_of(drive: Option<Drive>) -> Option<Interface> {
     match drive {
         Some(Drive::Real { interface, .. }) => Some(interface),
@@ -176,13 +182,17 @@ pub(super) fn drive<'d>(
         map.finish();
         let Analog { at, kind, interface, law, wiring } = read?;
         let analog = Some(wiring);
-        return Some((Drive::Real { at, kind, interface, law, missed_cycles: MISSED_CYCLES, analog }, None));
+        let (missed_cycles, enable_timeout_ns) = (MISSED_CYCLES, ENABLE_TIMEOUT_NS);
+        return Some((Drive::Real { at, kind, interface, law, missed_cycles, enable_timeout_ns, analog }, None));
     }
     let place = backend_of(&mut map, &cx.names);
     let backend = place.and_then(|place| cx.backends.get(place).copied().flatten());
     let interface = map.optional("interface").map_or(Some(Interface::Position), |value| interface(&value, backend));
     let law = map.optional("regulator").map_or(Some(Law::default()), |value| law(&value, interface));
     let missed = map.optional("missed_cycles").map_or(Some(MISSED_CYCLES), |value| value.integer(1..=MOST_MISSED));
+    let enable = map
+        .optional("enable_timeout")
+        .map_or(Some(ENABLE_TIMEOUT_NS), |value| time_within(&value, ENABLE_TIMES_NS, "100 ms to 600 s"));
     let (number, on_can) = match (place, backend) {
         (Some(place), Some(Backend::Sim { .. })) => {
             (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
@@ -201,7 +211,15 @@ pub(super) fn drive<'d>(
     map.finish();
     let number = number?;
     let (at, kind) = (Hardware { backend: place?, number }, backend?);
-    let drive = Drive::Real { at, kind, interface: interface?, law: law?, missed_cycles: missed?, analog: None };
+    let drive = Drive::Real {
+        at,
+        kind,
+        interface: interface?,
+        law: law?,
+        missed_cycles: missed?,
+        enable_timeout_ns: enable?,
+        analog: None,
+    };
     Some((drive, on_can?))
 }
 

@@ -3,6 +3,7 @@
 use super::names::quote;
 use crate::document::{Allowed, Value};
 use lineshaft_core::unit::Dimension;
+use std::ops::RangeInclusive;
 
 /// Reads a time of 0 to 10 s (ns).
 pub(super) fn time(value: &Value<'_>) -> Option<u64> {
@@ -11,14 +12,20 @@ pub(super) fn time(value: &Value<'_>) -> Option<u64> {
 
 /// Reads a time of 0 to so many seconds (ns).
 pub(super) fn time_up_to(value: &Value<'_>, longest_s: u32) -> Option<u64> {
+    time_within(value, 0..=u64::from(longest_s) * 1_000_000_000, &format!("0 s to {longest_s} s"))
+}
+
+/// Reads a time of a range (ns), which `allowed` names.
+pub(super) fn time_within(value: &Value<'_>, range: RangeInclusive<u64>, allowed: &str) -> Option<u64> {
     let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;
-    let most = i64::from(longest_s) * 1_000_000_000;
     match time.nanoseconds() {
-        Ok(ns) if (0..=most).contains(&ns) => u64::try_from(ns).ok(),
-        Ok(_) => {
-            let given = quote(value.peek().unwrap_or_default());
-            value.refuse(format!("{} is {given}; 0 s to {longest_s} s is allowed", value.label()), None);
-            None
+        Ok(ns) => {
+            let ns = u64::try_from(ns).ok().filter(|ns| range.contains(ns));
+            if ns.is_none() {
+                let given = quote(value.peek().unwrap_or_default());
+                value.refuse(format!("{} is {given}; {allowed} is allowed", value.label()), None);
+            }
+            ns
         }
         Err(error) => {
             value.refuse(format!("{}: {error}", value.label()), error.hint());

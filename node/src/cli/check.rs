@@ -312,6 +312,7 @@ mod tests {
             "homing: {method: 33}",
             "homing: {method: 35}",
             "homing: {method: 7, max_distance: 1 m}",
+            "homing: {method: 7, max_time: 30 s}",
             "homing: {method: 7}, min_position: 0 m, max_position: 1 m",
             "unit: mm",
         ] {

@@ -41,6 +41,8 @@ pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineC
     set(&mut message.drive_has_emergency, drives().map(|drive| drive.emergency.is_some()));
     let emergency = |drive: &DriveInput| drive.emergency.map_or(0, |sent| u64::from_le_bytes(sent.to_bytes()));
     set(&mut message.drive_emergency, drives().map(emergency));
+    let has_missed = drives().any(|drive| drive.unacknowledged);
+    set(&mut message.drive_unacknowledged, drives().filter(|_| has_missed).map(|drive| drive.unacknowledged));
     let latches = || inputs.latch.iter();
     set(&mut message.latch_object, latches().map(|latch| config.name(latch.object).to_owned()));
     set(&mut message.latch_edge, latches().map(|latch| edge_number(latch.edge)));
@@ -70,15 +72,17 @@ fn bus_number(state: BusState) -> u8 {
     }
 }
 
-/// The message in a recording, also in one of before the last three arrays existed.
+/// The message in a recording, also in one of before the last array existed, or the last four.
 ///
 /// # Errors
 /// A sentence: it is not in CDR, or not what its type says.
 pub(super) fn decode(message: &Message<'_>) -> Result<CycleInputs, String> {
     message.decode().or_else(|error| {
         // Each of them has a length of four bytes.
-        let padded = [message.cdr()?, &[0; 12]].concat();
-        decode_with_header(&padded).ok().filter(is_of_before).ok_or(error)
+        let cdr = message.cdr()?;
+        let padded = |missing: &[u8]| decode_with_header::<CycleInputs>(&[cdr, missing].concat()).ok();
+        let without_last = padded(&[0; 4]).filter(|inputs| inputs.drive_unacknowledged.is_empty());
+        without_last.or_else(|| padded(&[0; 16]).filter(is_of_before)).ok_or(error)
     })
 }
 
@@ -116,6 +120,7 @@ pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut I
 fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), String> {
     let (encoders, drives, latches) = (config.encoders.len(), config.count_drives(), message.latch_object.len());
     let added = if is_of_before(message) { 0 } else { drives };
+    let missed = if message.drive_unacknowledged.is_empty() { 0 } else { drives };
     let lengths = [
         ("digital", message.digital.len(), config.count_io(IoKind::DigitalInput).div_ceil(64)),
         ("analog", message.analog.len(), config.count_io(IoKind::AnalogInput)),
@@ -139,6 +144,7 @@ fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), Stri
         ("drive_bus", message.drive_bus.len(), added),
         ("drive_has_emergency", message.drive_has_emergency.len(), added),
         ("drive_emergency", message.drive_emergency.len(), added),
+        ("drive_unacknowledged", message.drive_unacknowledged.len(), missed),
         ("latch_edge", message.latch_edge.len(), latches),
         ("latch_has_age", message.latch_has_age.len(), latches),
         ("latch_age_ns", message.latch_age_ns.len(), latches),
@@ -184,6 +190,7 @@ fn drive(message: &CycleInputs, place: usize) -> Result<DriveInput, String> {
         bus: bus(message, place)?,
         emergency: emergency(message, place)?,
         index: index("drive", place, &message.drive_has_index, &message.drive_index)?,
+        unacknowledged: message.drive_unacknowledged.get(place).is_some_and(|missed| *missed),
     })
 }
 

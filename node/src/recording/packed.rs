@@ -263,6 +263,7 @@ fn drive_words(drive: &DriveInput) -> [u64; DRIVE] {
         emergency,
         inputs,
         index,
+        unacknowledged,
     } = *drive;
     let flags = u64::from(status)
         | u64::from(fault) << 16
@@ -271,7 +272,8 @@ fn drive_words(drive: &DriveInput) -> [u64; DRIVE] {
         | u64::from(fresh) << 41
         | u64::from(emergency.is_some()) << 42
         | u64::from(index.is_some()) << 43
-        | (bus as u64) << 44;
+        | (bus as u64) << 44
+        | u64::from(unacknowledged) << 46;
     [
         count.cast_unsigned(),
         velocity.to_bits(),
@@ -295,7 +297,7 @@ fn drive([count, velocity, effort, epoch, flags, emergency, index]: [u64; DRIVE]
         fault: (flags >> 16) as u16,
         online: has(40),
         fresh: has(41),
-        bus: match flags >> 44 {
+        bus: match flags >> 44 & 0b11 {
             0 => BusState::Active,
             1 => BusState::Passive,
             _ => BusState::Off,
@@ -303,6 +305,7 @@ fn drive([count, velocity, effort, epoch, flags, emergency, index]: [u64; DRIVE]
         emergency: has(42).then_some(Emergency::from_bytes(emergency.to_le_bytes())),
         inputs: (epoch >> 32) as u32,
         index: has(43).then_some(index.cast_signed()),
+        unacknowledged: has(46),
     }
 }
 

@@ -29,6 +29,9 @@ pub(crate) use in_use::USES;
 use search::Search;
 use serde::{Deserialize, Serialize};
 
+/// How often homing in the drive is told that it lasts (ns).
+const MINUTE_NS: u64 = 60_000_000_000;
+
 /// Where homing of an axis stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Homing {
@@ -61,6 +64,10 @@ struct Run {
     goes: Option<i64>,
     /// From the reference to the zero (inc).
     offset: i64,
+    /// Cycle in which it began.
+    began: u64,
+    /// Whole minutes that were told of homing in the drive.
+    minutes: u64,
     stage: Stage,
 }
 
@@ -230,6 +237,8 @@ impl Axis {
             // Without a position loop there is no way to go, and the zero mark is the reference point (WF-REF-02).
             goes: (!is_open).then_some(travel.shift),
             offset: if is_open { 0 } else { travel.shift }.saturating_sub(travel.value),
+            began: cx.cycle,
+            minutes: 0,
             stage: Stage::Search(Search::default()),
         };
         self.abandon(cx, Code::REPLACED);
@@ -306,6 +315,8 @@ impl Axis {
             },
             goes: methods::is_macs(method).then_some(p.homing.offset),
             offset: p.homing.offset,
+            began: cycle,
+            minutes: 0,
             stage: Stage::Search(Search::default()),
         };
         if p.homing.in_drive {
@@ -366,12 +377,35 @@ impl Axis {
         if self.homing.is_running() && self.squares_into_limit(cx) {
             return self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
         }
+        if self.outlasts(cx) {
+            return;
+        }
         match self.homing.run.map(|run| run.stage) {
             Some(Stage::Search(_)) => self.search(cx),
             Some(Stage::InDrive(_)) => self.watch_drive(cx),
             Some(Stage::Found { goes: true, .. }) => self.watch_way(cx),
             Some(Stage::Found { .. }) | None => {}
         }
+    }
+
+    /// Ends homing that lasts for longer than `homing.max_time`, and tells each minute of one in the drive. Whether it has ended.
+    fn outlasts(&mut self, cx: &mut Context<'_>) -> bool {
+        let most = self.parameters.homing.max_time;
+        let Some(run) = &mut self.homing.run else { return false };
+        let time_ns = cx.cycle.saturating_sub(run.began).saturating_mul(self.setup.cycle_ns);
+        let time = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
+        if most > 0 && time_ns > most.unsigned_abs() {
+            self.fail_homing(cx, Code::HOMING_TOO_LONG, time(time_ns), Number::Time(most));
+            return true;
+        }
+        let minutes = time_ns / MINUTE_NS;
+        if !run.is_own() && minutes > run.minutes {
+            run.minutes = minutes;
+            let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LASTS);
+            let event = event.with(time(minutes.saturating_mul(MINUTE_NS)), Number::None);
+            cx.events.push(Event { position: self.actual.position, ..event });
+        }
+        false
     }
 
     /// The axis stands: is that the end of homing?

@@ -4,7 +4,7 @@ use super::rig::{Rig, X, Y, config, to};
 use crate::code::Code;
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::{BusState, Edge, Emergency, Latch, Objects, Terminal};
+use crate::drive::{BusState, DriveState, Edge, Emergency, Inputs, Latch, Objects, Terminal, control};
 use crate::event::{Event, Kind, Severity};
 use crate::object::{AxisSet, Object};
 use crate::sim::{Mechanics, Model, Plant, SimBrake};
@@ -136,6 +136,87 @@ fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
     let sequence = rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(5_010);
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.enabled")), (Code::ENABLE_TIMEOUT, 0));
+    let needed = "6061h shows mode 3, mode 8 is needed";
+    assert_eq!(
+        not_enabled(&rig),
+        format!("x: the drive is in operation enabled, but in another mode after 5000 ms: {needed}")
+    );
+}
+
+/// The sentence of the first error that a drive was not enabled in time.
+fn not_enabled(rig: &Rig) -> String {
+    let is_error = |event: &&Event| event.kind == Kind::Error && event.code == Code::ENABLE_TIMEOUT;
+    let error = rig.events.iter().find(is_error).expect("it is an error");
+    crate::text::sentence(error, rig.machine.config())
+}
+
+/// A drive without supply stays in switch on disabled; its mode is told as well where that is another one.
+#[test]
+fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
+    let late = "the drive is not in operation enabled after 5000 ms: 6041h shows switch on disabled";
+    let said = |tamper: fn(&mut Inputs)| {
+        let mut rig = Rig::new();
+        rig.tamper = tamper;
+        rig.give(Action::Enable(AxisSet::one(X)));
+        rig.run(5_010);
+        not_enabled(&rig)
+    };
+    assert_eq!(said(|inputs| inputs.drive[0].status = DriveState::SwitchOnDisabled.status()), format!("x: {late}"));
+    let both = said(|inputs| {
+        (inputs.drive[0].status, inputs.drive[0].mode) = (DriveState::SwitchOnDisabled.status(), 0);
+    });
+    assert_eq!(both, format!("x: {late}; 6061h shows mode 0, mode 8 is needed"));
+}
+
+/// In mode pp (1) the axis sees 8 for 1, and 1 for 8: the sentence has the numbers of the drive.
+#[test]
+fn a_mode_is_told_by_the_numbers_of_the_drive() {
+    let mut config = config(0);
+    config.axes[usize::from(X)].drive_mode = Some(1);
+    let mut rig = Rig::of(config);
+    rig.tamper = |inputs| inputs.drive[0].mode = 1;
+    rig.give(Action::Enable(AxisSet::one(X)));
+    rig.run(5_010);
+    assert!(not_enabled(&rig).ends_with(" after 5000 ms: 6061h shows mode 8, mode 1 is needed"));
+}
+
+/// Its drive stands at an old setpoint, whatever the axis asks for: no voltage.
+#[test]
+fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
+    for moves in [false, true] {
+        let mut rig = Rig::enabled();
+        if moves {
+            rig.give(Action::Move(to(X, 50_000)));
+        }
+        rig.run(20);
+        rig.tamper = |inputs| inputs.drive[0].unacknowledged = true;
+        rig.run(1);
+        let errors = told(&rig, Code::SETPOINT_NOT_ACKNOWLEDGED);
+        assert!(errors.iter().any(|event| event.kind == Kind::Error), "{moves}");
+        assert_eq!((rig.state("x"), rig.outputs().drive[0].control), ("ERROR_STOP", control::DISABLE_VOLTAGE));
+        // Without power nothing is handed over any more.
+        rig.tamper = |_| {};
+        rig.run(300);
+        let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
+        rig.run(10);
+        assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (Code::NONE, "DISABLED"));
+    }
+}
+
+/// 200 ms of 1 ms cycles, and 10 s.
+#[test]
+fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
+    for (timeout_ns, cycles) in [(200_000_000, 200), (10_000_000_000, 10_000)] {
+        let mut config = config(0);
+        config.axes[usize::from(X)].enable_timeout_ns = timeout_ns;
+        let mut rig = Rig::of(config);
+        rig.tamper = |inputs| inputs.drive[0].mode = 0;
+        let sequence = rig.give(Action::Enable(AxisSet::one(X)));
+        rig.run(cycles);
+        assert_eq!(rig.done(sequence).len(), 0, "{timeout_ns}");
+        rig.run(5);
+        assert_eq!(rig.done(sequence)[0].code, Code::ENABLE_TIMEOUT, "{timeout_ns}");
+    }
 }
 
 /// In every cycle, at rest and in motion: once a second, and at once where it is another one.

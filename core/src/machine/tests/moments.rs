@@ -344,6 +344,7 @@ const AT_ONCE: &[&str] = &[
     "mencoder",
     // machine/tests/homing.rs
     "homing.required",
+    "homing.max_time",
     "home_force",
     "i_refswitch",
     "i_poslimitsw",

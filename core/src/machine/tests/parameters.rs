@@ -135,6 +135,11 @@ fn a_note_of_a_bus_names_axis_and_node_and_says_how_much_it_matters() {
         (changed(Some(X), NodeChange::Booted), Severity::Warn, "x: node 3: it has booted"),
         (changed(Some(X), NodeChange::Ready), Severity::Info, "x: node 3: it is configured and operational"),
         (changed(Some(99), NodeChange::Silent), Severity::Warn, "machine: node 3: it is silent: no sign of life"),
+        (
+            changed(Some(X), NodeChange::Unwatched),
+            Severity::Warn,
+            "x: node 3: it sends no heartbeat (1017h), so that nothing watches it",
+        ),
         (changed(None, NodeChange::Back), Severity::Warn, "machine: node 3: it was silent, and is back"),
         (
             foreign(0x8130, 0x11),

@@ -1,6 +1,6 @@
 //! Homing, by its native names.
 
-use super::{Applies, BASE, Effect, Group, Measure, REAL, Range, Row, Value, int, option, real};
+use super::{Applies, BASE, Effect, Group, HOUR_NS, Measure, REAL, Range, Row, Value, int, option, real};
 
 const HOMING_ROW: Row = Row { group: Group::Homing, applies: Applies::Drive, effect: Effect::NextHoming, ..BASE };
 
@@ -129,6 +129,18 @@ pub(super) const ROWS: &[Row] = &[
         source: "contract section 7",
         get: |p| whole(p.homing.max_distance),
         set: |p, v| p.homing.max_distance = int(v),
+        ..HOMING_ROW
+    },
+    Row {
+        key: "homing.max_time",
+        measure: Measure::Time,
+        range: Range::Int(0, HOUR_NS),
+        default: Value::Int(0),
+        effect: Effect::AtOnce,
+        description: "Longest time of homing, from its start to the zero; beyond it homing ends in an error (10315). 0: no limit.",
+        source: "contract section 7",
+        get: |p| Value::Int(p.homing.max_time),
+        set: |p, v| p.homing.max_time = int(v).unwrap_or(0),
         ..HOMING_ROW
     },
 ];

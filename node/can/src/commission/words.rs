@@ -33,16 +33,7 @@ pub fn nmt_state(state: NmtState) -> &'static str {
 
 /// A state of a drive (CiA 402-2).
 pub fn drive_state(state: DriveState) -> &'static str {
-    match state {
-        DriveState::NotReady => "not ready to switch on",
-        DriveState::SwitchOnDisabled => "switch on disabled",
-        DriveState::Ready => "ready to switch on",
-        DriveState::SwitchedOn => "switched on",
-        DriveState::Enabled => "operation enabled",
-        DriveState::QuickStop => "quick stop active",
-        DriveState::FaultReaction => "fault reaction active",
-        DriveState::Fault => "fault",
-    }
+    state.text()
 }
 
 /// Modes of operation: number, short name, name.

@@ -120,22 +120,23 @@ impl DriveMode {
 #[derive(Clone, Copy, Debug)]
 pub struct Commander {
     mode: DriveMode,
-    /// In mode pp: the setpoint that stands, which is given.
-    setpoint: i64,
-    is_given: bool,
-    /// Some setpoint was given since the operation was enabled.
-    has_begun: bool,
+    handshake: Handshake,
 }
 
 impl Commander {
     /// Before the first cycle.
-    pub fn new(mode: DriveMode) -> Self {
-        Self { mode, setpoint: 0, is_given: false, has_begun: false }
+    pub fn new(mode: DriveMode, cycle_ns: u64) -> Self {
+        Self { mode, handshake: Handshake::new(cycle_ns) }
     }
 
     /// Its mode.
     pub fn mode(&self) -> DriveMode {
         self.mode
+    }
+
+    /// Whether the drive has not acknowledged a setpoint in time; until the operation is enabled again.
+    pub fn is_unacknowledged(&self) -> bool {
+        self.handshake.is_late()
     }
 
     /// Control word and position for what a cycle asks for; `is_in_mode`: it asks for this mode, and the drive shows it.
@@ -147,26 +148,98 @@ impl Commander {
             DriveMode::Ip => (if runs { asked | BIT_4 } else { asked }, position),
             DriveMode::Vl => (if is_enabled { asked | RAMP } else { asked }, position),
             DriveMode::Pp => {
-                self.hand_over(position, status & STATUS_ACKNOWLEDGED != 0, runs);
-                let bits = if self.is_given { BIT_4 | AT_ONCE } else { AT_ONCE };
-                (if runs { asked | bits } else { asked }, self.setpoint)
+                self.handshake.advance(position, status & STATUS_ACKNOWLEDGED != 0, runs);
+                let bits = if self.handshake.is_given { BIT_4 | AT_ONCE } else { AT_ONCE };
+                (if runs { asked | bits } else { asked }, self.handshake.setpoint)
             }
         }
     }
+}
 
-    /// A setpoint stands until it is acknowledged; the next one is given once the acknowledgement is withdrawn.
-    fn hand_over(&mut self, position: i64, is_acknowledged: bool, runs: bool) {
+/// How long bit 4 keeps a level where bit 12 stands from before: at least so long (ns), and so many cycles.
+const LEVEL_NS: u64 = 50_000_000;
+const LEVEL_CYCLES: u64 = 5;
+/// How long a drive may take to acknowledge a setpoint: at least so long (ns), and so many cycles.
+const ACKNOWLEDGE_NS: u64 = 500_000_000;
+const ACKNOWLEDGE_CYCLES: u64 = 25;
+
+/// The handshake of mode pp: bit 4 hands a setpoint over, bit 12 acknowledges it.
+///
+/// A setpoint is handed over once bit 12 is 0, and stays until bit 12 rises. Bit 12 that is 1 from before acknowledges nothing: bit 4
+/// then rises after 50 ms all the same, with the newest setpoint, and falls and rises every 50 ms until bit 12 has been 0.
+#[derive(Clone, Copy, Debug)]
+struct Handshake {
+    /// Cycles in which bit 4 keeps its level.
+    level_cycles: u32,
+    /// Cycles within which a setpoint is acknowledged.
+    most_cycles: u32,
+    /// The setpoint that was handed over last.
+    setpoint: i64,
+    /// Bit 4.
+    is_given: bool,
+    /// The setpoint was handed over since the operation was enabled.
+    has_begun: bool,
+    /// Bit 12 is 1 since before bit 4 was set.
+    is_old: bool,
+    /// Cycles for which bit 4 has its level while bit 12 is 1 from before.
+    level: u32,
+    /// Cycles for which a setpoint waits for its acknowledgement.
+    waits: u32,
+}
+
+impl Handshake {
+    fn new(cycle_ns: u64) -> Self {
+        let cycles = |ns: u64, least| u32::try_from(ns.div_ceil(cycle_ns.max(1)).max(least)).unwrap_or(u32::MAX);
+        Self {
+            level_cycles: cycles(LEVEL_NS, LEVEL_CYCLES),
+            most_cycles: cycles(ACKNOWLEDGE_NS, ACKNOWLEDGE_CYCLES),
+            setpoint: 0,
+            is_given: false,
+            has_begun: false,
+            is_old: false,
+            level: 0,
+            waits: 0,
+        }
+    }
+
+    fn is_late(&self) -> bool {
+        self.waits > self.most_cycles
+    }
+
+    /// One cycle with the newest setpoint and bit 12; `runs`: operation is enabled, in this mode.
+    fn advance(&mut self, position: i64, is_acknowledged: bool, runs: bool) {
         if !runs {
             (self.setpoint, self.is_given, self.has_begun) = (position, false, false);
+            (self.is_old, self.level, self.waits) = (false, 0, 0);
             return;
         }
+        self.is_old &= is_acknowledged;
+        let is_wanted = position != self.setpoint || !self.has_begun;
         match (self.is_given, is_acknowledged) {
-            (false, false) if position != self.setpoint || !self.has_begun => {
-                (self.setpoint, self.is_given, self.has_begun) = (position, true, true);
+            (true, true) if !self.is_old => (self.is_given, self.level, self.waits) = (false, 0, 0),
+            (true, _) => {
+                self.waits = self.waits.saturating_add(1);
+                self.level = if self.is_old { self.level.saturating_add(1) } else { 0 };
+                if self.level >= self.level_cycles {
+                    // Nothing says that the drive has taken it: it is handed over again.
+                    (self.is_given, self.has_begun, self.level) = (false, false, 0);
+                }
             }
-            (true, true) => self.is_given = false,
-            _ => {}
+            (false, true) if is_wanted => {
+                self.waits = self.waits.saturating_add(1);
+                self.level = self.level.saturating_add(1);
+                if self.level >= self.level_cycles {
+                    self.give(position, true);
+                }
+            }
+            (false, false) if is_wanted => self.give(position, false),
+            (false, _) => (self.level, self.waits) = (0, 0),
         }
+    }
+
+    fn give(&mut self, position: i64, is_old: bool) {
+        (self.setpoint, self.is_given, self.has_begun) = (position, true, true);
+        (self.is_old, self.level) = (is_old, 0);
     }
 }
 
@@ -176,6 +249,8 @@ mod tests {
     use proptest::prelude::*;
 
     const ENABLED: u16 = 0x0237;
+    const ACKNOWLEDGED: u16 = ENABLED | 0x1000;
+    const CYCLE_NS: u64 = 1_000_000;
 
     /// Numbers of 6060h; the axis sees 8, 9, 10 and 2.
     #[test]
@@ -204,7 +279,8 @@ mod tests {
 
     #[test]
     fn control_words_have_the_bits_of_their_mode() {
-        let word = |mode, asked, status, is_in_mode| Commander::new(mode).command(asked, 5, status, is_in_mode).0;
+        let word =
+            |mode, asked, status, is_in_mode| Commander::new(mode, CYCLE_NS).command(asked, 5, status, is_in_mode).0;
         for mode in [DriveMode::Csp, DriveMode::Csv, DriveMode::Cst, DriveMode::Pv, DriveMode::Tq] {
             assert_eq!(word(mode, control::ENABLE, ENABLED, true), 0x0F);
         }
@@ -223,24 +299,94 @@ mod tests {
     /// Bit 4 with the setpoint, until bit 12 acknowledges it; away until the acknowledgement is; then the newest.
     #[test]
     fn setpoints_are_handed_over() {
-        let mut pp = Commander::new(DriveMode::Pp);
-        let acknowledged = ENABLED | 0x1000;
+        let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
         assert_eq!(pp.command(control::SWITCH_ON, 10, 0x0233, true), (0x07, 10));
         assert_eq!(pp.command(control::ENABLE, 10, ENABLED, true), (0x3F, 10), "the first one");
         assert_eq!(pp.command(control::ENABLE, 11, ENABLED, true), (0x3F, 10), "not acknowledged");
-        assert_eq!(pp.command(control::ENABLE, 12, acknowledged, true), (0x2F, 10));
-        assert_eq!(pp.command(control::ENABLE, 13, acknowledged, true), (0x2F, 10), "not withdrawn");
+        assert_eq!(pp.command(control::ENABLE, 12, ACKNOWLEDGED, true), (0x2F, 10));
+        assert_eq!(pp.command(control::ENABLE, 13, ACKNOWLEDGED, true), (0x2F, 10), "not withdrawn");
         assert_eq!(pp.command(control::ENABLE, 14, ENABLED, true), (0x3F, 14));
-        assert_eq!(pp.command(control::ENABLE, 14, acknowledged, true), (0x2F, 14));
+        assert_eq!(pp.command(control::ENABLE, 14, ACKNOWLEDGED, true), (0x2F, 14));
         assert_eq!(pp.command(control::ENABLE, 14, ENABLED, true), (0x2F, 14), "nothing new");
         assert_eq!(pp.command(control::QUICK_STOP, 20, ENABLED, true), (0x02, 20));
+    }
+
+    /// Bit 4 in each of so many cycles with setpoint 7, and whether the setpoint is late behind it; bit 12 is what `drive` makes of the
+    /// bit 4 of the cycle before and of its number.
+    fn handed_over(cycles: usize, mut drive: impl FnMut(bool, usize) -> bool) -> Vec<(bool, bool)> {
+        let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
+        pp.command(control::SWITCH_ON, 7, 0x0233, true);
+        let (mut given, mut all) = (false, Vec::new());
+        for cycle in 0..cycles {
+            let status = if drive(given, cycle) { ACKNOWLEDGED } else { ENABLED };
+            let (word, setpoint) = pp.command(control::ENABLE, 7, status, true);
+            given = word & BIT_4 != 0;
+            assert_eq!((word & !BIT_4, setpoint), (0x2F, 7));
+            all.push((given, pp.is_unacknowledged()));
+        }
+        all
+    }
+
+    /// Bit 12 is 1 when the operation is enabled, and falls with the next falling edge of bit 4: a rising edge after 50 ms, a falling one
+    /// after 50 more, then the handshake as ever.
+    #[test]
+    fn first_setpoint_is_handed_over_although_bit_12_stands() {
+        let (mut bit_12, mut before) = (true, false);
+        let all = handed_over(110, |bit_4, _| {
+            bit_12 = match (before, bit_4) {
+                (false, true) => true,
+                (true, false) => false,
+                _ => bit_12,
+            };
+            before = bit_4;
+            bit_12
+        });
+        let given: Vec<_> = (0..).zip(&all).filter(|(_, (given, _))| *given).map(|(cycle, _)| cycle).collect();
+        // From cycle 49 to 98; bit 12 falls in cycle 100, is 1 in cycle 101.
+        assert_eq!(given, (49..99).chain([100]).collect::<Vec<_>>());
+        assert!(all.iter().all(|(_, late)| !late));
+    }
+
+    /// A drive that withdraws its old acknowledgement within 50 ms sees one edge alone, with bit 12 at 0.
+    #[test]
+    fn bit_12_that_falls_by_itself_is_waited_for() {
+        let all = handed_over(40, |bit_4, cycle| cycle < 30 || bit_4);
+        let given: Vec<_> = (0..).zip(&all).filter(|(_, (given, _))| *given).map(|(cycle, _)| cycle).collect();
+        assert_eq!(given, [30], "it is acknowledged in cycle 31");
+    }
+
+    /// 500 cycles of 1 ms, whether bit 12 is never there or always.
+    #[test]
+    fn setpoint_that_is_not_acknowledged_is_late_after_500_ms() {
+        let first_late = |all: Vec<(bool, bool)>| all.iter().position(|(_, late)| *late);
+        // Handed over in cycle 0, and 500 cycles without an answer.
+        assert_eq!(first_late(handed_over(600, |_, _| false)), Some(501));
+        assert_eq!(first_late(handed_over(600, |_, _| true)), Some(500));
+        // One that is given and acknowledged, however late, is not; nor is one that has no new one to wait for.
+        assert_eq!(first_late(handed_over(2_000, |_, cycle| cycle > 499)), None);
+        let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
+        for _ in 0..600 {
+            pp.command(control::ENABLE, 7, ENABLED, true);
+        }
+        assert!(pp.is_unacknowledged());
+        pp.command(control::DISABLE_VOLTAGE, 7, ENABLED, true);
+        assert!(!pp.is_unacknowledged(), "it is commanded no longer");
+    }
+
+    /// 5 and 25 cycles at least: 100 ms and 500 ms of 20 ms, 500 ms and 2.5 s of 100 ms.
+    #[test]
+    fn slow_cycles_have_levels_and_answers_as_well() {
+        for (cycle_ns, cycles) in [(125_000, (400, 4_000)), (20_000_000, (5, 25)), (100_000_000, (5, 25))] {
+            let handshake = Handshake::new(cycle_ns);
+            assert_eq!((handshake.level_cycles, handshake.most_cycles), cycles);
+        }
     }
 
     proptest! {
         /// With any drive that acknowledges late, the last setpoint is given in the end, and each but when the drive takes it.
         #[test]
         fn the_last_setpoint_is_given(positions in prop::collection::vec(-9_i64..9, 1..30), late in 0_usize..4) {
-            let mut pp = Commander::new(DriveMode::Pp);
+            let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
             let (mut given, mut words, mut before) = (None, vec![0_u16; late + 1], 0);
             let last = *positions.last().unwrap();
             for position in positions.into_iter().chain([last; 40]) {

@@ -272,7 +272,10 @@ impl Bus {
                 }
             }
             Order::Begin { device: place, fault } => {
-                if self.devices.get_mut(place).is_some_and(|device| !device.begin(fault)) {
+                let Some(device) = self.devices.get_mut(place) else { return };
+                if device.begin(fault) {
+                    device.watch.begin(now_ns);
+                } else {
                     self.report(Report::Happened { device: place, what: Happened::BootedUp, took_part: true });
                 }
             }
@@ -334,7 +337,8 @@ impl Bus {
         // One that takes part is operational, also where it has shown another state before, and shows it again.
         let astray = || device.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
         let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
-        let took_part = takes_part && what != Happened::State(NmtState::Operational);
+        let stays = matches!(what, Happened::State(NmtState::Operational) | Happened::NeverHeard);
+        let took_part = takes_part && !stays;
         match what {
             Happened::BootedUp => device.boot(),
             _ if took_part => device.end(),

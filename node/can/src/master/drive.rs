@@ -11,10 +11,15 @@ use crate::drive::layout::{Asked, Layout, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Commander, Counter, HomingSetup};
 use lineshaft_core::drive::{
-    BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING,
+    BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
     STATUS_HOMING_ATTAINED, control,
 };
 use lineshaft_core::object::Object;
+
+/// How many times its velocity homing may seem to move a drive in one cycle: where its words come at other times than SYNC, and overshoot.
+const HOMING_EXCESS: f64 = 4.0;
+/// How far a drive that homes may tremble besides (counts).
+const HOMING_SLACK: f64 = 100.0;
 
 /// What it tells.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,6 +65,8 @@ pub(crate) struct Drive {
     is_shut_down: bool,
     /// Control word and position of this cycle.
     asked: (u16, i64),
+    /// The faster velocity of the homing that was asked for last (counts/s); 0 before the first one.
+    homing_velocity: f64,
     pub(super) homing: HomingSetup,
 }
 
@@ -88,11 +95,12 @@ impl Drive {
             probes: config.probes,
             catches: Default::default(),
             mode: 0,
-            commander: Commander::new(config.mode),
+            commander: Commander::new(config.mode, cycle_ns),
             target_bits: target.map_or(32, |field| field.bits),
             is_mode_fixed: !told().any(|field| field.word == Told::Mode),
             is_shut_down: config.drive_type.is_some(),
             asked: (0, 0),
+            homing_velocity: 0.0,
             homing: HomingSetup::new(config.velocity),
         }
     }
@@ -147,19 +155,31 @@ impl Drive {
                 Told::Digital(_) | Told::Analog(_) | Told::Encoder | Told::Nothing => {}
             }
         }
+        let now = *words;
         let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
-        if has_zero(*words) && !has_zero(was) && was.mode == MODE_HOMING {
+        let is_homing = now.mode == MODE_HOMING && was.mode == MODE_HOMING;
+        let finds_zero = has_zero(now) && !has_zero(was);
+        if is_homing && (finds_zero || word.is_some_and(|word| self.is_beyond_homing(word))) {
             self.counter.begin_anew();
         }
         if let Some(word) = word {
             let change = self.counter.take(word);
             let cycles = f64::from(self.stale.saturating_add(1));
             // Behind an absence nobody knows how long the way has taken.
-            words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
+            self.words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
             (self.is_heard, self.stale) = (true, 0);
         }
         // The PDO with its position is one of those that go with each SYNC.
         self.is_fresh |= is_each_sync && word.is_some();
+    }
+
+    /// Whether a position is further away than homing moves the drive: its coordinate was set anew. Bit 12 need not tell that: it may
+    /// stand from the homing before, or rise in a later cycle.
+    fn is_beyond_homing(&self, word: i32) -> bool {
+        let Some(count) = self.counter.locate(word) else { return false };
+        let cycles = f64::from(self.stale.saturating_add(1));
+        let most = HOMING_EXCESS * self.homing_velocity * self.cycle_s * cycles + HOMING_SLACK;
+        self.homing_velocity > 0.0 && self.counter.count().abs_diff(count) as f64 > most
     }
 
     /// Takes an emergency message.
@@ -194,6 +214,7 @@ impl Drive {
             emergency: self.emergency.take(),
             inputs,
             index,
+            unacknowledged: is_online && self.commander.is_unacknowledged(),
         };
     }
 
@@ -224,6 +245,9 @@ impl Drive {
     /// What a cycle wants of it.
     pub(super) fn ask(&mut self, output: &DriveOutput) {
         self.mode = self.homing.allow(output.mode, self.mode);
+        if let Mode::Homing(order) = output.mode {
+            self.homing_velocity = order.search_velocity.abs().max(order.zero_velocity.abs());
+        }
         let mode = self.commander.mode();
         let is_in_mode = mode.across(self.mode) == mode.number() && self.words.mode == mode.number();
         let control = match output.control {

@@ -113,7 +113,8 @@ impl CanService {
     }
 
     fn open(&self) -> Result<Box<dyn transport::Transport>, String> {
-        let options = Options { bit_rate: self.config.bit_rate.unwrap_or_default(), baud: None };
+        let BusConfig { bit_rate, serial_baudrate: baud, .. } = self.config;
+        let options = Options { bit_rate: bit_rate.unwrap_or_default(), baud };
         transport::open(&self.config.transport, options).map_err(|error| error.to_string())
     }
 
@@ -194,11 +195,12 @@ impl CanService {
         let change = match what {
             Happened::BootedUp => NodeChange::Booted,
             Happened::Lost => NodeChange::Silent,
+            Happened::NeverHeard => NodeChange::Unwatched,
             Happened::Back(_) | Happened::State(NmtState::Operational) => NodeChange::Back,
             Happened::State(NmtState::Stopped) => NodeChange::Stopped,
             Happened::State(_) => NodeChange::Left,
         };
-        if took_part || what == Happened::BootedUp {
+        if took_part || matches!(what, Happened::BootedUp | Happened::NeverHeard) {
             self.note(place, change);
         }
         let Some(known) = self.devices.get_mut(place) else { return };
@@ -206,7 +208,7 @@ impl CanService {
             (known.problem, known.is_configured) = (Some(change.text().to_owned()), false);
         }
         // Whoever shows that it is there is configured at once.
-        if !known.is_configured && what != Happened::Lost {
+        if !known.is_configured && !matches!(what, Happened::Lost | Happened::NeverHeard) {
             known.due = Instant::now();
         }
     }

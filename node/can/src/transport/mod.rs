@@ -18,7 +18,7 @@ mod way;
 
 pub use address::{Address, AddressError};
 pub use line::{SlcanError, SlcanLine};
-pub use open::{Obstacle, OpenError, Options, open};
+pub use open::{BAUD_RATES, Obstacle, OpenError, Options, open};
 pub use socket_can::SocketCan;
 pub use udp::UdpBus;
 pub use way::Loss;

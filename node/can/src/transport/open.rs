@@ -20,15 +20,20 @@ use std::time::Duration;
 const TIMEOUT: Duration = Duration::from_secs(3);
 /// What may stand in the system on its way to a host (bytes): a few hundred frames.
 const SEND_BUFFER: usize = 16 * 1024;
-/// Of a serial line (bit/s).
+/// Baud rate of a serial line where nothing else is said (bit/s).
 const BAUD: u32 = 115_200;
+/// Baud rates that a serial line may be given (bit/s): those of termios from 9600 on.
+pub const BAUD_RATES: [u32; 17] = [
+    9_600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 500_000, 576_000, 921_600, 1_000_000, 1_152_000,
+    1_500_000, 2_000_000, 2_500_000, 3_000_000, 4_000_000,
+];
 
 /// What the way to a bus needs to know beside its address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Of the bus (bit/s). Adapters that speak slcan are told; an interface of Linux has it already, and datagrams have none.
     pub bit_rate: u32,
-    /// Of a serial line (bit/s), 115200 where none is given. Adapters on USB do not mind.
+    /// Baud rate of a serial line (bit/s), one of [`BAUD_RATES`]; 115200 where none is given. Adapters on USB ignore it.
     pub baud: Option<u32>,
 }
 
@@ -171,9 +176,9 @@ mod tests {
     #[test]
     fn what_is_in_the_way_is_told_with_its_cure() {
         assert_eq!(
-            refused("slcan:/dev/ttyACM99", 800_000),
-            "slcan:/dev/ttyACM99 cannot be opened: adapters do not know the bit rate 800000 bit/s; they know 10000, 20000, 50000, \
-             100000, 125000, 250000, 500000, 1000000 bit/s"
+            refused("slcan:/dev/ttyACM99", 750_000),
+            "slcan:/dev/ttyACM99 cannot be opened: adapters do not know the bit rate 750000 bit/s; they know 10000, 20000, 50000, \
+             100000, 125000, 250000, 500000, 800000, 1000000 bit/s"
         );
         assert!(refused("slcan:/dev/ttyACM99", 500_001).contains("do not know the bit rate 500001 bit/s"));
         assert_eq!(

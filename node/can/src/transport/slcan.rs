@@ -18,8 +18,9 @@ const LONGEST: usize = 1 + 8 + 1 + 16 + 4;
 /// Longest line of a frame with an 11-bit identifier, with its CR.
 const LONGEST_SENT: usize = 1 + 3 + 1 + 16 + 1;
 
-/// The bit rates that adapters know by a digit (kbit/s); digits 7 and 9 mean other rates in other firmware, and have no row.
-const BIT_RATES: [(u32, &[u8; 3]); 8] = [
+/// The bit rates that adapters know by a digit (kbit/s). Digit 7 is that of the CANUSB manual; some firmware uses another rate there.
+/// Digit 9 is in no manual, and has no row.
+const BIT_RATES: [(u32, &[u8; 3]); 9] = [
     (10, b"S0\r"),
     (20, b"S1\r"),
     (50, b"S2\r"),
@@ -27,6 +28,7 @@ const BIT_RATES: [(u32, &[u8; 3]); 8] = [
     (125, b"S4\r"),
     (250, b"S5\r"),
     (500, b"S6\r"),
+    (800, b"S7\r"),
     (1000, b"S8\r"),
 ];
 
@@ -214,9 +216,13 @@ mod tests {
     }
 
     #[test]
-    fn rates_that_firmware_disagrees_on_have_no_digit() {
-        assert_eq!(bit_rate(1000), Some(&b"S8\r"[..]));
-        assert_eq!((bit_rate(800), bit_rate(83), bit_rate(0)), (None, None, None));
+    fn bit_rates_have_the_digits_of_the_canusb_manual() {
+        // CANUSB manual (Lawicel), command S: S7 sets 800 kbit/s, S8 sets 1 Mbit/s.
+        let digits = [(10, 0), (20, 1), (50, 2), (100, 3), (125, 4), (250, 5), (500, 6), (800, 7), (1000, 8)];
+        for (rate, digit) in digits {
+            assert_eq!(bit_rate(rate), Some(format!("S{digit}\r").as_bytes()), "{rate} kbit/s");
+        }
+        assert_eq!((bit_rate(750), bit_rate(83), bit_rate(0)), (None, None, None));
         assert!(bit_rates().all(|rate| bit_rate(rate).is_some()));
     }
 

@@ -31,6 +31,19 @@ fn refused(cell: &Cell) -> String {
 
 const BUS: &str = "transport: 'slcan:/dev/ttyACM0', bitrate: 1000000";
 
+#[test]
+fn rates_of_a_serial_adapter_reach_its_bus() {
+    let rates = |bus: &str| {
+        let buses = cell("4 ms", bus, &["node: 3".to_owned()]).buses(Some(&file())).unwrap();
+        (buses[0].bit_rate, buses[0].serial_baudrate)
+    };
+    let line = "transport: 'slcan:/dev/ttyUSB0', bitrate: 800000";
+    assert_eq!(rates(line), (Some(800_000), None));
+    assert_eq!(rates(&format!("{line}, serial_baudrate: 921600")), (Some(800_000), Some(921_600)));
+    // Any rate that the interface of Linux has.
+    assert_eq!(rates("transport: 'socketcan:can0', bitrate: 750000"), (Some(750_000), None));
+}
+
 /// Of 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
 ///
 /// Proves: MACS-CAN-16
@@ -179,6 +192,20 @@ fn keys_of_buses_and_drives_have_ranges() {
         (
             "transport: 'udp:239.74.163.2:43113', bitrate: 500000",
             "bitrate is for a bus; datagrams have none, leave it out",
+        ),
+        (
+            "transport: 'slcan:/dev/ttyACM0', bitrate: 750000",
+            "bitrate is 750000; an slcan adapter knows 10000, 20000, 50000, 100000, 125000, 250000, 500000, 800000, 1000000 \
+             bit/s",
+        ),
+        (
+            "transport: 'slcan:/dev/ttyACM0', bitrate: 800000, serial_baudrate: 115201",
+            "serial_baudrate is 115201; 9600, 19200, 38400, 57600, 115200, 230400, 460800, 500000, 576000, 921600, 1000000, \
+             1152000, 1500000, 2000000, 2500000, 3000000, 4000000 bit/s are allowed",
+        ),
+        (
+            "transport: 'slcan-tcp:127.0.0.1:3333', bitrate: 800000, serial_baudrate: 115200",
+            "serial_baudrate is for a serial line, transport slcan:PATH, leave it out",
         ),
         ("transport: 'socketcan:can0', sync_counter: 241", "sync_counter is 241; 2..240 is allowed"),
         (

@@ -317,7 +317,16 @@ fn drives() {
         ),
         (
             "{backend: plant, address: 0, node: 3}",
-            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, regulator, missed_cycles, address",
+            "8:41: unknown key `node` in drive of axis `x`, known are backend, interface, regulator, missed_cycles, enable_timeout, \
+             address",
+        ),
+        (
+            "{backend: plant, address: 0, enable_timeout: 99 ms}",
+            "8:57: enable_timeout is `99 ms`; 100 ms to 600 s is allowed",
+        ),
+        (
+            "{backend: plant, address: 0, enable_timeout: 601 s}",
+            "8:57: enable_timeout is `601 s`; 100 ms to 600 s is allowed",
         ),
         ("{backend: bus0, eds: x.eds}", "8:12: missing key `node` in drive of axis `x`"),
         ("{backend: bus0, node: 128}", "8:34: node is 128; 1..127 is allowed"),
@@ -329,6 +338,13 @@ fn drives() {
     assert_eq!(delay(&axis(&[("drive", "{backend: bus0, node: 3, eds: x.eds, interface: position}")])), Some(1));
     let slow = axis(&[("drive", "{backend: plant, address: 0}")]).replace("{type: sim}", "{type: sim, delay: 32}");
     assert_eq!(delay(&slow), Some(32));
+    let enabling = |drive: &str| {
+        let axis = read(&axis(&[("drive", drive)]));
+        (axis.enable_timeout_ns, axis.drive_mode)
+    };
+    assert_eq!(enabling("{backend: plant, address: 0}"), (5_000_000_000, None));
+    assert_eq!(enabling("{backend: plant, address: 0, enable_timeout: 100 ms}"), (100_000_000, None));
+    assert_eq!(enabling("{backend: bus0, node: 3, mode: pp, enable_timeout: 600 s}"), (600_000_000_000, Some(1)));
 }
 
 #[test]

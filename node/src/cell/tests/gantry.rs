@@ -41,6 +41,20 @@ fn two_drives_make_an_axis() {
     assert_eq!(cell.machine.check(), Ok(()));
 }
 
+#[test]
+fn two_drives_have_the_longer_time_to_be_enabled() {
+    for (first, second, timeout_ns) in [
+        ("", "", 5_000_000_000),
+        (", enable_timeout: 8 s", "", 8_000_000_000),
+        (", enable_timeout: 1 s", ", enable_timeout: 2 s", 2_000_000_000),
+    ] {
+        let keys = format!(
+            "    drives: [{{backend: plant, address: 0{first}}}, {{backend: plant, address: 4{second}}}]\n{LIMIT}"
+        );
+        assert_eq!(good(&cell(&keys)).machine.axes[0].enable_timeout_ns, timeout_ns);
+    }
+}
+
 /// An axis behind one with two drives has the place among the drives that it had.
 #[test]
 fn the_second_drives_stand_behind_all_others() {

@@ -4,7 +4,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
 use lineshaft_can::commission::kind;
 use lineshaft_can::eds::DataType;
-use lineshaft_can::transport::Address;
+use lineshaft_can::transport::{Address, BAUD_RATES};
 use lineshaft_can::{NmtCommand, NodeId, lss};
 use lineshaft_core::unit::{Dimension, Quantity};
 use std::path::PathBuf;
@@ -178,6 +178,9 @@ pub(in crate::cli) struct BusArgs {
     /// Bit rate of the bus (bit/s, 10000 to 1000000; left out: 1000000); an interface of Linux has its own
     #[arg(long, value_name = "BIT/S", value_parser = bit_rate, conflicts_with = "cell")]
     pub(super) bitrate: Option<u32>,
+    /// Baud rate of the serial line of an slcan adapter (bit/s; left out: 115200); adapters on USB ignore it
+    #[arg(long, value_name = "BIT/S", value_parser = baudrate, conflicts_with = "cell")]
+    pub(super) serial_baudrate: Option<u32>,
     /// Take the way, the bit rate, the nodes and their EDS files from this cell
     #[arg(long, value_name = "CELL")]
     pub(super) cell: Option<PathBuf>,
@@ -359,6 +362,15 @@ fn bit_rate(text: &str) -> Result<u32, String> {
     let (least, most) = BIT_RATES;
     let rate = text.parse().ok().filter(|rate| (least..=most).contains(rate));
     rate.ok_or_else(|| format!("{text:?} is no bit rate; {least} to {most} bit/s is allowed, without a unit"))
+}
+
+/// The baud rate of a serial line.
+fn baudrate(text: &str) -> Result<u32, String> {
+    let rate = text.parse().ok().filter(|rate| BAUD_RATES.contains(rate));
+    rate.ok_or_else(|| {
+        let rates: Vec<_> = BAUD_RATES.iter().map(u32::to_string).collect();
+        format!("{text:?} is no baud rate of a serial line; {} bit/s are allowed, without a unit", rates.join(", "))
+    })
 }
 
 /// The index of a bit rate.

@@ -28,6 +28,8 @@ pub(super) struct Known {
     address: Address,
     /// (bit/s)
     pub(super) bit_rate: u32,
+    /// (bit/s)
+    baud: Option<u32>,
     timeout: Duration,
     /// What the cell says, if one was named.
     pub(super) config: Option<BusConfig>,
@@ -40,9 +42,14 @@ impl Known {
         let Some(path) = &args.cell else {
             // The parser has seen to it that there is one or the other.
             let address = args.bus.clone().ok_or_else(|| Failure::Usage("give --bus or --cell".to_owned()))?;
+            if args.serial_baudrate.is_some() && !matches!(address, Address::Slcan(_)) {
+                let sentence = format!("--serial-baudrate is for a serial line, --bus slcan:PATH, not for {address}");
+                return Err(Failure::Usage(sentence));
+            }
             return Ok(Self {
                 address,
                 bit_rate: args.bitrate.unwrap_or(BIT_RATE),
+                baud: args.serial_baudrate,
                 timeout: args.timeout.unwrap_or(TIMEOUT),
                 config: None,
                 dictionaries: BTreeMap::new(),
@@ -57,6 +64,7 @@ impl Known {
         Ok(Self {
             address: config.transport.clone(),
             bit_rate: config.bit_rate.unwrap_or(BIT_RATE),
+            baud: config.serial_baudrate,
             timeout: args.timeout.unwrap_or(Duration::from_nanos(config.sdo_timeout_ns)),
             config: Some(config),
             dictionaries,
@@ -98,7 +106,7 @@ impl Known {
 
     /// The bus, open.
     pub(super) fn open(&self) -> Result<Session, Failure> {
-        let options = Options { bit_rate: self.bit_rate, baud: None };
+        let options = Options { bit_rate: self.bit_rate, baud: self.baud };
         match open(&self.address, options) {
             Ok(transport) => Ok(Session::new(transport, self.timeout)),
             Err(error) if matches!(error.obstacle, Obstacle::BitRate(_)) => Err(Failure::Usage(error.to_string())),

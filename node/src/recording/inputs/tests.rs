@@ -44,11 +44,17 @@ fn real() -> impl Strategy<Value = f64> {
 
 fn drive_input() -> impl Strategy<Value = DriveInput> {
     let numbers = (any::<i64>(), any::<u32>(), real(), real(), any::<u16>(), any::<i8>(), any::<u16>());
+    let flags = (any::<bool>(), any::<bool>(), any::<bool>());
     let switches = (any::<u32>(), any::<Option<i64>>());
     let bus = prop::sample::select(vec![BusState::Active, BusState::Passive, BusState::Off]);
     let bus = (bus, any::<Option<[u8; 8]>>().prop_map(|sent| sent.map(Emergency::from_bytes)));
-    (numbers, any::<bool>(), any::<bool>(), switches, bus).prop_map(
-        |((count, epoch, velocity, effort, status, mode, fault), online, fresh, (inputs, index), (bus, emergency))| {
+    (numbers, flags, switches, bus).prop_map(
+        |(
+            (count, epoch, velocity, effort, status, mode, fault),
+            (online, fresh, unacknowledged),
+            (inputs, index),
+            (bus, emergency),
+        )| {
             DriveInput {
                 bus,
                 emergency,
@@ -63,6 +69,7 @@ fn drive_input() -> impl Strategy<Value = DriveInput> {
                 fresh,
                 inputs,
                 index,
+                unacknowledged,
             }
         },
     )
@@ -117,7 +124,7 @@ fn inputs_of_before_have_buses_that_transmit() {
     message.drive_has_emergency.clear();
     message.drive_emergency.clear();
     let mut data = cdr::encode_with_header(&message);
-    data.truncate(data.len() - 12);
+    data.truncate(data.len() - 16);
     let of = |data: &'static [u8]| Message {
         topic: "/inputs",
         kind: CycleInputs::NAME,
@@ -148,6 +155,36 @@ fn inputs_of_before_have_buses_that_transmit() {
     assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
     message.drive_bus = vec![0, 2];
     let sentence = "drive_emergency[1] is not 0, though drive_has_emergency is false";
+    assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
+}
+
+/// What was recorded before setpoints were acknowledged ends with the emergency messages.
+#[test]
+fn inputs_of_before_have_no_setpoint_that_was_not_acknowledged() {
+    let config = cell().machine;
+    let mut inputs = Machine::new(config.clone()).unwrap().inputs();
+    inputs.drive[1].bus = BusState::Passive;
+    let message = inputs_message(&inputs, &config);
+    assert!(message.drive_unacknowledged.is_empty(), "none has missed one");
+    let mut data = cdr::encode_with_header(&message);
+    data.truncate(data.len() - 4);
+    let data: &'static [u8] = data.leak();
+    let of = Message {
+        topic: "/inputs",
+        kind: CycleInputs::NAME,
+        encoding: "cdr",
+        log_time: 0,
+        publish_time: 0,
+        sequence: 0,
+        data,
+        file: 0,
+    };
+    let mut again = inputs.clone();
+    again.drive[0].unacknowledged = true;
+    assert_eq!(read_inputs(&decode(&of).unwrap(), &config, &mut again), Ok(()));
+    assert_eq!(again, inputs);
+    let message = CycleInputs { drive_unacknowledged: vec![true], ..message };
+    let sentence = "drive_unacknowledged has 1 elements; 2 are needed";
     assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
 }
 

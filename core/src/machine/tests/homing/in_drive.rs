@@ -224,3 +224,53 @@ fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     rig.run(300);
     assert_eq!((rig.state("x"), rig.real("x.actual.velocity"), rig.int("x.homed")), ("ERROR_STOP", 0.0, 0));
 }
+
+/// At 200 inc/s, 32,000 inc from the limit switch and without a reference switch.
+fn slow(in_drive: bool) -> Rig {
+    let mut config = cell(0);
+    let p = &mut config.axes[usize::from(X)].parameters;
+    assign(p, "homing.in_drive", Value::Int(in_drive.into()));
+    assign(p, "homing.velocity", Value::Real(200.0));
+    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    rig.plant.drive(0).unwrap().stick(4, 0);
+    rig
+}
+
+/// 2 s are 2000 cycles; the limit holds for the homing under way, whoever homes, and the axis is braked and has an error.
+#[test]
+fn homing_that_lasts_longer_than_max_time_ends_in_an_error() {
+    for in_drive in [true, false] {
+        let mut rig = slow(in_drive);
+        let sequence = home(&mut rig, 3);
+        rig.run(999);
+        rig.set("homing.max_time", Value::Int(2_000_000_000));
+        rig.run(1_000);
+        assert_eq!((rig.done(sequence).len(), rig.state("x")), (0, "HOMING"), "{in_drive}");
+        rig.run(1);
+        let done = rig.done(sequence)[0];
+        assert_eq!((done.code, rig.state("x")), (Code::HOMING_TOO_LONG, "ERROR_STOP"), "{in_drive}");
+        let sentence = crate::text::sentence(&done, rig.machine.config());
+        assert_eq!(sentence, "x: homing has lasted for longer than homing.max_time 2000 ms");
+        rig.run(300);
+        assert_eq!((rig.real("x.actual.velocity"), rig.int("x.homed")), (0.0, 0), "{in_drive}");
+    }
+}
+
+/// Without a limit it goes on, and is told of after 60 s and 120 s. A search of the core is bounded by its distance.
+#[test]
+fn homing_in_the_drive_that_lasts_is_told_each_minute() {
+    for in_drive in [true, false] {
+        let mut rig = slow(in_drive);
+        let sequence = home(&mut rig, 3);
+        rig.run(if in_drive { 121_000 } else { 61_000 });
+        assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.int("x.error")), (0, "HOMING", 0), "{in_drive}");
+        let told = rig.events.iter().filter(|event| event.code == Code::HOMING_LASTS);
+        let told: Vec<_> = told.map(|event| crate::text::sentence(event, rig.machine.config())).collect();
+        let minutes: &[&str] = if in_drive { &["60000 ms", "120000 ms"] } else { &[] };
+        let expected: Vec<_> = minutes
+            .iter()
+            .map(|time| format!("x: homing in the drive has lasted for {time} and goes on; homing.max_time limits it"))
+            .collect();
+        assert_eq!(told, expected);
+    }
+}

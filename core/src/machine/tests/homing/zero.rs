@@ -104,6 +104,7 @@ fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
         ("home_offset", Value::Int(5), false),
         ("homing.velocity", Value::Real(5_000.0), false),
         ("homing.required", Value::Int(1), false),
+        ("homing.max_time", Value::Int(1_000_000_000), true),
         ("max_velocity", Value::Real(50_000.0), true),
         // What is in force by another name, in parts of 100; the tens digit is that of the other loop.
         ("home_vel", Value::Int(10), true),

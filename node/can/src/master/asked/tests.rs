@@ -86,6 +86,7 @@ impl Rig {
             name: "bus0".to_owned(),
             transport: "socketcan:can0".parse().expect("it is an address"),
             bit_rate: None,
+            serial_baudrate: None,
             cycle_ns: 1_000_000,
             sync_overflow: None,
             sdo_timeout_ns: 20_000_000,

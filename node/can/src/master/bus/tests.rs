@@ -85,6 +85,7 @@ impl Rig {
             name: "bus0".to_owned(),
             transport: "socketcan:can0".parse().expect("it is an address"),
             bit_rate: None,
+            serial_baudrate: None,
             cycle_ns: 1_000_000,
             sync_overflow: None,
             sdo_timeout_ns: SDO_TIMEOUT_NS,
@@ -234,6 +235,13 @@ fn a_silent_drive_goes_offline_alone() {
     std::thread::sleep(std::time::Duration::from_millis(40));
     rig.cycle();
     assert_eq!(rig.is_online(), [false, true], "node 5 has never sent a heartbeat, and is not watched yet");
+    let reports = std::iter::from_fn(|| rig.reports.pop().ok());
+    let unwatched = |report: &Report| {
+        matches!(report, Report::Happened { device: 1, what: Happened::NeverHeard, took_part: false })
+    };
+    assert_eq!(reports.filter(unwatched).count(), 1, "which is reported");
+    rig.cycle();
+    assert!(!std::iter::from_fn(|| rig.reports.pop().ok()).any(|report| unwatched(&report)), "once");
     // It shows itself again: whoever was away is not what he was told to be.
     rig.comes(0x703, &[0x05]);
     rig.cycle();
@@ -369,6 +377,30 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
 }
 
+/// Bit 12 stands from the homing before, as with methods 35 and 37 of some drives, or rises behind the new zero: what is further than
+/// 4 * 50,000 counts/s in a cycle of 1 ms, and 100 counts, is no motion; what homing moves the drive by is.
+#[test]
+fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
+    for before in [0x1637, 0x0237] {
+        let mut rig = Rig::running(Watching::None);
+        let home = DriveOutput { control: control::ENABLE, mode: Mode::Homing(HOME), ..Default::default() };
+        rig.outputs.drive[0] = home;
+        let mut shown = |status: u16, position: i32| {
+            rig.answer(status, position, MODE_HOMING);
+            rig.cycle();
+            rig.sent();
+            let DriveInput { count, epoch, velocity, .. } = rig.inputs.drive[0];
+            (count, epoch, velocity)
+        };
+        shown(before, 9_940);
+        shown(before, 9_950);
+        assert_eq!(shown(before, 10_000), (10_000, 0, 50_000.0), "50 counts in 1 ms");
+        assert_eq!(shown(before, 9_700), (9_700, 0, -300_000.0), "as many as may be");
+        assert_eq!(shown(before, 0), (0, 1, 0.0), "its zero");
+        assert_eq!(shown(before, 0).1, 1);
+    }
+}
+
 /// Position and count of what probe 1 has caught, in TPDO 2: a latch of the axis, once; probe 2 catches the index.
 #[test]
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
@@ -479,6 +511,28 @@ fn a_cycle_takes_no_memory() {
         while rig.reports.pop().is_ok() {}
     }
     assert_eq!(violation_count(), before);
+}
+
+/// In mode pp (1), which the axis sees as csp (8): without bit 12 of its status word the setpoint is late behind 500 cycles; in csp none is.
+#[test]
+fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
+    let mut rig = Rig::running(Watching::None);
+    let mut pp = drive(0, 3, Watching::None);
+    as_drive(&mut pp).mode = DriveMode::Pp;
+    rig.replace(0, &pp);
+    for output in &mut rig.outputs.drive {
+        *output = DriveOutput { position: 9, control: control::ENABLE, mode: Mode::Position, ..Default::default() };
+    }
+    let mut shown = |cycles: usize| {
+        for _ in 0..cycles {
+            rig.answer(0x0237, 0, 1);
+            rig.cycle();
+            rig.sent();
+        }
+        (rig.inputs.drive[0].mode, [0, 1].map(|drive| rig.inputs.drive[drive].unacknowledged))
+    };
+    assert_eq!(shown(500), (MODE_CSP, [false; 2]));
+    assert_eq!(shown(5), (MODE_CSP, [true, false]));
 }
 
 /// Random frames, and random changes of good ones, into a running drive in mode pp and a module: nothing panics, nobody is told more than the

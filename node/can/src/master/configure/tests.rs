@@ -149,6 +149,7 @@ fn config() -> BusConfig {
         name: "bus0".to_owned(),
         transport: "socketcan:can0".parse().expect("it is an address"),
         bit_rate: None,
+        serial_baudrate: None,
         cycle_ns: 4_000_000,
         sync_overflow: None,
         sdo_timeout_ns: 30_000_000,

@@ -43,6 +43,10 @@ fn words_beyond_their_range_are_refused_with_it() {
         ("nmt every start --bus socketcan:can0", "\"every\" is no node; 1 to 127 is allowed, or all"),
         ("scan --bus socketcan:can0 --bitrate 9999", "\"9999\" is no bit rate; 10000 to 1000000 bit/s is allowed"),
         ("scan --bus socketcan:can0 --bitrate 1M", "\"1M\" is no bit rate"),
+        (
+            "scan --bus slcan:/dev/ttyUSB0 --serial-baudrate 115201",
+            "\"115201\" is no baud rate of a serial line; 9600, 19200, 38400, ",
+        ),
         ("scan --bus can0", "'can0' is no CAN bus; allowed are slcan:/dev/ttyACM0"),
         ("scan --bus socketcan:can0 --timeout 0.009", "0.009 is not allowed; 10 ms to 60 s is"),
         ("monitor --bus socketcan:can0 --for 0", "0 is not allowed; 1 ms to 86400 s is"),

@@ -1,0 +1,56 @@
+//! What a drive shows that was not enabled in time, as the number of an event.
+//!
+//! Law      a number that an axis has made reads back as what it was made of
+//! Refuses  numbers that nobody has made: they read as nothing
+
+use super::DriveState;
+
+/// What a drive shows once the time for enabling it is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotEnabled {
+    /// Its state (6041h).
+    pub state: DriveState,
+    /// Mode of operation display (6061h), by the number that the axis sees.
+    pub mode: i8,
+}
+
+impl NotEnabled {
+    /// As the number of an event: the state in bits 0 to 7, the mode in bits 8 to 15.
+    pub fn to_number(self) -> i64 {
+        i64::from(self.state as u8) | i64::from(self.mode.cast_unsigned()) << 8
+    }
+
+    /// What a number says.
+    pub fn from_number(number: i64) -> Option<Self> {
+        let [state, mode, 0, 0, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
+        let state = DriveState::ALL.into_iter().find(|known| *known as u8 == state)?;
+        Some(Self { state, mode: mode.cast_signed() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn every_state_and_mode_reads_back() {
+        for state in DriveState::ALL {
+            for mode in i8::MIN..=i8::MAX {
+                let shown = NotEnabled { state, mode };
+                assert_eq!(NotEnabled::from_number(shown.to_number()), Some(shown));
+            }
+        }
+        // Operation enabled (4), mode -1 of a maker.
+        assert_eq!(NotEnabled { state: DriveState::Enabled, mode: -1 }.to_number(), 0xFF04);
+    }
+
+    proptest! {
+        #[test]
+        fn any_number_reads_as_what_makes_it_or_as_nothing(number: i64) {
+            if let Some(shown) = NotEnabled::from_number(number) {
+                prop_assert_eq!(shown.to_number(), number);
+            }
+        }
+    }
+}
