@@ -314,7 +314,15 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let axes = axes::read(&cx, entries, named, outputs, &slots.chains);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, io));
     let groups = groups::read(&cx);
-    let devices::Io { entries: io, terminals, on_can: mut terminals_on_can, filters, virtual_inputs, marks } = of_io;
+    let devices::Io {
+        entries: io,
+        terminals,
+        on_can: mut terminals_on_can,
+        filters,
+        virtual_inputs,
+        full_scales,
+        marks,
+    } = of_io;
     terminals_on_can.extend(encoders_on_can);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
@@ -341,7 +349,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         masters: masters.into_iter().collect::<Option<_>>()?,
         axes: configs,
         safety: safety?,
-        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
+        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs, full_scales },
     };
     functions::check_signals(&slots.open, &machine.directory());
     functions::check_axes(&cx, &machine);

@@ -26,7 +26,7 @@ use lineshaft_core::config::{IoKind, MemoryKind};
 use lineshaft_core::drive::{self, Inputs};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::{Signal, Type, Value as Number};
-use lineshaft_core::unit::Fraction;
+use lineshaft_core::unit::{Fraction, number_to_text};
 use ramp::{Ramp, cycles_between, exact, most_bits, wrap_bits, wrapped};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -47,8 +47,7 @@ pub(super) struct Drive {
     end: u64,
     source: Source,
     then: Then,
-    /// Minimum and maximum of the signal, where it is whole.
-    range: (i64, i64),
+    ruler: Ruler,
 }
 
 /// Where the value goes.
@@ -200,13 +199,21 @@ impl Reader<'_> {
 
     /// Refuses a ramp that leaves the range of its signal while it drives it.
     fn refuse_beyond(&self, drive: &Drive) {
-        let Source::Ramp(ramp @ Ramp { end: None, wrap: None, is_real: false, .. }) = &drive.source else { return };
-        let last = drive.end.min(self.cycles).checked_sub(drive.at.saturating_add(1));
-        let Some(n) = last.and_then(|last| ramp.first_beyond(last, drive.range)) else { return };
-        let (value, (low, high)) = (ramp.floor(n), drive.range);
+        let Source::Ramp(ramp @ Ramp { end: None, wrap: None, is_real, .. }) = &drive.source else { return };
+        let Some(last) = drive.end.min(self.cycles).checked_sub(drive.at.saturating_add(1)) else { return };
+        if *is_real {
+            let volts = ramp.at(last).to_f64();
+            if let Some(allowed) = drive.ruler.allowed_volts(volts) {
+                let (when, volts) = (moment::text(drive.at + last, self.cycle_ns), number_to_text(volts));
+                self.problems.push(drive.place, format!("{} gets to {volts} V in {when}; {allowed}", drive.name), None);
+            }
+            return;
+        }
+        let Some(n) = ramp.first_beyond(last, drive.ruler.range) else { return };
+        let (value, (low, high)) = (ramp.floor(n), drive.ruler.range);
         let when = moment::text(drive.at + n, self.cycle_ns);
         let sentence = format!("{} gets to {value} in {when}; {low}..{high} is allowed", drive.name);
-        let hint = format!("`wrap: {}` makes the ramp a counter that wraps", most_bits(drive.range));
+        let hint = format!("`wrap: {}` makes the ramp a counter that wraps", most_bits(drive.ruler.range));
         self.problems.push(drive.place, sentence, Some(hint));
     }
 
@@ -225,13 +232,18 @@ impl Reader<'_> {
             Some((_, then)) => then?,
         };
         let (name, kind, place) = (entry.name.clone(), entry.kind, item.place());
-        let range = ruler?.range;
-        Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then, range })
+        let (end, ruler) = (u64::MAX, ruler?);
+        Some(Drive { place, name, signal, kind, target, at: at?, end, source: source?, then, ruler })
     }
 
-    /// Values of a memory cell are held to its type.
+    /// Values of a memory cell are held to its type, those of an analog input to its full scale.
     fn ruler(&self, signal: Signal, target: Target) -> Ruler {
         let ruler = Ruler::of(self.names, signal);
+        if let (Target::Analog(_), Some(Object::Io(index))) =
+            (target, self.names.find(&self.names.directory.entry(signal).name))
+        {
+            return ruler.within_full_scale(self.names.config.full_scale(index));
+        }
         let Target::Memory(index) = target else { return ruler };
         let kind = self.names.config.memory.get(usize::from(index)).map(|memory| memory.kind);
         let range = kind.and_then(MemoryKind::whole_range).unwrap_or(ALL_WHOLE);
@@ -411,6 +423,11 @@ impl Reader<'_> {
         let (mean, amplitude) = (mean.to_f64(), amplitude.to_f64());
         if !(mean.abs() + amplitude.abs()).is_finite() {
             value.refuse("mean and amplitude together lie beyond what f64 holds, 1.8e308", None);
+            return None;
+        }
+        if let Some(allowed) = ruler.allowed_volts(mean.abs() + amplitude.abs()) {
+            let (least, most) = (number_to_text(mean - amplitude.abs()), number_to_text(mean + amplitude.abs()));
+            value.refuse(format!("the sine runs from {least} V to {most} V; {allowed}"), None);
             return None;
         }
         Some(Sine { mean, amplitude, period_ns: period?, cycle_ns: self.cycle_ns, is_real: ruler.kind == Type::Real })

@@ -276,9 +276,9 @@ fn input(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         value.refuse("one input and its value are expected", None);
         return None;
     };
-    let io = match names.object(key)? {
-        Object::Io(index) => names.io(index),
-        _ => None,
+    let (io, full_scale) = match names.object(key)? {
+        Object::Io(index) => (names.io(index), names.config.full_scale(index)),
+        _ => (None, 0.0),
     };
     match io {
         Some((IoKind::DigitalInput, place)) if names.config.is_virtual_input(place) => {
@@ -292,7 +292,8 @@ fn input(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         }
         Some((IoKind::AnalogInput, place)) => {
             let signal = names.signal(key)?;
-            Ruler::of(names, signal).read(level).map(|volts| Injection::Analog { place, volts: volts.to_f64() })
+            let volts = Ruler::of(names, signal).within_full_scale(full_scale).read(level)?;
+            Some(Injection::Analog { place, volts: volts.to_f64() })
         }
         _ => {
             key.refuse(format!("{} is no input", key.peek().unwrap_or_default()), None);

@@ -126,6 +126,7 @@ impl Probe {
             mask: None,
             row: None,
             range: ruler::ALL_WHOLE,
+            full_scale: None,
         };
         if theirs.measure != mine.measure {
             if has_no_unit {

@@ -30,6 +30,8 @@ pub(super) struct Ruler {
     pub row: Option<&'static Row>,
     /// Minimum and maximum of whole numbers.
     pub range: (i64, i64),
+    /// Full scale of a voltage that is bounded (V).
+    pub full_scale: Option<f64>,
 }
 
 /// The range of whole numbers without narrower bounds.
@@ -48,6 +50,7 @@ impl Ruler {
             mask: None,
             row: None,
             range: ALL_WHOLE,
+            full_scale: None,
         }
     }
 
@@ -69,18 +72,32 @@ impl Ruler {
             mask: None,
             row: Some(row),
             range: ALL_WHOLE,
+            full_scale: None,
         }
     }
 
     /// Positions of an object of that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
         let (kind, measure) = (Type::Int, Measure::Position);
-        Self { kind, measure, scale: Some(scale), is_code: false, mask: None, row: None, range: ALL_WHOLE }
+        let scale = Some(scale);
+        Self { kind, measure, scale, is_code: false, mask: None, row: None, range: ALL_WHOLE, full_scale: None }
     }
 
     /// Returns the same with other bounds of whole numbers.
     pub(super) fn within(self, range: (i64, i64)) -> Self {
         Self { range, ..self }
+    }
+
+    /// Returns the same for an analog input or output that reaches so far (V).
+    pub(super) fn within_full_scale(self, volts: f64) -> Self {
+        Self { full_scale: Some(volts), ..self }
+    }
+
+    /// The range of its voltage in a sentence, if a value lies beyond it.
+    pub(super) fn allowed_volts(&self, volts: f64) -> Option<String> {
+        // The least number of 16 bits, 8000h, is one step beyond the negative full scale.
+        let full = self.full_scale.filter(|full| volts.abs() > full * (32768.0 / 32767.0))?;
+        Some(format!("-{full} V to {full} V is allowed"))
     }
 
     /// Has it an order, so that more and less have a meaning?
@@ -97,7 +114,14 @@ impl Ruler {
             return read_bits(value, mask).map(Number::Int);
         }
         match self.kind {
-            Type::Real => self.read_real(value).map(Number::Real),
+            Type::Real => {
+                let real = self.read_real(value)?;
+                if let Some(allowed) = self.allowed_volts(real) {
+                    value.refuse(format!("{} is {} V; {allowed}", value.label(), number_to_text(real)), None);
+                    return None;
+                }
+                Some(Number::Real(real))
+            }
             Type::Enum(names) if value.is_integer() => value.integer(0..=names.len() as i64 - 1).map(Number::Int),
             Type::Enum(names) => {
                 let choices: Vec<_> = names.iter().copied().zip(0_i64..).collect();

@@ -95,6 +95,32 @@ fn ramp_with_wrap_counts_on_as_a_counter_of_that_many_bits() {
     assert_eq!(driven("belt.count", 3, "ramp: {from: 7, per_cycle: 1, wrap: 4}"), ["7", "-8", "-7"]);
 }
 
+/// Without full_scale an analog input reaches 10 V to either side.
+#[test]
+fn a_voltage_that_an_analog_input_never_has_is_refused() {
+    let bad = |entry: &str| problem("drive", entry);
+    let range = "-10 V to 10 V is allowed";
+    assert_eq!(bad("{signal: level, values: [1, ^12 V]}"), format!("values[1] is 12 V; {range}"));
+    assert_eq!(bad("{signal: level, values: [^-10.01]}"), format!("values[0] is -10.01 V; {range}"));
+    assert_eq!(bad("{signal: level, ramp: {from: ^11, per_cycle: 0}}"), format!("from is 11 V; {range}"));
+    assert_eq!(bad("{signal: level, ramp: {per_cycle: 1, until: ^12}}"), format!("until is 12 V; {range}"));
+    assert_eq!(
+        bad("{signal: level, sine: ^{mean: 8, amplitude: -2.5, period: 1 s}}"),
+        format!("the sine runs from 5.5 V to 10.5 V; {range}")
+    );
+    // 99 times 0.125 V; with 80 cycles it ends at 9.875 V.
+    assert_eq!(
+        bad("^{signal: level, ramp: {per_cycle: 0.125}}"),
+        format!("level gets to 12.375 V in cycle 99 (0.099 s); {range}")
+    );
+    assert_eq!(driven("level", 80, "ramp: {per_cycle: 0.125}").pop().as_deref(), Some("9.875"));
+    // Both ends, and 8000h of 16 bits: -32768 / 32767 of 10 V.
+    let ends = driven("level", 3, "values: [10 V, -10, -10.000305]");
+    assert_eq!(ends, ["10.0", "-10.0", "-10.000305"]);
+    let inject = problem("steps", "{at: 1, do: {inject: {input: {level: ^12 V}}}}");
+    assert_eq!(inject, format!("level is 12 V; {range}"));
+}
+
 #[test]
 fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
     let bad = |entry: &str| problem("drive", entry);

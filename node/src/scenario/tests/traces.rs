@@ -4,14 +4,14 @@ use super::*;
 
 #[test]
 fn a_trace_is_exact_to_the_byte() {
-    let text = "scenario: s\ncycles: 3\ntrace: [level, feed, line.state, 'line.command.v*']\n\
-                drive: [{signal: level, values: [0.1, -1e-9, 123456789012345680000]}, {signal: feed, at: 1, values: [-5]}]";
+    let text = "scenario: s\ncycles: 3\ntrace: [gain, feed, line.state, 'line.command.v*']\n\
+                drive: [{signal: gain, values: [0.1, -1e-9, 123456789012345680000]}, {signal: feed, at: 1, values: [-5]}]";
     assert_eq!(
         trace(text),
-        "cycle,time_s,level,feed,line.state,line.command.velocity\n\
-         0,0,0.1,7,1,0.0\n\
-         1,0.001,-1e-9,-5,1,0.0\n\
-         2,0.002,1.2345678901234568e20,-5,1,0.0\n"
+        "cycle,time_s,feed,gain,line.state,line.command.velocity\n\
+         0,0,7,0.1,1,0.0\n\
+         1,0.001,-5,-1e-9,1,0.0\n\
+         2,0.002,-5,1.2345678901234568e20,1,0.0\n"
     );
 }
 
