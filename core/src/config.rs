@@ -243,6 +243,8 @@ pub struct GlobalConfig {
     pub virtual_inputs: Vec<VirtualInput>,
     /// Full scales that the cell gives.
     pub full_scales: Vec<FullScale>,
+    /// Entries of section `encoders`, and axes for the encoders of their drives, that give no index pulses.
+    pub without_index: Vec<Object>,
 }
 
 impl GlobalConfig {
