@@ -727,10 +727,9 @@ fn check_in_cell(wires: &Wires, row: &Description, place: u16, value: i64) -> Re
     let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
     let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
     match (row.kind, field.name) {
-        (Kind::Sidiff | Kind::Fgen, "aw_mask") => match (wires.axes..LINES).find(|bit| value >> bit & 1 == 1) {
-            Some(_) => Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64)),
-            None => Ok(()),
-        },
+        (Kind::Sidiff | Kind::Fgen, "aw_mask") if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
+            Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
+        }
         (Kind::Sidiff, "display_aw") if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
         (Kind::Ecopy, "value_e1_0" | "value_e1_1")
             if matches!(wires.sink, Sink::Analog(..)) && value.saturating_abs() > wires.full_scale =>
