@@ -141,7 +141,9 @@ steps:
     let shown = drives.shown(1);
     assert!(shown.is_enabled() && shown.velocity == 10_000, "an emergency message stops nothing: {shown:?}");
     drives.tell("warning 1 0");
-    drives.tell("emcy_clear 1");
+    for command in ["emcy_clear 1", "emcy_clear 4"] {
+        drives.tell(command);
+    }
     let (mut errors, mut readies) = ([0, 0], 3);
     for Fault { axis, node, begin, end, is_lost, time, .. } in &FAULTS {
         run.until(&mut drives, *node, "it moves", |shown| shown.velocity == 10_000);
@@ -170,6 +172,10 @@ steps:
     let log = run.passes();
     assert_eq!(drives.shown(2).position, 130_000);
     assert_eq!(log.matches("ready after").count(), readies, "each is configured once: {log}");
+    // Each emergency message is a line when it comes, and one when it is over.
+    let over = "sends emergency 0000h (no error), register 00h";
+    assert!(log.contains(&format!("INFO x: the drive {over}")), "{log}");
+    assert_eq!(log.matches(&format!("INFO machine: node 4, no drive of the cell, {over}")).count(), 1, "{log}");
 }
 
 /// All drives are lost with the way to them: error 89 each. The program reaches them again by itself, configures them again, and they move once

@@ -70,8 +70,9 @@ steps:
         ("lamp=1 q=1", "no output is called `q`; there are alarm, moves, brake, clamp, lamp, speed"),
         ("clear=1", "no output is called `clear`; there are alarm, moves, brake, clamp, lamp, speed"),
         ("speed=2.5 lamp=2", "lamp is `2`; 0 or 1 is expected"),
-        ("lamp=1 speed=nan", "speed is `NaN`; a finite number of V is expected"),
-        ("speed=inf", "speed is `inf`; a finite number of V is expected"),
+        ("lamp=1 speed=nan", "speed is `NaN`; -10 V to 10 V is expected"),
+        ("speed=12", "speed is `12`; -10 V to 10 V is expected"),
+        ("speed=inf", "speed is `inf`; -10 V to 10 V is expected"),
         ("lamp=1 lamp=1", "output `lamp` stands twice; once is allowed"),
         ("lamp=1 speed", "outputs holds 2, values 1; as many of both are needed"),
         ("lamp=1 brake=1", "brake: 1 may not be set, nor any value: lift switches this output by itself"),
@@ -80,7 +81,7 @@ steps:
     }
     let seen = node.cyclone.run("events /lineshaft --seconds 0.3");
     let refused = seen.all().iter().filter(|one| one["message"]["kind"] == "refused").count();
-    assert_eq!(refused, 9, "each refusal is an event: {seen:?}");
+    assert_eq!(refused, 10, "each refusal is an event: {seen:?}");
     assert_eq!(node.states(), ["STANDSTILL", "STANDSTILL"], "what is refused sets nothing");
     node.cyclone.run("set-output /lineshaft lamp=1 speed=2.5 alarm=1");
     node.cyclone.run("events /lineshaft --until error --seconds 10");

@@ -227,6 +227,15 @@ pub struct VirtualInput {
     pub output: u16,
 }
 
+/// Full scale of an analog input or output; 10 V of one without an entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FullScale {
+    /// The input or output, by its place in section `io`.
+    pub entry: u16,
+    /// (V), above 0; its range is that to either side.
+    pub volts: f64,
+}
+
 /// What is not of an axis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct GlobalConfig {
@@ -238,6 +247,10 @@ pub struct GlobalConfig {
     pub filters: Vec<FilterConfig>,
     /// Digital inputs that read an output.
     pub virtual_inputs: Vec<VirtualInput>,
+    /// Full scales that the cell gives.
+    pub full_scales: Vec<FullScale>,
+    /// Entries of section `encoders`, and axes for the encoders of their drives, that give no index pulses.
+    pub without_index: Vec<Object>,
 }
 
 impl GlobalConfig {

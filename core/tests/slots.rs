@@ -3,14 +3,15 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::command::{Action, Command, CommandFunction, Commands, Source};
 use lineshaft_core::config::{
-    EncoderConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig, MemoryKind, ProgramConfig, SinkConfig,
-    SlotConfig, SourceConfig, TableConfig,
+    AxisConfig, EncoderConfig, IoConfig, IoKind, Line, MachineConfig, MemoryConfig, MemoryKind, ProgramConfig,
+    SinkConfig, SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::encoder::Form;
 use lineshaft_core::function::{Kind, Need, Order, Room, TYPES};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::{Leader, Object};
+use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::unit::Scale;
 use lineshaft_program::Module;
@@ -157,8 +158,13 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
         interpolate(&mut slot, numbers.below(4) as usize);
         slot
     });
+    let axis = |name: &str| {
+        AxisConfig::new(name.into(), Scale::increments(), None, AxisParameters::new(1_000_000.0, 10_000_000.0))
+    };
     MachineConfig {
         cycle_ns: 1_000_000,
+        // Those of bits 0 and 1 of a mask.
+        axes: ["a", "b"].map(axis).into(),
         slots: slots.collect(),
         programs: vec![ProgramConfig { name: "wild".into(), module: Arc::new(wild) }],
         io: (0..4).map(io).collect(),

@@ -48,16 +48,18 @@ pub(crate) struct Shop {
     outputs: Outputs,
 }
 
+/// An axis of 1 m/s with 1 um to an increment.
+fn axis(index: u16, drive: Option<Capabilities>) -> AxisConfig {
+    let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
+    let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
+    AxisConfig::new(format!("a{index}"), scale, drive, AxisParameters::new(1e6, 1e7))
+}
+
 impl Shop {
     /// So many axes, of which the first `leaders` have no drive; the drives are not there yet.
     pub(crate) fn new(leaders: u16, axes: u16) -> Self {
-        let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
-        let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
-        let axis = |index: u16| {
-            let drive = (index >= leaders).then(|| Capabilities::all(0));
-            AxisConfig::new(format!("a{index}"), scale, drive, AxisParameters::new(1e6, 1e7))
-        };
-        let axes = (0..axes).map(axis).collect();
+        let drive = |index| (index >= leaders).then(|| Capabilities::all(0));
+        let axes = (0..axes).map(|index| axis(index, drive(index))).collect();
         Self::of(MachineConfig { cycle_ns: 1_000_000, axes, ..MachineConfig::default() })
     }
 

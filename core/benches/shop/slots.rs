@@ -1,6 +1,6 @@
 //! Slots of one type, as many as are asked for.
 
-use super::Shop;
+use super::{Shop, axis};
 use lineshaft_core::command::{Action, CommandFunction};
 use lineshaft_core::config::{
     EncoderConfig, IoConfig, IoKind, Line, MachineConfig, ProgramConfig, SinkConfig, SlotConfig, SourceConfig,
@@ -126,8 +126,11 @@ fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop
     };
     let belt =
         EncoderConfig { name: "belt".into(), form: Form::Incremental(16), check: None, scale: Scale::increments() };
+    // Those of bits 0 and 1 of aw_mask; other types need none.
+    let axes = if row.find("aw_mask").is_some() { 2 } else { 0 };
     let config = MachineConfig {
         cycle_ns: 1_000_000,
+        axes: (0..axes).map(|index| axis(index, None)).collect(),
         io: vec![IoConfig { name: "e1".into(), kind: IoKind::DigitalInput, latch: false }],
         encoders: vec![belt],
         tables: [("t", table), ("c", curve)]

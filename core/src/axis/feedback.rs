@@ -15,6 +15,7 @@ use crate::code::Code;
 use crate::drive::{DriveInput, EncoderInput};
 use crate::encoder::{COUNT, Encoder, Form, Lead, PulseCheck, Pulses, Reader};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
+use crate::object::Object;
 use crate::parameter::{AxisParameters, Row};
 use crate::position::Position;
 use crate::vocabulary::Notice;
@@ -303,6 +304,14 @@ impl Axis {
     /// The place of the index pulse of this cycle, of whatever encoder it reads.
     pub(super) fn index_of_cycle(&self) -> Option<Position> {
         self.sensor.marked.then_some(self.index.1)
+    }
+
+    /// What gives its index pulses: the entry of section `encoders` that it reads, or else its drive, by the axis.
+    pub fn index_source(&self) -> Object {
+        match self.sensor.source {
+            Source::Encoder(place) => Object::Encoder(place),
+            Source::Drive(_) | Source::Simulated => Object::Axis(self.setup.index),
+        }
     }
 
     /// Where monitoring is selected (MD41), the index watches the pulses (WF-MON-02).

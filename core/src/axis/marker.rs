@@ -215,23 +215,25 @@ fn number_of(leader: Leader) -> Option<u16> {
 }
 
 impl Axis {
-    /// Is there what is to give marks? `has_index`: what leads has an index pulse; `latches`: of an input by its number, none where there is none.
+    /// Is there what is to give marks? `has_index`: what leads, and what the axis reads, has an index pulse; `latches`: of an input by its number,
+    /// none where there is none.
     ///
     /// # Errors
     /// What there is not.
     pub fn check_marks(
         &self,
         (mode, leader, slave_factor): (SyncMode, Leader, i64),
-        has_index: bool,
+        has_index: [bool; 2],
         latches: impl Fn(u16) -> Option<bool>,
     ) -> Result<(), Refusal> {
         let marks = &self.parameters.marks;
         if mode == SyncMode::Marker {
             self.check_marks_of_gear(slave_factor)?;
         }
-        let own_index = !self.is_virtual() && self.check_zero_moves().is_ok();
+        let [leads_index, own_index] = has_index;
+        let own_index = own_index && !self.is_virtual() && self.check_zero_moves().is_ok();
         let own = Some(self.setup.index);
-        let sides = [(marks.master_type, number_of(leader), has_index, 0), (marks.slave_type, own, own_index, 1)];
+        let sides = [(marks.master_type, number_of(leader), leads_index, 0), (marks.slave_type, own, own_index, 1)];
         for (number, encoder, has_index, side) in sides {
             // The other side of a cam is the cam.
             if mode == SyncMode::MasterMarker && side == 1 || mode == SyncMode::SlaveMarker && side == 0 {

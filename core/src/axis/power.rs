@@ -174,19 +174,22 @@ impl Axis {
         failure.with(Number::Count(shown.to_number()), Number::Time(limit))
     }
 
-    /// A drive that repeats itself is told once a second, and one that says this and that eight times.
+    /// A drive that repeats itself is told once a second, and one that says this and that eight times. The end (code 0) of what was told is always
+    /// told.
     fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
-        let told = self.watch.emergency.filter(|(last, _)| *last == code);
-        if told.is_some_and(|(_, cycle)| !self.is_time_to_tell(cx.cycle, cycle)) {
+        let last = self.watch.emergency;
+        let ends = code == 0 && last.is_some_and(|(last, _)| last != 0);
+        if last.is_some_and(|(last, cycle)| last == code && !self.is_time_to_tell(cx.cycle, cycle)) {
             return;
         }
         let (since, count) = self.watch.emergencies;
         let (since, count) = if self.is_time_to_tell(cx.cycle, since) { (cx.cycle, 0) } else { (since, count) };
-        if count >= MOST_EMERGENCIES {
+        if !ends && count >= MOST_EMERGENCIES {
             return;
         }
-        (self.watch.emergency, self.watch.emergencies) = (Some((code, cx.cycle)), (since, count + 1));
+        let count = if ends { count } else { count.saturating_add(1) };
+        (self.watch.emergency, self.watch.emergencies) = (Some((code, cx.cycle)), (since, count));
         let told = Number::Count(i64::from(code) | i64::from(register) << 16);
         let data = Number::Count(i64::from_le_bytes([a, b, c, d, e, 0, 0, 0]));
         // Code 0 says that an error is over.

@@ -246,9 +246,9 @@ codes! {
 
     /// A value that an output cannot have.
     OUTPUT_VALUE = 10345, NoError {
-        says: "{plain} is no value of this output; 0 and 1 of a do, a finite number of V of an ao are",
+        says: "{plain} is no value of this output; 0 and 1 of a do, -{bound} V to {bound} V of an ao are",
         cause: "An output was to have a value that it cannot have.",
-        remedy: "Give 0 or 1 to digital outputs, a voltage to analog ones.",
+        remedy: "Give 0 or 1 to digital outputs, a voltage within full_scale, or within 10 V, to analog ones.",
     }
 
     /// What is to be set is no output.

@@ -276,7 +276,7 @@ codes! {
     MARK_NO_INDEX = 10038, NoError {
         says: "",
         cause: "syncmtypm or syncmtyps asks for the index pulse of something that has none, or for its falling edge.",
-        remedy: "Use an input (2, 3 and its number), or an incremental encoder as the master and type 0.",
+        remedy: "Use an input (2, 3 and its number), or type 0 and an incremental encoder with key index, a drive with sim: {index: ..} or, on CAN, with probe_1 or probe_2: index.",
     }
 
     /// A start by marks that does not exist.

@@ -469,7 +469,8 @@ codes! {
         cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
         remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
             dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767. \
-            epos: stop_decel no less than acceleration; with bit 1 of `ba` 1 to 9 ms between two calls, sf_cycle 2 to 18.",
+            epos: stop_decel no less than acceleration; with bit 1 of `ba` 1 to 9 ms between two calls, sf_cycle 2 to 18. \
+            ecopy: values for an analog output within its full scale (mV). sidiff: display_aw within the axes of the cell.",
     }
 
     /// Fewer tables than a set counts.
@@ -813,5 +814,12 @@ codes! {
         says: "{asked} outputs do not fit behind the first one; {limit} do",
         cause: "The first output of an apsf and `out_bits` from there on go beyond A8 (A-32).",
         remedy: "Wire the first output further in front, or let the program write fewer.",
+    }
+
+    /// A bit of an axis that the cell does not have.
+    AMK_NO_AXIS = 3104, NoError {
+        says: "{asked} has a bit of an axis that the cell does not have; it has {limit}",
+        cause: "aw_mask of sidiff or fgen has a bit of an axis that the cell does not have.",
+        remedy: "Leave the bit out: bit n-1 is the n-th axis of the cell.",
     }
 }

@@ -4,7 +4,7 @@
 //! Source   contract section 3
 
 use super::{AnalogProblem, AxisConfig, ConfigError, IoKind, MachineConfig};
-use crate::drive::{AnalogWiring, Interface, LONGEST_ENABLE_NS, SpeedOutputs};
+use crate::drive::{AnalogWiring, FULL_VOLTS, Interface, LONGEST_ENABLE_NS, SpeedOutputs};
 
 impl MachineConfig {
     /// Are the inputs and outputs of an axis of the right kind, and its own alone?
@@ -57,6 +57,12 @@ impl MachineConfig {
             return refuse(AnalogProblem::Ready);
         }
         Ok(())
+    }
+
+    /// Returns the full scale of an analog input or output by its place in section `io` (V): its range is that to either side.
+    pub fn full_scale(&self, entry: u16) -> f64 {
+        let given = self.global.full_scales.iter().find(|given| given.entry == entry);
+        given.map_or(FULL_VOLTS, |given| given.volts)
     }
 
     /// The axis that switches an output by itself, so that nobody else may; by its place in section `io`.

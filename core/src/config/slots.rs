@@ -375,7 +375,7 @@ impl MachineConfig {
             }
             SourceConfig::Signal(name) => Source::Signal(word(name).ok_or(SlotProblem::Place("source"))?),
         };
-        let mut speed = None;
+        let (mut speed, mut full_scale) = (None, 0);
         let sink = match slot.sink {
             SinkConfig::None => Sink::None,
             SinkConfig::Axis(axis) => {
@@ -393,6 +393,7 @@ impl MachineConfig {
                 Cell::Bit(_) => return Err(SlotProblem::Place("sink")),
             },
             SinkConfig::Output(place) => {
+                full_scale = (self.full_scale(place) * 1000.0).round() as i64;
                 Sink::Analog(self.io_place(place.into()), of_object(Object::Io(place), "sink")?)
             }
         };
@@ -428,6 +429,8 @@ impl MachineConfig {
             sink,
             sink_width: slot.sink_width,
             speed,
+            full_scale,
+            axes: self.axes.len(),
             lines: (wired(&inputs), wired(&outputs)),
             inputs,
             outputs,

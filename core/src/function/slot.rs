@@ -14,7 +14,7 @@ mod programs;
 use self::programs::{first_output, module};
 use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
-use super::kind::{Description, Quantity};
+use super::kind::{Description, Kind, Quantity};
 use super::notice::Notice;
 use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
@@ -287,6 +287,7 @@ impl Slot {
         tried.copy_from_slice(&self.staged);
         for &(place, value) in values {
             check_range(row, place, value)?;
+            check_in_cell(wires, row, place, value)?;
             if let Some(word) = tried.get_mut(usize::from(place)) {
                 *word = value;
             }
@@ -294,7 +295,7 @@ impl Slot {
         let setting = self.setting(wires, found(wires, tables), Occasion::Order);
         match order {
             Order::Start => {
-                check_ranges(row, tried)?;
+                check_set(wires, tried)?;
                 self.function.check(Words(tried), &setting)?;
                 self.active.copy_from_slice(tried);
                 let is_left = self.phase == Phase::Leaving && self.function.has_leave();
@@ -309,7 +310,7 @@ impl Slot {
             }
             Order::Reset => self.reset(),
             Order::ReadValue if row.reads_at_rest => {
-                check_ranges(row, tried)?;
+                check_set(wires, tried)?;
                 if let Some((place, value)) = self.function.read(Words(tried), &setting)? {
                     self.active.copy_from_slice(tried);
                     if let Some(word) = self.active.get_mut(usize::from(place)) {
@@ -327,7 +328,7 @@ impl Slot {
 
     /// Returns an error if START would refuse the staged set of a function at rest.
     pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>]) -> Result<(), Fault> {
-        check_ranges(wires.kind.description(), &self.staged)?;
+        check_set(wires, &self.staged)?;
         self.function.check(Words(&self.staged), &self.setting(wires, found(wires, tables), Occasion::Order))
     }
 
@@ -527,7 +528,7 @@ impl Slot {
             Sink::None | Sink::Axis(..) => {}
             Sink::Memory(signal, width) => board.set_int(signal, width.cut(self.sink)),
             Sink::Real(signal) => board.set_real(signal, self.sink as f64),
-            Sink::Analog(_, signal) => board.set_real(signal, self.volts()),
+            Sink::Analog(_, signal) => board.set_real(signal, self.volts(wires)),
         }
     }
 
@@ -557,9 +558,9 @@ impl Slot {
         Setting { call_ns: wires.call_ns, tables, has_source, has_mark, first_output, occasion, runs }
     }
 
-    /// Its sink as an analog output has it (V).
-    pub(crate) fn volts(&self) -> f64 {
-        self.sink as f64 / 1000.0
+    /// Its sink as an analog output has it (V): no further than that reaches.
+    pub(crate) fn volts(&self, wires: &Wires) -> f64 {
+        self.sink.min(wires.full_scale).max(-wires.full_scale) as f64 / 1000.0
     }
 
     #[inline]
@@ -725,6 +726,34 @@ fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
         }
     }
     Ok(())
+}
+
+/// Are all values within the ranges of their fields, and does the cell have what they name?
+fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
+    let row = wires.kind.description();
+    check_ranges(row, values)?;
+    if !matches!(row.kind, Kind::Sidiff | Kind::Fgen | Kind::Ecopy) {
+        return Ok(());
+    }
+    (0_u16..).zip(values).try_for_each(|(place, value)| check_in_cell(wires, row, place, *value))
+}
+
+/// Does the cell have the axes that a value names, and does its analog output reach the value?
+fn check_in_cell(wires: &Wires, row: &Description, place: u16, value: i64) -> Result<(), Fault> {
+    let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
+    let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
+    match (row.kind, field.name) {
+        (Kind::Sidiff | Kind::Fgen, "aw_mask") if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
+            Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
+        }
+        (Kind::Sidiff, "display_aw") if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
+        (Kind::Ecopy, "value_e1_0" | "value_e1_1")
+            if matches!(wires.sink, Sink::Analog(..)) && value.saturating_abs() > wires.full_scale =>
+        {
+            Err(beyond(wires.full_scale * value.signum()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The live fields of `new` in a set that runs with `active`.

@@ -190,6 +190,10 @@ pub struct Wires {
     pub sink_width: Width,
     /// (inc/s) of one of a sink that carries the speed of an axis.
     pub speed: Option<f64>,
+    /// Range of a sink that is an analog output, to either side (mV); 0 of any other.
+    pub full_scale: i64,
+    /// How many axes the cell has.
+    pub axes: usize,
     /// E1 to E8.
     pub inputs: [Option<Input>; LINES],
     /// A1 to A8.

@@ -341,9 +341,11 @@ impl Machine {
 
     /// Do marks come that a coupling asks for?
     fn check_marks(&self, axis: &Axis, leader: Leader, request: &Synchronize) -> Result<(), Refusal> {
-        let has_index = match leader {
+        let gives = |source: Object| !self.config.global.without_index.contains(&source);
+        let leads_index = match leader {
             Leader::Encoder(place) => {
-                self.state.encoders.get(usize::from(place)).is_some_and(|encoder| !encoder.is_absolute())
+                let encoder = self.state.encoders.get(usize::from(place));
+                gives(Object::Encoder(place)) && encoder.is_some_and(|encoder| !encoder.is_absolute())
             }
             // Its mark is what vmencmtyp says, its own pulses where that names no input.
             Leader::Virtual => {
@@ -357,6 +359,7 @@ impl Machine {
             self.config.io.get(usize::from(*io)).map(|io| io.latch)
         };
         let factor = if request.numerator == 0 { axis.parameters.sync_slave } else { request.numerator };
+        let has_index = [leads_index, gives(axis.index_source())];
         axis.check_marks((request.mode, leader, factor), has_index, latches)
     }
 }

@@ -314,7 +314,7 @@ impl Machine {
                 }
             }
             match wires.sink {
-                Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts()),
+                Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts(wires)),
                 // A speed is read behind the motion, which a calm axis leaves out.
                 Sink::Axis(axis, _) if wires.speed.is_some() && slot.lead().change != Position::ZERO => {
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {

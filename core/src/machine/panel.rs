@@ -309,10 +309,13 @@ fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> R
     if let Some(slot) = config.writer(Object::Io(index)) {
         return Err(refuse(Code::FUNCTION_WRITES).with(Number::Real(value), Number::Count(slot.into())));
     }
+    let full = config.full_scale(index);
     match config.io.get(usize::from(index)).map(|io| io.kind) {
         Some(IoKind::DigitalOutput) if value == 0.0 || value == 1.0 => Ok(()),
-        Some(IoKind::AnalogOutput) if value.is_finite() => Ok(()),
-        Some(IoKind::DigitalOutput | IoKind::AnalogOutput) => Err(refuse(Code::OUTPUT_VALUE)),
+        Some(IoKind::AnalogOutput) if value.abs() <= full => Ok(()),
+        Some(IoKind::DigitalOutput | IoKind::AnalogOutput) => {
+            Err(refuse(Code::OUTPUT_VALUE).with(Number::Real(value), Number::Real(full)))
+        }
         _ => Err(refuse(Code::NO_OUTPUT)),
     }
 }

@@ -6,7 +6,7 @@ use crate::config::{IoKind, MachineConfig};
 use crate::unit::{excerpt, number_to_text};
 
 impl MachineConfig {
-    /// Outputs by name, each with its value, as a command: 0 or 1 of a digital one, else in V.
+    /// Outputs by name, each with its value, as a command: 0 or 1 of a digital one, else in V within its full scale.
     ///
     /// # Errors
     /// No name, a name that no output has or that stands twice, a value that the output cannot have.
@@ -21,12 +21,13 @@ impl MachineConfig {
             if values.iter().any(|known| known.index == index) {
                 return Err(RequestError::SetTwice { what: "output", name: name.to_owned() });
             }
+            let full = self.full_scale(index);
             let (fits, allowed) = match kind {
-                IoKind::AnalogOutput => (value.is_finite(), "a finite number of V"),
-                _ => (*value == 0.0 || *value == 1.0, "0 or 1"),
+                IoKind::AnalogOutput => (value.abs() <= full, format!("-{full} V to {full} V")),
+                _ => (*value == 0.0 || *value == 1.0, "0 or 1".to_owned()),
             };
             if !fits {
-                let (name, value, allowed) = (name.to_owned(), number_to_text(*value), allowed.to_owned());
+                let (name, value) = (name.to_owned(), number_to_text(*value));
                 return Err(RequestError::BadParameter { name, value, allowed });
             }
             // A digital output has no -0, which a recording would not keep.
@@ -53,7 +54,7 @@ impl MachineConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::IoConfig;
+    use crate::config::{FullScale, GlobalConfig, IoConfig};
 
     #[test]
     fn outputs_are_found_by_name_and_have_values_that_they_can_have() {
@@ -62,8 +63,10 @@ mod tests {
             entry("start", IoKind::DigitalInput),
             entry("speed", IoKind::AnalogOutput),
             entry("lamp", IoKind::DigitalOutput),
+            entry("brake", IoKind::AnalogOutput),
         ];
-        let config = MachineConfig { io, ..MachineConfig::default() };
+        let global = GlobalConfig { full_scales: vec![FullScale { entry: 3, volts: 5.0 }], ..GlobalConfig::default() };
+        let config = MachineConfig { io, global, ..MachineConfig::default() };
         let values = |given: &[(&str, f64)]| match config.resolve_set_output(given) {
             Ok(Action::SetOutputs(values)) => {
                 Ok(values.iter().map(|value| (value.index, value.value.to_bits())).collect::<Vec<_>>())
@@ -73,11 +76,17 @@ mod tests {
         };
         // A recording keeps -0 of a voltage, and has none of a bit.
         assert_eq!(values(&[("lamp", -0.0), ("speed", -0.0)]), Ok(vec![(2, 0), (1, (-0.0_f64).to_bits())]));
+        // The full scale itself is in the range.
+        assert_eq!(values(&[("speed", -10.0), ("brake", 5.0)]).map(|values| values.len()), Ok(2));
         for (given, sentence) in [
-            (&[("start", 1.0)][..], "no output is called `start`; there are speed, lamp"),
+            (&[("start", 1.0)][..], "no output is called `start`; there are speed, lamp, brake"),
             (&[("lamp", 0.5)], "lamp is `0.5`; 0 or 1 is expected"),
             (&[("lamp", f64::NAN)], "lamp is `NaN`; 0 or 1 is expected"),
-            (&[("speed", f64::NEG_INFINITY)], "speed is `-inf`; a finite number of V is expected"),
+            (&[("speed", f64::NEG_INFINITY)], "speed is `-inf`; -10 V to 10 V is expected"),
+            (&[("speed", f64::NAN)], "speed is `NaN`; -10 V to 10 V is expected"),
+            (&[("speed", 12.0)], "speed is `12`; -10 V to 10 V is expected"),
+            (&[("speed", -10.5)], "speed is `-10.5`; -10 V to 10 V is expected"),
+            (&[("brake", 5.5)], "brake is `5.5`; -5 V to 5 V is expected"),
             (&[("lamp", 1.0), ("speed", 1.0), ("lamp", 1.0)], "output `lamp` stands twice; once is allowed"),
             (&[], "no output is named; one or more, each with a value, are expected"),
         ] {

@@ -37,8 +37,21 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
 /// A value beyond a bound that the other fields leave: on which side, and the bound.
 fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
     let (Number::Count(asked), Number::Count(bound)) = (event.asked, event.limit) else { return None };
+    if field(event, config).is_some_and(|field| field.name.starts_with("value_e1_")) {
+        let most = bound.saturating_abs();
+        let text = format!("{asked} mV exceeds the full scale of the analog output; -{most} to {most} mV is allowed");
+        return Some(of_field(event, config, text));
+    }
     let side = if asked < bound { "is below the minimum" } else { "exceeds the maximum" };
     Some(of_field(event, config, format!("{asked} {side} {bound}")))
+}
+
+/// A mask with a bit of a missing axis: which bit, and how many axes there are.
+fn no_axis(event: &Event, config: &MachineConfig) -> Option<String> {
+    let (Number::Count(mask), Number::Count(axes)) = (event.asked, event.limit) else { return None };
+    let bit = (axes.max(0)..i64::from(i64::BITS)).find(|bit| mask >> bit & 1 == 1)?;
+    let is = if axes == 1 { "1 axis".to_owned() } else { format!("{axes} axes") };
+    Some(of_field(event, config, format!("{mask} has bit {bit} for axis {}; the cell has {is}", bit + 1)))
 }
 
 /// A mode that a type does not have, with those that it has.
@@ -125,6 +138,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> Option<String> {
         Code::FUNCTION_RANGE => Some(out_of_range(event, config)),
         Code::AMK_BEYOND => beyond(event, config),
         Code::AMK_NO_MODE => no_mode(event, config),
+        Code::AMK_NO_AXIS => no_axis(event, config),
         Code::FUNCTION_USES_TABLE => Some(uses_table(event, config)),
         Code::FUNCTION_WRITES => Some(writes(event, config)),
         Code::FUNCTION_TABLE_FORM => Some(other_form(event)),

@@ -104,8 +104,8 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             asked()
         ),
         Code::MARK_NO_INDEX => format!(
-            "{} {} asks for an index pulse that there is not: type 0 is that of an incremental encoder or of the drive of the axis, and its \
-             place is one; 2 and 3 are edges of an input",
+            "{} {} asks for an index pulse that there is not: type 0 is that of an incremental encoder with key index, or of the drive of the axis \
+             with sim: {{index: ..}}, on CAN with probe_1 or probe_2: index, and its place is one; 2 and 3 are edges of an input",
             mark_key(event.limit),
             asked()
         ),

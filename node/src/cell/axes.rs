@@ -19,6 +19,7 @@ use super::parameters;
 use super::scale::Travel;
 use super::wiring;
 use crate::document::{Allowed, Value};
+use lineshaft_can::drive::probe::Probe;
 use lineshaft_core::axis::{
     ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read,
     may_tell_sign,
@@ -52,6 +53,16 @@ pub(super) struct Driven {
     pub on_can: Option<CellDrive>,
     /// No bus of its backend knows it.
     pub is_off_bus: bool,
+}
+
+impl Driven {
+    /// Does its encoder give index pulses: on CAN those that a touch probe catches, of any other those of the simulation?
+    pub(super) fn has_index(&self) -> bool {
+        match &self.on_can {
+            Some(drive) => drive.probes.contains(&Some(Probe::Index)),
+            None => self.simulated.1.fixtures.index.is_some(),
+        }
+    }
 }
 
 /// What may stand once in all axes.

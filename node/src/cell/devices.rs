@@ -9,7 +9,9 @@ use super::terminals::{CellTerminal, FULL_SCALE, Kind};
 use super::times::time;
 use super::wiring;
 use crate::document::{Allowed, Map, Value};
-use lineshaft_core::config::{EncoderConfig, FilterConfig, IoConfig, IoKind, MemoryConfig, MemoryKind, VirtualInput};
+use lineshaft_core::config::{
+    EncoderConfig, FilterConfig, FullScale, IoConfig, IoKind, MemoryConfig, MemoryKind, VirtualInput,
+};
 use lineshaft_core::encoder::Form;
 use lineshaft_core::unit::Dimension;
 
@@ -48,6 +50,8 @@ pub(super) struct Io<'d> {
     pub on_can: Vec<CellTerminal>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
+    /// Of the analog ones on CAN.
+    pub full_scales: Vec<FullScale>,
     /// What digital inputs see in the simulation.
     pub marks: Vec<marks::Given<'d>>,
 }
@@ -69,11 +73,11 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
     let mut taken = Once::new();
-    let (mut filters, mut outputs, mut inputs) = (Vec::new(), Vec::new(), 0);
+    let (mut filters, mut outputs, mut full_scales, mut inputs) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let mut marks = Vec::new();
     let mut terminals = Vec::with_capacity(entries.len());
     let (mut on_can, mut counts) = (Vec::new(), [0; IO_KINDS.len()]);
-    let read = entries.iter().map(|entry| {
+    let read = entries.iter().enumerate().map(|(place, entry)| {
         let terminal = one_io(entry, cx, &mut taken);
         terminals.push(terminal.as_ref().and_then(|terminal| terminal.at));
         let Terminal { io, filter, output, at, full_scale, sim } = terminal?;
@@ -86,6 +90,10 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
             at,
             index,
         }));
+        let is_analog = matches!(io.kind, IoKind::AnalogInput | IoKind::AnalogOutput);
+        if is_analog && at.is_some_and(|at| is_on_can(at, cx)) {
+            full_scales.extend(u16::try_from(place).map(|entry| FullScale { entry, volts: full_scale }));
+        }
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
         outputs.extend(output.map(|(output, value)| (VirtualInput { input: inputs, output }, value)));
         marks.extend(sim.map(|value| marks::Given { value, input: inputs, latch: io.latch, at }));
@@ -101,7 +109,7 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
         }
         read
     });
-    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters, marks }
+    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters, marks, full_scales }
 }
 
 fn is_on_can(at: Hardware, cx: &Context<'_>) -> bool {

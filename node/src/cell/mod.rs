@@ -322,13 +322,25 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let axes = axes::read(&cx, entries, named, outputs, &slots.chains);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, io));
     let groups = groups::read(&cx);
-    let devices::Io { entries: io, terminals, on_can: mut terminals_on_can, filters, virtual_inputs, marks } = of_io;
+    let devices::Io {
+        entries: io,
+        terminals,
+        on_can: mut terminals_on_can,
+        filters,
+        virtual_inputs,
+        full_scales,
+        marks,
+    } = of_io;
     terminals_on_can.extend(encoders_on_can);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
     let (mut configs, mut joints) = (Vec::new(), Vec::new());
     let (mut firsts, mut seconds) = (Vec::new(), Vec::new());
-    for axes::Axis { config, joint, first, second } in axes {
+    let mut without_index = Vec::new();
+    for (place, axes::Axis { config, joint, first, second }) in axes.into_iter().enumerate() {
+        if first.as_ref().is_none_or(|drive| !drive.has_index()) {
+            without_index.extend(u16::try_from(place).map(Object::Axis));
+        }
         configs.push(config);
         joints.push(joint);
         firsts.push(first);
@@ -338,6 +350,11 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         |drives: &[Option<axes::Driven>]| drives.iter().map(|drive| drive.as_ref().map(|drive| drive.at)).collect();
     let (hardware, second_hardware): (Vec<_>, Vec<_>) = (places(&firsts), places(&seconds));
     let drives: Vec<axes::Driven> = firsts.into_iter().chain(seconds).flatten().collect();
+    for (place, encoder) in encoders.iter().enumerate() {
+        if encoder.as_ref().is_some_and(|encoder| encoder.check.is_none()) {
+            without_index.extend(u16::try_from(place).map(Object::Encoder));
+        }
+    }
     let machine = MachineConfig {
         cycle_ns: cycle_ns?,
         io: io.into_iter().collect::<Option<_>>()?,
@@ -349,7 +366,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         masters: masters.into_iter().collect::<Option<_>>()?,
         axes: configs,
         safety: safety?,
-        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs },
+        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs, full_scales, without_index },
     };
     functions::check_signals(&slots.open, &machine.directory());
     functions::check_axes(&cx, &machine);

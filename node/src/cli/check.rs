@@ -1,6 +1,7 @@
 //! `lineshaft check`.
 
 mod functions;
+mod marks;
 
 use super::{CheckArgs, Exit, say};
 use crate::cell::{Cell, left_out_of, load_of};
@@ -117,6 +118,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
     warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
+    warnings.extend(marks::judge(&cell.machine));
     warnings.extend(graph::circles(&cell.machine));
     warnings
 }

@@ -358,6 +358,8 @@ impl Host for Handle {
 enum Line {
     /// Who has what to tell.
     Event(Object, Code),
+    /// That it is over.
+    Over(Object, Code),
     SamplesLeftOut,
 }
 
@@ -485,7 +487,10 @@ impl Bridge {
 fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     let event = &event.event;
     let sentence = || text::sentence(event, &handle.config);
-    let say = |line: fn(String)| lines.say(Line::Event(event.source, event.code), |more| line(sentence() + more));
+    // An emergency message with code 0: what was told as a warning is over.
+    let is_over = event.severity == Severity::Info && matches!(event.code, Code::EMERGENCY | Code::FOREIGN_EMERGENCY);
+    let kind = if is_over { Line::Over } else { Line::Event };
+    let say = |line: fn(String)| lines.say(kind(event.source, event.code), |more| line(sentence() + more));
     match (event.severity, event.kind) {
         (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),
@@ -496,6 +501,7 @@ fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
         (Severity::Warn, _) if is_told(event) => say(|line| tracing::warn!(target: TOLD, "{line}")),
         (Severity::Warn, _) => say(|line| tracing::warn!("{line}")),
         (Severity::Info, Kind::Reset) => say(|line| tracing::info!("{line}")),
+        (Severity::Info, _) if is_over => say(|line| tracing::info!("{line}")),
         (Severity::Info, _) => tracing::debug!("{}", sentence()),
     }
 }

@@ -243,6 +243,22 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     assert_eq!((events.len(), events[3].severity), (4, Severity::Info), "an error that is over");
 }
 
+/// Of nine errors within a second eight are told. That they are over is told all the same, and once.
+#[test]
+fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
+    let mut rig = Rig::enabled();
+    rig.tamper = |inputs| {
+        let code = 0x8100 + (inputs.cycle % 9) as u16;
+        inputs.drive[0].emergency = Some(Emergency { code, register: 1, data: [0; 5] });
+    };
+    rig.run(20);
+    assert_eq!(told(&rig, Code::EMERGENCY).len(), 8);
+    rig.tamper = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
+    rig.run(20);
+    let events = told(&rig, Code::EMERGENCY);
+    assert_eq!((events.len(), events[8].severity), (9, Severity::Info));
+}
+
 /// A drive that says another thing in each cycle: eight of them in a second, in the three seconds that are touched here.
 #[test]
 fn emergency_messages_of_many_kinds_flood_nothing() {

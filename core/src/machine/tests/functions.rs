@@ -474,6 +474,28 @@ fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
     );
 }
 
+/// An output reaches 10 V: a given value beyond that is refused, one that a source brings is held to it.
+#[test]
+fn an_ao_as_sink_gets_no_more_than_its_full_scale() {
+    let mut slot = slot("e", 0, Type::Ecopy);
+    (slot.source, slot.sink) = (SourceConfig::Signal("d".into()), SinkConfig::Output(2));
+    let mut rig = Rig::of(cell(vec![slot]));
+    let range = "mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed";
+    for (place, key, value) in [(1, "value_e1_0", 12_000), (2, "value_e1_1", -10_001)] {
+        for command in [Order::Stage, Order::Start] {
+            let refused = rig.give(with(0, command, &[(place, value)]));
+            assert_eq!(rig.refusal(refused), format!("e: {key}: {value} {range}"));
+        }
+    }
+    let started = rig.give(with(0, Order::Start, &[(1, 10_000), (2, -10_000)]));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    for (value, volts) in [(9_999.0, 9.999), (12_000.0, 10.0), (-2e9, -10.0), (5_000.0, 5.0)] {
+        rig.give(Action::set_memory(1, value));
+        rig.run(1);
+        assert_eq!((rig.outputs().analog[0], rig.real("aa"), rig.int("e.sink")), (volts, volts, value as i64));
+    }
+}
+
 /// Proves: AMK-GEN-01, AMK-BCOM-01, AMK-INIT-04, AMK-BCOM-11, AMK-CTX-11
 #[test]
 fn a_slot_is_called_in_each_nth_cycle_from_its_start_on() {

@@ -398,6 +398,30 @@ fn index_pulses_are_marks() {
     assert!((way - 300).abs() <= 1, "{way}");
 }
 
+/// An encoder without index pulses, and a drive without them, give no marks: a coupling that waits for them would wait for ever.
+/// Proves: MACS-MARK-05
+#[test]
+fn an_index_pulse_of_what_has_none_is_refused() {
+    let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
+    let coupled = |types: [i64; 2], without: &[Object]| {
+        let mut config = MachineConfig { io: vec![input("product"), input("label")], ..config(0) };
+        config.global.without_index = without.to_vec();
+        let mut rig = Rig::of(config);
+        rig.enable();
+        set(&mut rig, &[("syncmtypm", types[0]), ("syncmtyps", types[1])]);
+        set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000)]);
+        let goal = rig.give(by_marks());
+        rig.answer(goal).err().map(|_| rig.refusal(goal))
+    };
+    let (belt, drive) = (Object::Encoder(0), Object::Axis(X));
+    for (types, without, key) in [([0, 22], belt, "syncmtypm"), ([12, 0], drive, "syncmtyps")] {
+        let refused = coupled(types, &[without]).unwrap_or_default();
+        assert!(refused.starts_with(&format!("x: {key} 0 asks for an index pulse that there is not")), "{refused}");
+        assert_eq!(coupled(types, &[]), None);
+        assert_eq!(coupled([12, 22], &[without]), None);
+    }
+}
+
 /// The virtual master gives a mark every vmencres, on which the drive's index comes.
 /// Proves: MACS-VM-06, MACS-MARK-05
 #[test]

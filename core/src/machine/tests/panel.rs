@@ -11,7 +11,7 @@ mod virtual_inputs;
 use super::rig::{LINE, Rig, X, Y, at, config, to};
 use crate::axis::BrakeConfig;
 use crate::command::{Action, OutputValue};
-use crate::config::{FilterConfig, IoConfig, IoKind, MachineConfig};
+use crate::config::{FilterConfig, FullScale, IoConfig, IoKind, MachineConfig};
 use crate::event::Kind;
 use crate::object::AxisSet;
 use crate::parameter::{Change, Layer, MACHINE, Row, Value};
@@ -370,8 +370,10 @@ fn outputs_are_set_and_stay() {
     assert_eq!((rig.int("q"), rig.real("speed"), rig.int("p")), (1, -2.5, 1), "one with a function, too");
     assert_eq!((rig.outputs().digital(1), rig.outputs().analog[0]), (true, -2.5));
     for (index, value, sentence) in [
-        (Q, 2.0, "q: 2 is no value of this output; 0 and 1 of a do, a finite number of V of an ao are"),
-        (7, f64::INFINITY, "speed: inf is no value of this output; 0 and 1 of a do, a finite number of V of an ao are"),
+        (Q, 2.0, "q: 2 is no value of this output; 0 and 1 of a do, -10 V to 10 V of an ao are"),
+        (7, f64::INFINITY, "speed: inf is no value of this output; 0 and 1 of a do, -10 V to 10 V of an ao are"),
+        (7, 12.0, "speed: 12 is no value of this output; 0 and 1 of a do, -10 V to 10 V of an ao are"),
+        (7, -10.001, "speed: -10.001 is no value of this output; 0 and 1 of a do, -10 V to 10 V of an ao are"),
         (0, 1.0, "a: this is no output; a do or an ao may be set"),
         (6, 1.0, "level: this is no output; a do or an ao may be set"),
         (R, 1.0, "r: 1 may not be set, nor any value: x switches this output by itself"),
@@ -384,7 +386,7 @@ fn outputs_are_set_and_stay() {
     let mixed = rig.give(Action::SetOutputs(pair(7, f64::NAN)));
     assert_eq!(
         rig.refusal(mixed),
-        "speed: NaN is no value of this output; 0 and 1 of a do, a finite number of V of an ao are"
+        "speed: NaN is no value of this output; 0 and 1 of a do, -10 V to 10 V of an ao are"
     );
     assert_eq!((rig.int("q"), rig.real("speed")), (1, -2.5));
     let both = rig.give(Action::SetOutputs(pair(7, 1.5)));
@@ -395,6 +397,20 @@ fn outputs_are_set_and_stay() {
     let missing = rig.give(Action::set_output(99, 1.0));
     assert!(rig.refusal(missing).ends_with("this is no output; a do or an ao may be set"));
     assert_eq!((rig.int("q"), rig.real("speed")), (1, -2.5));
+}
+
+/// An analog output on CAN may reach less than 10 V, or more.
+#[test]
+fn an_analog_output_takes_its_full_scale_and_no_more() {
+    let mut config = with_io();
+    config.global.full_scales = vec![FullScale { entry: 7, volts: 24.0 }];
+    let mut rig = ready(config);
+    let most = rig.give(Action::set_output(7, -24.0));
+    assert!(rig.was_accepted(most));
+    let beyond = rig.give(Action::set_output(7, 24.5));
+    let sentence = "speed: 24.5 is no value of this output; 0 and 1 of a do, -24 V to 24 V of an ao are";
+    assert_eq!(rig.refusal(beyond), sentence);
+    assert_eq!(rig.real("speed"), -24.0);
 }
 
 /// Numbers of inputs and outputs that the cell has not are refused, when the machine is made and while it runs.

@@ -1,6 +1,7 @@
 //! What happens to nodes, until somebody takes it to tell it.
 //!
-//! Law      at most 128 notes come within 10 s: a node that flaps floods no event stream
+//! Law      at most 128 notes come within 10 s: a node that flaps floods no event stream. Of emergency messages of foreign nodes one a second
+//!          is told, and the end of each that was told
 
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::Note;
@@ -9,6 +10,8 @@ use std::time::{Duration, Instant};
 /// Most notes of a bus within [`PERIOD`]; each of its drives starts once, with 127 of them.
 const MOST: usize = 128;
 const PERIOD: Duration = Duration::from_secs(10);
+/// Time between two errors of foreign nodes that are told.
+const SECOND: Duration = Duration::from_secs(1);
 
 /// Notes of a bus.
 #[derive(Debug, Default)]
@@ -35,9 +38,51 @@ impl Notes {
     }
 }
 
+/// Emergency messages of nodes that are no drives of the cell: which of them are told.
+#[derive(Debug, Default)]
+pub(super) struct ForeignEmergencies {
+    /// When an error was told last.
+    told: Option<Instant>,
+    /// Nodes whose error was told and is not over, a bit for each.
+    open: u128,
+}
+
+impl ForeignEmergencies {
+    /// Whether a message of a node with an error code is told: one a second, and the end (code 0) of an error that was told.
+    pub(super) fn pass(&mut self, node: u8, code: u16, now: Instant) -> bool {
+        let bit = 1_u128.checked_shl(node.into()).unwrap_or(0);
+        if code == 0 && self.open & bit != 0 {
+            self.open &= !bit;
+            return true;
+        }
+        if self.told.is_some_and(|told| now.saturating_duration_since(told) < SECOND) {
+            return false;
+        }
+        self.told = Some(now);
+        if code != 0 {
+            self.open |= bit;
+        }
+        true
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_end_of_a_foreign_emergency_that_was_told_is_told() {
+        let (mut foreign, begin) = (ForeignEmergencies::default(), Instant::now());
+        let mut pass = |node, code, ms| foreign.pass(node, code, begin + Duration::from_millis(ms));
+        assert!(pass(9, 0x8130, 0));
+        // One a second of the bus; what was not told has no end that would be.
+        assert!(!pass(9, 0x2310, 10) && !pass(127, 0xFF01, 20) && !pass(127, 0, 30));
+        assert!(pass(9, 0, 40), "it is over");
+        assert!(!pass(9, 0, 50), "once");
+        assert!(!pass(9, 0x8130, 999) && pass(127, 0xFF01, 1000) && pass(127, 0, 1001));
+        // An end without an error is told as any other message.
+        assert!(pass(1, 0, 2000) && !pass(1, 0, 2001));
+    }
 
     #[test]
     fn no_more_come_than_can_be_told() {

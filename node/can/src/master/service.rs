@@ -10,7 +10,7 @@ use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
 use super::capture::Frames;
 use super::configure::{self, Configured, Refusal};
-use super::notes::Notes;
+use super::notes::{ForeignEmergencies, Notes};
 use super::port::Port;
 use super::tally::{Meter, Tally};
 use crate::commission::words::nmt_state;
@@ -51,8 +51,7 @@ pub struct CanService {
     lost: Option<(String, Instant, Duration)>,
     /// When it was opened again last, and the time that was waited before.
     reopened: Option<(Instant, Duration)>,
-    /// When an emergency message of a foreign node was told last.
-    told: Option<Instant>,
+    foreign: ForeignEmergencies,
     notes: Notes,
     losses: Arc<Losses>,
     tally: Arc<Tally>,
@@ -80,7 +79,7 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
         devices,
         lost: None,
         reopened: None,
-        told: None,
+        foreign: ForeignEmergencies::default(),
         notes: Notes::default(),
         losses,
         tally,
@@ -168,10 +167,9 @@ impl CanService {
         }
     }
 
-    /// One of a node that is no drive of the cell; at most one a second is told.
+    /// One of a node that is no drive of the cell.
     fn tell_emergency(&mut self, node: NodeId, emergency: Emergency) {
-        if self.told.is_none_or(|told| told.elapsed() >= RETRY) {
-            self.told = Some(Instant::now());
+        if self.foreign.pass(node.get(), emergency.code, Instant::now()) {
             let message = ForeignEmergency::new(node.get(), emergency);
             self.notes.add(Code::FOREIGN_EMERGENCY, message.to_number());
         }

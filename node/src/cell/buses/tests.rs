@@ -332,6 +332,19 @@ encoders:
 }
 
 #[test]
+fn full_scale_of_an_analog_output_is_its_range() {
+    let sections = "io:
+  a: {type: ao, backend: bus0, node: 10, address: 0, full_scale: 500 mV}
+  b: {type: ao, backend: bus0, node: 10, address: 1}
+";
+    let machine = with_sections("", sections).machine;
+    assert_eq!((machine.full_scale(0), machine.full_scale(1)), (0.5, 10.0));
+    let refused = |given: &[(&str, f64)]| machine.resolve_set_output(given).unwrap_err().to_string();
+    assert_eq!(refused(&[("a", 0.6)]), "a is `0.6`; -0.5 V to 0.5 V is expected");
+    assert_eq!(refused(&[("b", 12.0)]), "b is `12`; -10 V to 10 V is expected");
+}
+
+#[test]
 fn terminals_that_a_device_has_not_are_refused() {
     let io = |of: &str| format!("io:\n  s: {{{of}, backend: bus0, node: 10, address: 12}}\n");
     let encoder = "encoders:\n  e: {backend: bus0, node: 10, type: rotary, scale: {increments: 4096, per: 1 rev}}\n";

@@ -7,7 +7,7 @@ use crate::cell::Cell;
 use crate::document::{Document, Problems, Value};
 use lineshaft_core::config::SlotConfig;
 use lineshaft_core::event::Refusal;
-use lineshaft_core::function::{Kind, LINES};
+use lineshaft_core::function::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::Object;
 use lineshaft_core::text::sentence;
@@ -36,7 +36,6 @@ pub(super) fn judge(name: &str, cell: &Cell, machine: &Machine) -> (Problems, Ve
         }
         for slot in &cell.machine.slots {
             let Some(entry) = at(&section, &slot.name) else { continue };
-            refuse_missing_axes(slot, &entry, cell.machine.axes.len());
             warnings.extend(idle(slot, &entry));
         }
     }
@@ -62,18 +61,6 @@ fn refuse_start(refusal: &Refusal, slot: &SlotConfig, entry: &Value<'_>, cell: &
     None
 }
 
-/// Refuses a mask that has a bit of an axis that the cell does not have.
-fn refuse_missing_axes(slot: &SlotConfig, entry: &Value<'_>, axes: usize) {
-    let mask = slot.kind.description().find("aw_mask").and_then(|(_, place)| slot.values.get(place).copied());
-    let (Some(mask), Some(value)) = (mask, at(entry, "aw_mask")) else { return };
-    let Some(bit) = (axes..LINES).find(|bit| mask >> bit & 1 == 1) else { return };
-    let is = if axes == 1 { "1 axis".to_owned() } else { format!("{axes} axes") };
-    value.refuse(
-        format!("{}: aw_mask is {mask}, with bit {bit} for axis {}; the cell has {is}", slot.name, bit + 1),
-        None,
-    );
-}
-
 fn idle(slot: &SlotConfig, entry: &Value<'_>) -> Vec<String> {
     let of_kind = IDLE.iter().filter(|(kind, key, _)| *kind == slot.kind && at(entry, key).is_none());
     of_kind.map(|(_, key, what)| format!("{}: {key} is left out, which is 0: {what}", slot.name)).collect()
@@ -87,6 +74,7 @@ mod tests {
 lineshaft: 1
 cycle: 1 ms
 backends: {plant: {type: sim}}
+io: {speed: {type: ao, backend: plant, address: 0}}
 encoders:
   belt: {backend: plant, address: 0, bits: 16, type: linear, scale: {increments: 40, per: 1 mm}}
 axes:
@@ -98,7 +86,7 @@ tables:
 functions:
 ";
 
-    /// The errors and warnings about a function, which stands in line 13 behind four characters.
+    /// The errors and warnings about a function, which stands in line 14 behind four characters.
     fn judged(function: &str) -> (String, Vec<String>) {
         let text = format!("{HEAD}  f: {function}\n");
         let cell = Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
@@ -112,7 +100,7 @@ functions:
     fn refused(function: &str, sentence: &str) {
         let column = function.find('^').unwrap() + 1 + "  f: ".len();
         let (problems, warnings) = judged(&function.replacen('^', "", 1));
-        assert_eq!(problems, format!("c.yaml:13:{column}: {sentence}\n"));
+        assert_eq!(problems, format!("c.yaml:14:{column}: {sentence}\n"));
         assert_eq!(warnings, [""; 0]);
     }
 
@@ -159,9 +147,29 @@ functions:
     fn mask_with_a_bit_of_a_missing_axis_is_an_error() {
         refused(
             "{slot: 0, type: sidiff, sink: none, aw_mask: ^3, display_aw: 1, mean_n: 1}",
-            "f: aw_mask is 3, with bit 1 for axis 2; the cell has 1 axis",
+            "f: aw_mask: 3 has bit 1 for axis 2; the cell has 1 axis; START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: sidiff, sink: none, aw_mask: 1, display_aw: ^2, mean_n: 1}",
+            "f: display_aw: 2 exceeds the maximum 1; START refuses this set",
         );
         let good = judged("{slot: 0, type: sidiff, sink: none, aw_mask: 1, display_aw: 1, mean_n: 1}");
+        assert_eq!(good, (String::new(), Vec::new()));
+    }
+
+    #[test]
+    fn value_beyond_the_full_scale_of_an_analog_output_is_an_error() {
+        refused(
+            "{slot: 0, type: ecopy, sink: speed, mode: 3, value_e1_0: ^12000, value_e1_1: 5000}",
+            "f: value_e1_0: 12000 mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed; \
+             START refuses this set",
+        );
+        refused(
+            "{slot: 0, type: ecopy, sink: speed, mode: 3, value_e1_0: 0, value_e1_1: ^-10001}",
+            "f: value_e1_1: -10001 mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed; \
+             START refuses this set",
+        );
+        let good = judged("{slot: 0, type: ecopy, sink: speed, mode: 3, value_e1_0: 10000, value_e1_1: -10000}");
         assert_eq!(good, (String::new(), Vec::new()));
     }
 

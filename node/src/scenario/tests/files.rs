@@ -125,6 +125,12 @@ fn examples_of_function_slots_cams_and_shafts_pass() {
     }
 }
 
+/// The steps of docs/can.md without ROS.
+#[test]
+fn first_move_of_a_drive_on_can_passes_in_simulation() {
+    assert!(passes("can/drive.yaml", "can/first_move.scenario.yaml") >= 3);
+}
+
 #[test]
 fn arm_follows_its_plan() {
     assert!(passes("arm6/arm6.yaml", "arm6/arm6.scenario.yaml") >= 2);

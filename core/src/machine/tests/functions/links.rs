@@ -146,6 +146,26 @@ fn what_compensation_adds_is_no_difference_of_a_drive() {
     }
 }
 
+/// AWn is the n-th axis of the cell, which has four here.
+#[test]
+fn masks_and_numbers_of_axes_that_the_cell_does_not_have_are_refused_in_every_order() {
+    let mut rig = Rig::of(cell(vec![slot("s", 0, Type::Sidiff), slot("g", 1, Type::Fgen)]));
+    let (mask, shown) = (field(Type::Sidiff, "aw_mask"), field(Type::Sidiff, "display_aw"));
+    let started = rig.give(with(0, Order::Start, &[(mask, 15), (shown, 4)]));
+    assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
+    for order in [Order::ValueNew, Order::Stage] {
+        let refused = rig.give(with(0, order, &[(mask, 17)]));
+        assert_eq!(rig.answer(refused).expect_err("no fifth axis").code, Code::AMK_NO_AXIS);
+        assert_eq!(rig.refusal(refused), "s: aw_mask: 17 has bit 4 for axis 5; the cell has 4 axes");
+        let refused = rig.give(with(0, order, &[(shown, 5)]));
+        assert_eq!(rig.refusal(refused), "s: display_aw: 5 exceeds the maximum 4");
+    }
+    assert_eq!(rig.machine.slots()[0].active()[usize::from(mask)], 15);
+    assert_eq!(rig.machine.slots()[0].staged()[usize::from(shown)], 4);
+    let refused = rig.give(with(1, Order::Stage, &[(field(Type::Fgen, "aw_mask"), 32)]));
+    assert_eq!(rig.refusal(refused), "g: aw_mask: 32 has bit 5 for axis 6; the cell has 4 axes");
+}
+
 /// The second axis of the cell lags by 20 inc. A table that is loaded has no effect before VALUE_NEW, and one that the set cannot use is refused.
 ///
 /// Proves: AMK-SIDIFF-07, AMK-CMD-11, AMK-CMD-14

@@ -298,8 +298,8 @@ fn plain() -> impl Strategy<Value = Action> {
     let whole = prop_oneof![-9..9_i64, any::<i64>()];
     let memory = prop_oneof![
         (finite.clone(), any::<bool>(), 0..3_usize).prop_map(|(volts, bit, which)| {
-            let [lamp, speed] =
-                [(2, f64::from(u8::from(bit))), (3, volts)].map(|(index, value)| OutputValue { index, value });
+            let [lamp, speed] = [(2, f64::from(u8::from(bit))), (3, volts.clamp(-10.0, 10.0))]
+                .map(|(index, value)| OutputValue { index, value });
             Action::SetOutputs(
                 [vec![lamp], vec![speed], vec![speed, lamp]].into_iter().nth(which).unwrap_or_default().into(),
             )
