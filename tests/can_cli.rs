@@ -344,7 +344,12 @@ fn a_configuration_is_brought_in_where_it_differs() {
     let values = [
         ("6081", "30000"),
         ("6083", "500000"),
+        ("1003sub0", "0"),
+        ("1011sub1", "0x64616F6C"),
         ("6040", "15"),
+        ("607A", "12345"),
+        ("60FEsub1", "0x10000"),
+        ("60FF", "777"),
         ("1800sub1", "$NODEID+0x180"),
         ("1800sub2", "1"),
         ("1A00sub0", "2"),
@@ -356,11 +361,15 @@ fn a_configuration_is_brought_in_where_it_differs() {
         |drives: &CanDrives, more: &[&str]| on(drives, &[&["configure", "3", "--dcf", &file], more].concat());
     let said = configure(&drives, &["--store"]).good();
     let expected = "node 3: 5 of 7 objects differed and were written: 6081h:00, 1800h:02, 1A00h:00, 1A00h:01, 1A00h:02\n\
-                    node 3: left out, as they do something: 6040h:00\nnode 3: it has stored them\n";
+                    node 3: left out, as objects that act: 1003h:00, 1011h:01, 6040h:00; as setpoints: 607Ah:00, 60FEh:01, 60FFh:00\n\
+                    node 3: it has stored them\n";
     assert_eq!(said, expected);
     assert_eq!(drives.tell("get 3 0x6081 0")["value"], 30_000);
     assert_eq!(drives.tell("get 3 0x1A00 2")["value"], 0x6041_0010);
     assert_eq!(drives.tell("get 3 0x6040 0")["value"], 0);
+    assert_ne!(drives.tell("get 3 0x607A 0")["value"], 12_345);
+    assert_eq!(drives.tell("get 3 0x60FE 1")["value"], 0);
+    assert_eq!(drives.tell("get 3 0x60FF 0")["value"], 0);
     let pdos = on(&drives, &["pdo", "3"]).good();
     assert!(pdos.contains("TPDO 1  183h    yes    1 (each sync)  6064h:00, 32 bits\n"), "{pdos}");
     assert!(configure(&drives, &[]).good().starts_with("node 3: 0 of 7 objects differed and were written\n"));
@@ -382,6 +391,24 @@ fn a_configuration_is_brought_in_where_it_differs() {
     std::fs::write(&file, other).unwrap();
     configure(&drives, &[])
         .refused(1, "node 3 is another device: its vendor (1018h:01) is 0000FFFFh, the file is for 00000022h");
+}
+
+/// The line of `check` for a device whose DCF a tool of a maker has filled.
+#[test]
+fn check_names_what_is_left_out_of_a_configuration() {
+    let folder = tempfile::tempdir().unwrap();
+    dcf(folder.path(), &[("1010sub1", "0x65766173"), ("6081", "30000"), ("607A", "5"), ("60FF", "7")]);
+    let cell = "lineshaft: 1\ncycle: 10 ms\nbackends:\n  \
+         bus0: {type: can, transport: 'socketcan:can0', bitrate: 1000000}\naxes:\n  \
+         x: {type: linear, drive: {backend: bus0, node: 3, interface: position, eds: drive.dcf}, scale: {increments: 1000, \
+         per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2}\n";
+    let path = folder.path().join("cell.yaml");
+    std::fs::write(&path, cell).unwrap();
+    let mut check = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+    let said = Said::from(check.arg("check").arg(&path).output().expect("the program starts"));
+    assert_eq!(said.code, 0, "{}", said.errors);
+    let line = "backend bus0: node 3 (x): left out of its DCF, as objects that act: 1010h:01; as setpoints: 607Ah:00, 60FFh:00\n";
+    assert_eq!(said.out.matches(line).count(), 1, "{}", said.out);
 }
 
 /// Way, bit rate, time and names come from the cell.

@@ -41,7 +41,11 @@ fn a_server_that_misbehaves_is_told_once_and_its_drive_configured_once_it_behave
     let eds = fs::read_to_string(cell.path("cia402_sim.eds")).expect("the cell has it");
     let given = "DefaultValue=a string longer than four bytes";
     assert!(eds.contains(given));
-    cell.write("x.eds", &eds.replace(given, &format!("{given}\nParameterValue={CONFIGURED}")));
+    let eds = eds.replace(given, &format!("{given}\nParameterValue={CONFIGURED}"));
+    // A maker's tool has read these as well.
+    let target = "[60FF]\n";
+    assert!(eds.contains(target));
+    cell.write("x.eds", &eds.replace(target, &format!("{target}ParameterValue=4321\n")));
     let (mut steps, mut expect) = (String::new(), String::new());
     for at in 0..SERVERS.len() {
         let (what, after) = recovery(at, "x", "DRIVE_LOST", "SWITCH_ON_DISABLED");
@@ -81,8 +85,10 @@ steps:
         assert_eq!((still.machine, still.is_off()), (back.machine, true), "{begin}: {still:?}");
         assert_eq!(run.told("ERROR x: "), at + 1, "{begin}: {}", run.program.log());
     }
+    assert_eq!(run.told("backend bus0: node 1 (x): left out of its DCF, as setpoints: 60FFh:00"), 1);
     run.passes();
     assert_eq!(drives.shown(2).position, 180_000);
+    assert_eq!(drives.tell("get 1 0x60FF 0")["value"], 0);
     assert_eq!(Bus::open(&drives, 1).read(ECHO, false), Ok(CONFIGURED.into()));
 }
 

@@ -1,5 +1,6 @@
 //! What a bus is made of, as a cell says it.
 
+use crate::acts::LeftOut;
 use crate::drive::layout::Extras;
 use crate::drive::probe::Probes;
 use crate::drive::{DriveMode, DriveType, Layout};
@@ -74,6 +75,8 @@ pub struct DeviceConfig {
     pub identity: Identity,
     /// What it is told before it starts, in this order.
     pub startup: Vec<Write>,
+    /// Values of its file that it is not told, as they act or are setpoints.
+    pub left_out: LeftOut,
     /// Inputs, outputs and encoders of the machine that are there.
     pub terminals: Terminals,
     /// What it is.
@@ -104,6 +107,7 @@ impl DeviceConfig {
                 .expect("without a dictionary nothing is missing"),
             identity: Identity::default(),
             startup: Vec::new(),
+            left_out: LeftOut::default(),
             terminals,
             role: Role::Drive(drive),
         }

@@ -2,6 +2,7 @@
 //! ROS.
 #![forbid(unsafe_code)]
 
+pub mod acts;
 pub mod commission;
 pub mod config;
 pub mod drive;

@@ -1,7 +1,7 @@
 //! Buses as the cell and the files of its devices make them.
 //!
 //! Law      a device is what its file says, then what the cell says; what every cycle carries fits in the cycle
-//! Reads    EDS and DCF files beside the cell
+//! Reads    EDS and DCF files beside the cell; what acts or is a setpoint is left out of them ([`acts`])
 //! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the bit rate
 //! Source   CiA 301, CiA 306-1
 
@@ -11,11 +11,13 @@ use super::names::quote;
 use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
+use lineshaft_can::acts::{self, LeftOut};
 use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Missed, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary};
 use lineshaft_can::load::Load;
+use lineshaft_can::sdo::Object;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
@@ -202,10 +204,13 @@ impl Maker<'_> {
         let at = node.eds.as_ref().map_or(node.place, |(_, at)| *at);
         let refuse = |sentence: String| self.problems.push(at, sentence, None);
         let layout = plan(dictionary.as_ref()).map_err(refuse).ok()?;
-        let configured = dictionary.as_ref().map_or(Ok(Vec::new()), configured);
-        let mut startup = configured.map_err(refuse).ok()?;
+        let nothing = (Vec::new(), LeftOut::default());
+        let configured = dictionary.as_ref().map_or(Ok(nothing), |dictionary| configured(dictionary, &role));
+        let (mut startup, mut left_out) = configured.map_err(refuse).ok()?;
         // What the cell says goes last, and counts.
-        startup.retain(|write| node.startup.iter().all(|given| given.object != write.object));
+        let is_of_file = |object: Object| node.startup.iter().all(|given| given.object != object);
+        startup.retain(|write| is_of_file(write.object));
+        left_out.0.retain(|(object, _)| is_of_file(*object));
         startup.extend(node.startup.iter().cloned());
         let device = dictionary.as_ref().map(|dictionary| &dictionary.device);
         let known = |number: Option<u32>| number.filter(|number| *number != 0);
@@ -219,6 +224,7 @@ impl Maker<'_> {
                 ..identity
             },
             startup,
+            left_out,
             terminals: Terminals::default(),
             role,
         })
@@ -245,11 +251,18 @@ pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dicti
     }
 }
 
-/// What the configuration in a file gives objects, apart from those that the master writes.
-fn configured(dictionary: &Dictionary) -> Result<Vec<Write>, String> {
-    let written = dictionary.written().map_err(|error| error.to_string())?;
-    let written = written.into_iter().filter(|(object, _)| owner(object.index).is_none());
-    Ok(written.map(|(object, data)| Write { object, data }).collect())
+/// What the configuration in a file gives objects, apart from those that the master writes; and what is left out of it.
+fn configured(dictionary: &Dictionary, role: &Role) -> Result<(Vec<Write>, LeftOut), String> {
+    let (mut writes, mut left_out) = (Vec::new(), LeftOut::default());
+    let first = acts::profile(role.profile().0);
+    for (object, data) in dictionary.written().map_err(|error| error.to_string())? {
+        if let Some(reason) = acts::reason(object, acts::profile_of(dictionary, object.index, first)) {
+            left_out.0.push((object, reason));
+        } else if owner(object.index).is_none() {
+            writes.push(Write { object, data });
+        }
+    }
+    Ok((writes, left_out))
 }
 
 fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
@@ -281,6 +294,16 @@ fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
             load.cycle_us
         ),
     );
+}
+
+/// What is left out of the configurations of the devices of a bus, in a line for each of them.
+pub(crate) fn left_out_of(bus: &BusConfig) -> Vec<String> {
+    let devices = bus.devices.iter().filter(|device| !device.left_out.is_empty());
+    let line = |device: &DeviceConfig| {
+        let (name, left_out) = (&bus.name, &device.left_out);
+        format!("backend {name}: {device}: left out of its DCF, {left_out}")
+    };
+    devices.map(line).collect()
 }
 
 /// What a bus carries, in words; none where it has no bit rate.

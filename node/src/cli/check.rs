@@ -3,7 +3,7 @@
 mod functions;
 
 use super::{CheckArgs, Exit, say};
-use crate::cell::{Cell, load_of};
+use crate::cell::{Cell, left_out_of, load_of};
 use crate::graph;
 use crate::recording::plot::{Target, replace};
 use crate::scenario::Scenario;
@@ -48,7 +48,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     if let Some(line) = joint_names(&cell) {
         say(&line);
     }
-    for line in buses.iter().filter_map(load_of) {
+    for line in buses.iter().filter_map(load_of).chain(buses.iter().flat_map(left_out_of)) {
         say(&line);
     }
     for warning in warnings(&cell).into_iter().chain(idle) {

@@ -2,21 +2,20 @@
 //!
 //! Law      every object is read first, and written where it differs. A PDO that differs is switched off, mapped and switched on again, so that
 //!          no half of a mapping ever goes over the bus; what cannot change while something else is on waits for that
-//! Reads    what a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written))
+//! Reads    what a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written)), apart from what acts or is a setpoint ([`acts`])
 //! Refuses  a drive that is enabled; the first object that the device refuses ends it
 //! Source   CiA 301 (1400h to 1BFFh, 1006h and 1019h, 1014h), CiA 306-1
 
 use super::session::{CommissionError, Session};
 use super::words::{drive_state, number};
 use crate::NodeId;
+use crate::acts::{self, LeftOut, LeftOutReason};
 use crate::drive::objects;
 use crate::sdo::Object;
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// Objects that do something rather than keep something: what they would do was not asked for. Storing, restoring, and the control word.
-const ACTS: [u16; 3] = [0x1010, 0x1011, 0x6040];
 /// Bit 31 of a COB-ID: it is not in use.
 const INVALID: u32 = 0x8000_0000;
 /// What 1010h wants to read before it stores.
@@ -31,8 +30,8 @@ pub struct Configured {
     pub compared: usize,
     /// Those that differed and were written.
     pub written: Vec<Object>,
-    /// Those that were left out, as they do something.
-    pub left_out: Vec<Object>,
+    /// Those that were left out, as they act or are setpoints.
+    pub left_out: LeftOut,
 }
 
 /// Objects of one PDO: those of its communication and those of its mapping.
@@ -65,9 +64,10 @@ impl Session {
         self.refuse_enabled(node)?;
         let mut done = Configured::default();
         let mut pdos: BTreeMap<(u16, u16), Pdo<'_>> = BTreeMap::new();
+        let mut profiles = BTreeMap::new();
         for (object, data) in values {
-            if ACTS.contains(&object.index) {
-                done.left_out.push(*object);
+            if let Some(reason) = self.left_out(node, *object, &mut profiles)? {
+                done.left_out.0.push((*object, reason));
             } else if let Some((place, is_mapping)) = pdo_of(object.index) {
                 let pdo = pdos.entry(place).or_default();
                 let part = if is_mapping { &mut pdo.mapping } else { &mut pdo.communication };
@@ -86,6 +86,35 @@ impl Session {
             progress(done.compared, values.len());
         }
         Ok(done)
+    }
+
+    /// Why an object is left out, if it is. The device is asked for its profiles where that depends on them, for each of them once.
+    fn left_out(
+        &mut self,
+        node: NodeId,
+        object: Object,
+        profiles: &mut BTreeMap<Object, Option<u16>>,
+    ) -> Result<Option<LeftOutReason>, CommissionError> {
+        let in_any = acts::reason(object, None);
+        let (Some(_), Some(device_type)) = (in_any, acts::device_type(object.index)) else { return Ok(in_any) };
+        let profile = match profiles.get(&device_type) {
+            Some(known) => *known,
+            None => {
+                let found = self.profile(node, device_type)?;
+                profiles.insert(device_type, found);
+                found
+            }
+        };
+        Ok(acts::reason(object, profile))
+    }
+
+    /// The profile that a device type says; where a further logical device says none, that of the first one.
+    fn profile(&mut self, node: NodeId, device_type: Object) -> Result<Option<u16>, CommissionError> {
+        let own = self.number(node, device_type.index, device_type.sub)?.and_then(acts::profile);
+        if own.is_some() || device_type == objects::DEVICE_TYPE {
+            return Ok(own);
+        }
+        self.profile(node, objects::DEVICE_TYPE)
     }
 
     /// Tells a device to keep what it has ("save" to 1010h:01).

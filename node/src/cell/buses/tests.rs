@@ -83,6 +83,65 @@ fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
     assert_eq!(drive.layout.told.len(), 2);
 }
 
+/// A folder with a configuration, and where a cell would be in it.
+fn with_file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.dcf"), text).unwrap();
+    let cell = folder.path().join("c.yaml");
+    (folder, cell)
+}
+
+/// Values that a tool of a maker may have read from a drive that ran: each can be written, by its access. The mask of the outputs (60FEh:02)
+/// and objects of the manufacturer are configuration; 1017h is of the master; what the cell gives itself it means.
+#[test]
+fn a_configuration_is_told_without_what_acts_or_is_a_setpoint() {
+    let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
+    for (section, value) in [
+        ("1003sub0", "0"),
+        ("1010sub1", "0x65766173"),
+        ("1011sub1", "0x64616F6C"),
+        ("1017", "50"),
+        ("2001", "text"),
+        ("6040", "15"),
+        ("6071", "100"),
+        ("607A", "77"),
+        ("6081", "30000"),
+        ("60FEsub1", "1"),
+        ("60FEsub2", "0x10000"),
+        ("60FF", "88"),
+    ] {
+        let head = format!("[{section}]\n");
+        assert!(text.contains(&head), "{section}");
+        text = text.replacen(&head, &format!("{head}ParameterValue={value}\n"), 1);
+    }
+    let (_folder, at) = with_file(&text);
+    let drive = "node: 3, eds: x.dcf, startup: [{index: 0x60FF, value: 5, type: i32}]";
+    let buses = cell("4 ms", BUS, &[drive.to_owned()]).buses(Some(&at)).unwrap();
+    let told: Vec<_> = buses[0].devices[0].startup.iter().map(|write| write.object.to_string()).collect();
+    assert_eq!(told, ["2001h:00", "6081h:00", "60FEh:02", "60FFh:00"]);
+    let line = "backend bus0: node 3 (x0): left out of its DCF, as objects that act: 1003h:00, 1010h:01, 1011h:01, 6040h:00; \
+                as setpoints: 6071h:00, 607Ah:00, 60FEh:01";
+    assert_eq!(left_out_of(&buses[0]), [line]);
+    // Without values there is no line.
+    let plain = cell("4 ms", BUS, &["node: 3, eds: cia402_sim.eds".to_owned()]).buses(Some(&file())).unwrap();
+    assert_eq!(left_out_of(&plain[0]), [""; 0]);
+}
+
+/// Outputs (6200h) of a module are left out; what they do in a fault (6206h) and a filter, 6003h as the preset of encoders, are written.
+#[test]
+fn a_configuration_of_a_module_is_told_without_its_outputs() {
+    let object = |index: &str| format!("[{index}]\nDataType=5\nAccessType=rw\nParameterValue=1\n");
+    let text = "[DeviceInfo]\n".to_owned() + &["6003", "6200", "6206", "6411"].map(object).concat();
+    let (_folder, at) = with_file(&text);
+    let io = "io:\n  s: {type: di, backend: bus0, node: 10, address: 0}\n";
+    let buses = with_sections(", nodes: [{node: 10, eds: x.dcf}]", io).buses(Some(&at)).unwrap();
+    let [_, module] = buses[0].devices.as_slice() else { panic!("{:?}", buses[0].devices) };
+    let told: Vec<_> = module.startup.iter().map(|write| write.object.to_string()).collect();
+    assert_eq!(told, ["6003h:00", "6206h:00"]);
+    let line = "backend bus0: node 10 (module): left out of its DCF, as setpoints: 6200h:00, 6411h:00";
+    assert_eq!(left_out_of(&buses[0]), [line]);
+}
+
 /// The sign says how a drive by number is watched; an AKD has 1/1000 rpm of its shaft: 10 mm, 10,000 increments.
 ///
 /// Proves: MACS-CAN-01, MACS-CAN-12

@@ -294,7 +294,7 @@ pub(in crate::cli) struct ConfigureArgs {
     /// The node (1 to 127)
     #[arg(value_parser = node)]
     pub(super) node: NodeId,
-    /// The configuration: the objects that have a ParameterValue
+    /// The configuration: the objects that have a ParameterValue, without those that act and setpoints
     #[arg(long, value_name = "FILE")]
     pub(super) dcf: PathBuf,
     /// Tell the device to keep it ("save" to 1010h:01)

@@ -27,7 +27,7 @@ pub(super) fn configure(args: &ConfigureArgs) -> Result<(), Failure> {
     let (written, compared) = (done.written.len(), done.compared);
     say(&format_args!("{node}: {written} of {compared} objects differed and were written{}", listed(&done.written)));
     if !done.left_out.is_empty() {
-        say(&format_args!("{node}: left out, as they do something{}", listed(&done.left_out)));
+        say(&format_args!("{node}: left out, {}", done.left_out));
     }
     if args.store {
         session.store(node)?;

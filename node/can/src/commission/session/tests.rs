@@ -192,16 +192,52 @@ fn values(values: &[(u16, u8, u32, usize)]) -> Vec<(Object, Vec<u8>)> {
 #[test]
 fn only_what_differs_is_written_and_what_acts_is_left_out() {
     let bus = drive();
-    let given = values(&[(0x1010, 1, 1, 4), (0x6040, 0, 15, 2), (0x6041, 0, 0x0250, 2), (0x6083, 0, 200, 4)]);
+    let given = values(&[
+        (0x1003, 0, 0, 1),
+        (0x1010, 1, 1, 4),
+        (0x6040, 0, 15, 2),
+        (0x6041, 0, 0x0250, 2),
+        (0x607A, 0, 77, 4),
+        (0x6083, 0, 200, 4),
+        (0x60FF, 0, 9, 4),
+    ]);
     let mut told = Vec::new();
     let done = bus.session().configure(node(3), &given, &mut |done, of| told.push((done, of))).unwrap();
     assert_eq!((done.compared, done.written), (2, vec![of(0x6083, 0)]));
-    assert_eq!(done.left_out, [of(0x1010, 1), of(0x6040, 0)]);
+    let left_out = "as objects that act: 1003h:00, 1010h:01, 6040h:00; as setpoints: 607Ah:00, 60FFh:00";
+    assert_eq!(done.left_out.to_string(), left_out);
     assert_eq!(bus.written(), [(0x6083, 0, 200)]);
     assert!(!told.is_empty());
     // All is there now.
     let done = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
     assert_eq!((done.written.len(), bus.written().len()), (0, 1));
+}
+
+/// 6003h is a filter of a module (CiA 401) and the preset of an encoder (CiA 406); the second logical device has its own profile in 6FFFh.
+#[test]
+fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
+    let given = values(&[(0x6003, 1, 1, 1), (0x6200, 1, 0xFF, 1), (0x6200, 2, 0xFF, 1), (0x6840, 0, 6, 2)]);
+    let configured = |types: &[(u16, u8, u32, usize)]| {
+        let bus = Bus::default().with(3, &[(0x6003, 1, 0, 1), (0x6200, 1, 0, 1), (0x6200, 2, 0, 1), (0x6840, 0, 0, 2)]);
+        let bus = bus.with(3, types);
+        let done = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
+        let is_asked = |frame: &&Frame| frame.bytes().starts_with(&[0x40, 0x00, 0x10, 0]);
+        let asked = bus.0.lock().unwrap().sent.iter().filter(is_asked).count();
+        (bus.written(), done.left_out.to_string(), asked)
+    };
+    let outputs = "as setpoints: 6200h:01 to 02".to_owned();
+    let two = configured(&[(0x1000, 0, 0x0003_0191, 4), (0x6FFF, 0, 0x0003_0191, 4)]);
+    assert_eq!(two, (vec![(0x6003, 1, 1), (0x6840, 0, 6)], outputs.clone(), 1));
+    let drive = configured(&[(0x1000, 0, 0x0003_0191, 4), (0x6FFF, 0, 0x0002_0192, 4)]);
+    assert_eq!(drive.1, "as objects that act: 6840h:00; as setpoints: 6200h:01 to 02");
+    // The second one says nothing: it is what the first one is.
+    assert_eq!(configured(&[(0x1000, 0, 0x0003_0191, 4)]).1, outputs);
+    // A device that names no profile is told nothing that acts in any.
+    let unknown = configured(&[(0x1000, 0, 0, 4)]);
+    assert_eq!(
+        (unknown.0.len(), unknown.1.as_str()),
+        (0, "as objects that act: 6003h:01, 6840h:00; as setpoints: 6200h:01 to 02")
+    );
 }
 
 #[test]

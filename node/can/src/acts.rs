@@ -1,0 +1,184 @@
+//! Objects that a device configuration (DCF) does not write, as they act or are setpoints.
+//!
+//! Law      an object acts if the write itself does something: it stores, restores, clears, presets, starts, enables. A setpoint is a value
+//!          that the device follows, at once or as soon as it is enabled. Every other object keeps a value and is written. No standard says
+//!          what objects of the manufacturer do (2000h to 5FFFh): they are written
+//! Reads    objects, and the profile of the logical device that has them (1000h; 67FFh and 800h further for the next ones)
+//! Source   CiA 301, CiA 302-2, CiA 302-3, CiA 401, CiA 402-2, CiA 406
+
+use crate::drive::objects::DEVICE_TYPE;
+use crate::eds::Dictionary;
+use crate::sdo::Object;
+use std::fmt;
+
+use LeftOutReason::{Acts, Setpoint};
+
+/// Objects of profiles: those of the first logical device, and where those of the next one begin.
+const FIRST_OF_PROFILES: u16 = 0x6000;
+const LAST_OF_PROFILES: u16 = 0x9FFF;
+const LOGICAL_DEVICE: u16 = 0x800;
+/// Device type of the first logical device, if a device gives it here as well as in 1000h.
+const LOGICAL_DEVICE_TYPE: u16 = 0x67FF;
+
+/// Why a configuration does not write an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeftOutReason {
+    /// The write itself does something.
+    Acts,
+    /// The device follows the value.
+    Setpoint,
+}
+
+/// First and last index, the subindex (none: all of them), and why they are left out.
+type Row = (u16, u16, Option<u8>, LeftOutReason);
+
+/// Objects of all profiles.
+const COMMON: [Row; 7] = [
+    // Pre-defined error field: 0 clears the history.
+    (0x1003, 0x1003, Some(0), Acts),
+    // Store parameters, restore default parameters.
+    (0x1010, 0x1011, None, Acts),
+    // High resolution time stamp: the time of the file is over.
+    (0x1013, 0x1013, None, Setpoint),
+    // OS command, its mode, debugger interface, OS prompt.
+    (0x1023, 0x1026, None, Acts),
+    // Configuration request: a manager configures its nodes.
+    (0x1F25, 0x1F25, None, Acts),
+    // Program data (the flash memory), program control (stop, start, reset, clear).
+    (0x1F50, 0x1F51, None, Acts),
+    // Request NMT, request node guarding: a master commands its nodes.
+    (0x1F82, 0x1F83, None, Acts),
+];
+
+/// Modules of inputs and outputs (CiA 401): all are outputs.
+const MODULE: [Row; 5] = [
+    // 8 bits; single bits 1 to 1024; 16 bits; 32 bits.
+    (0x6200, 0x6200, None, Setpoint),
+    (0x6220, 0x6227, None, Setpoint),
+    (0x6300, 0x6300, None, Setpoint),
+    (0x6320, 0x6320, None, Setpoint),
+    // Analog, of 8, 16, 32 bits, REAL32, of the manufacturer.
+    (0x6410, 0x6414, None, Setpoint),
+];
+
+/// Drives (CiA 402). 60FEh:02 is the mask of the outputs, which is configuration.
+const DRIVE: [Row; 8] = [
+    // Control word.
+    (0x6040, 0x6040, None, Acts),
+    // Target velocity of mode vl, target torque, target position.
+    (0x6042, 0x6042, None, Setpoint),
+    (0x6071, 0x6071, None, Setpoint),
+    (0x607A, 0x607A, None, Setpoint),
+    // Position, velocity and torque offset, which add to the targets.
+    (0x60B0, 0x60B2, None, Setpoint),
+    // Interpolation data record.
+    (0x60C1, 0x60C1, None, Setpoint),
+    // Digital outputs.
+    (0x60FE, 0x60FE, Some(1), Setpoint),
+    // Target velocity.
+    (0x60FF, 0x60FF, None, Setpoint),
+];
+
+/// Encoders (CiA 406): presets, which move the position to their value when they are written.
+const ENCODER: [Row; 3] = [
+    (0x6003, 0x6003, None, Acts),
+    // With 64 bits; of several channels.
+    (0x6009, 0x6009, None, Acts),
+    (0x6010, 0x6010, None, Acts),
+];
+
+/// Profiles by their numbers.
+const PROFILES: [(u16, &[Row]); 3] = [(401, &MODULE), (402, &DRIVE), (406, &ENCODER)];
+
+fn found(rows: &[Row], object: Object) -> Option<LeftOutReason> {
+    let is_it = |row: &&Row| {
+        let (first, last, sub, _) = **row;
+        (first..=last).contains(&object.index) && sub.is_none_or(|sub| sub == object.sub)
+    };
+    rows.iter().find(is_it).map(|row| row.3)
+}
+
+/// Number of the logical device that has an index, from 0; none for an index of no profile.
+fn logical_device(index: u16) -> Option<u16> {
+    let beyond = index.checked_sub(FIRST_OF_PROFILES)?;
+    (index <= LAST_OF_PROFILES).then_some(beyond / LOGICAL_DEVICE)
+}
+
+/// Returns why a configuration does not write an object, none if it does. `profile` is that of the logical device that has the object;
+/// where it is none, or no profile of drives, modules or encoders, whatever acts in one of these is left out.
+pub fn reason(object: Object, profile: Option<u16>) -> Option<LeftOutReason> {
+    let Some(device) = logical_device(object.index) else { return found(&COMMON, object) };
+    let object = Object { index: object.index - device * LOGICAL_DEVICE, ..object };
+    match PROFILES.iter().find(|(number, _)| Some(*number) == profile) {
+        Some((_, rows)) => found(rows, object),
+        None => PROFILES.iter().find_map(|(_, rows)| found(rows, object)),
+    }
+}
+
+/// Returns the object with the device type of the logical device that has an index; none for an index of no profile.
+pub fn device_type(index: u16) -> Option<Object> {
+    match logical_device(index)? {
+        0 => Some(DEVICE_TYPE),
+        device => Some(Object { index: LOGICAL_DEVICE_TYPE + device * LOGICAL_DEVICE, sub: 0 }),
+    }
+}
+
+/// Returns the profile in a device type; none for 0, which stands for a device without a profile.
+pub fn profile(device_type: u32) -> Option<u16> {
+    Some(device_type as u16).filter(|profile| *profile != 0)
+}
+
+/// Returns the profile of the logical device that has an index, by a dictionary. `first` is that of the first one, and of those of which
+/// the dictionary says nothing.
+pub fn profile_of(dictionary: &Dictionary, index: u16, first: Option<u16>) -> Option<u16> {
+    let further = device_type(index).filter(|object| *object != DEVICE_TYPE);
+    let said = further.and_then(|object| dictionary.value(object)?.number());
+    said.and_then(|number| profile(u32::try_from(number).ok()?)).or(first)
+}
+
+/// What a configuration has and does not write, in the order of the objects.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut(pub Vec<(Object, LeftOutReason)>);
+
+impl LeftOut {
+    /// Whether all is written.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// All of them with their reasons, to stand after "left out": "as objects that act: 1010h:01 to 04; as setpoints: 607Ah:00".
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut gap = "";
+        for (wanted, name) in [(Acts, "objects that act"), (Setpoint, "setpoints")] {
+            let objects = self.0.iter().filter(|(_, reason)| *reason == wanted).map(|(object, _)| *object);
+            let listed = listed(objects);
+            if !listed.is_empty() {
+                write!(f, "{gap}as {name}: {listed}")?;
+                gap = "; ";
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Objects as a list; subindices in a row as their first and last one.
+fn listed(objects: impl Iterator<Item = Object>) -> String {
+    let mut runs: Vec<(Object, u8)> = Vec::new();
+    for object in objects {
+        match runs.last_mut() {
+            Some((first, last)) if first.index == object.index && last.checked_add(1) == Some(object.sub) => {
+                *last = object.sub;
+            }
+            _ => runs.push((object, object.sub)),
+        }
+    }
+    let text = |(first, last): &(Object, u8)| {
+        if *last == first.sub { first.to_string() } else { format!("{first} to {last:02X}") }
+    };
+    runs.iter().map(text).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests;
