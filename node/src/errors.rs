@@ -77,7 +77,8 @@ end of a goal, a warning or a notice. (With `saia.command_error` motor_off whate
 off as an error, also where the code is one of ours. Nothing raises 89 yet.) Where an axis says `following_error_stops_all: 1`, its following error
 stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
 
-`~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. An error whose cause persists
+`~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. Bit 7 of the control word is high and low in turn then, each for 50 ms
+and five cycles at least, as some drives look at it seldom. An error whose cause persists
 comes back, and the reset ends with its code: an open contact or a following error at once, a drive that does not leave its fault after
 5 s. Without power the axis rests once its encoder has gone no further than 2 counts, or than 0.1 % of `max_velocity`, for 5 ms; one that
 does not come to rest is waited for 5 s, one whose drive is lost not at all.

@@ -131,7 +131,7 @@ functions:
         refused(
             "{slot: 0, type: fipw, source: belt, sink: none, mode: ^3, table_count: 1, mult: 1, increments_per_rev: 20000, \
              tables: [rise]}",
-            "f: mode: no mode has number 3; START refuses this set",
+            "f: mode: no mode has number 3; 2, 4, 26, 82, 84, 98, 100, 132 are allowed; START refuses this set",
         );
     }
 
