@@ -10,6 +10,7 @@
 use super::{Refusal, Session};
 use crate::config::Role;
 use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told, Transmission};
+use crate::drive::objects;
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Object, SdoError};
 use std::fmt;
@@ -136,8 +137,9 @@ impl Session<'_> {
         self.write_transmission(at(communication, 2), pdo.transmission)?;
         if !is_mapped {
             self.write(at(mapping, 0), &[0])?;
-            for (sub, entry) in (1..).zip(&entries) {
-                self.write(at(mapping, sub), &entry.to_le_bytes())?;
+            for ((sub, entry), field) in (1..).zip(&entries).zip(&pdo.fields) {
+                let written = self.write(at(mapping, sub), &entry.to_le_bytes());
+                written.map_err(|refusal| not_mapped(refusal, field.object))?;
             }
             self.write(at(mapping, 0), &[entries.len() as u8])?;
         }
@@ -180,6 +182,17 @@ impl Session<'_> {
 fn lengths(entries: &[u32]) -> String {
     let bytes: Vec<_> = entries.iter().map(|entry| ((entry & 0xFF) / 8).to_string()).collect();
     if bytes.is_empty() { "nothing".to_owned() } else { format!("{} bytes", bytes.join(", ")) }
+}
+
+/// Names the object that a device does not map.
+fn not_mapped(refusal: Refusal, object: Object) -> Refusal {
+    let is_mode = [objects::MODE, objects::MODE_DISPLAY].contains(&object);
+    let cure =
+        if is_mode { "; it goes by SDO if the EDS of the drive (key eds) says that it cannot be mapped" } else { "" };
+    match refusal {
+        Refusal::Wrong(why) => Refusal::Wrong(format!("{object} cannot be mapped to a PDO: {why}{cure}")),
+        other => other,
+    }
 }
 
 fn missing(object: Object, number: u8) -> Refusal {

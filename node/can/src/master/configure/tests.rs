@@ -418,3 +418,33 @@ fn pdo_of_each_cycle_has_no_other_transmission_type() {
     let refused = run(&device, &config()).unwrap_err();
     assert!(refused.starts_with("1800h:02: the device refuses"), "{refused}");
 }
+
+/// 6060h and 6061h are in no PDO, and not written before the cycles run: in these they go by SDO.
+#[test]
+fn drive_that_cannot_map_its_mode_is_configured_without_it() {
+    let mut config = config();
+    let known = fixtures::dictionary_without(&["6060", "6061"]);
+    let drive = &mut config.devices[0];
+    drive.layout = Layout::plan(drive.node, DriveMode::Csp, Extras::default(), &drive.terminals, Some(&known)).unwrap();
+    let device = device(|_| ());
+    assert!(run(&device, &config).is_ok());
+    let found = device.lock().unwrap();
+    let entries = [(0x1600, 0), (0x1600, 1), (0x1600, 2), (0x1A00, 0), (0x1A00, 1), (0x1A00, 2)];
+    let values = entries.map(|(index, sub)| found.get(index, sub));
+    assert_eq!(values, [2, 0x6040_0010, 0x607A_0020, 2, 0x6041_0010, 0x6064_0020]);
+    assert!(found.written.iter().all(|(index, ..)| *index != 0x6060));
+}
+
+/// Without a dictionary the drive itself says what it cannot map.
+#[test]
+fn object_that_a_drive_does_not_map_is_named() {
+    let refused = run(&device(|device| device.refuses = Some((0x1A00, 3))), &config()).unwrap_err();
+    assert!(refused.starts_with("6061h:00 cannot be mapped to a PDO: 1A00h:03: the device refuses: "), "{refused}");
+    assert!(
+        refused.ends_with("it goes by SDO if the EDS of the drive (key eds) says that it cannot be mapped"),
+        "{refused}"
+    );
+    let refused = run(&device(|device| device.refuses = Some((0x1600, 2))), &config()).unwrap_err();
+    assert!(refused.starts_with("607Ah:00 cannot be mapped to a PDO: 1600h:02: the device refuses: "), "{refused}");
+    assert!(!refused.contains("SDO"), "{refused}");
+}
