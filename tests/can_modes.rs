@@ -3,6 +3,7 @@
 use crate::support::can::{Bus, CanDrives};
 use crate::support::can_cell::{CanCell, Shown, axis};
 use lineshaft_can::sdo::Object;
+use std::fs;
 
 /// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those that the drive positions end to the increment, those of the core within its
 /// window. No setpoint goes before the axis is enabled, and each drive is in its own mode.
@@ -54,6 +55,66 @@ expect:
     assert_eq!([shown[0].position, shown[1].position], [-5_000; 2]);
     for shown in shown {
         assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
+    }
+}
+
+/// Drives that refuse 6060h, 6061h or both in a PDO: each is enabled, homes twice in mode 6 (to the index pulse at 1234) and moves off as soon as the
+/// axis has its zero, each time in mode 8. None jumps: positions are exact, and no axis has an error.
+#[test]
+fn drives_that_cannot_map_their_mode_move_and_home() {
+    const NODES: [(u8, &str, &[&str]); 3] = [(1, "a", &["6060", "6061"]), (2, "b", &["6060"]), (3, "c", &["6061"])];
+    let mut drives = CanDrives::boot("1-3");
+    let keys = ", homing: {method: 33, in_drive: true, velocity: 50 mm/s, index_velocity: 5 mm/s, acceleration: 500 mm/s^2, max_distance: 100 mm}";
+    let axes =
+        NODES.map(|(node, name, _)| axis(name, node, "", keys).replace("cia402_sim.eds", &format!("{name}.eds")));
+    let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes.concat());
+    for (node, name, objects) in NODES {
+        let mut eds = fs::read_to_string(cell.path("cia402_sim.eds")).expect("the cell has it");
+        for object in objects {
+            let at = eds.find(&format!("[{object}]")).expect("the drive has it");
+            eds = format!("{}{}", &eds[..at], eds[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+            drives.tell(&format!("unmappable {node} 0x{object}"));
+        }
+        cell.write(&format!("{name}.eds"), &eds);
+        drives.tell(&format!("move {node} 5000"));
+    }
+    let all = |state: &str| {
+        let each = NODES.map(|(_, axis, _)| format!("{{signal: {axis}.{state}}}"));
+        format!("{{all: [{}]}}", each.join(", "))
+    };
+    let (off, stand) = (all("drive_state, is: SWITCH_ON_DISABLED"), all("state, is: STANDSTILL"));
+    let home = NODES.map(|(_, axis, _)| format!("{{home_axis: {{axis: {axis}}}}}")).join(", ");
+    let moves = |to: &str| {
+        let each =
+            NODES.map(|(_, axis, _)| format!("{{move_axis: {{axis: {axis}, position: {to}, velocity: 100 mm/s}}}}"));
+        each.join(", ")
+    };
+    cell.run(&format!(
+        "scenario: modes by SDO
+for: 10 s
+steps:
+  - {{when: {off}, do: {{enable: {{}}}}}}
+  - {{when: {stand}, do: [{home}]}}
+  - {{when: {stand}, do: [{}]}}
+  - {{when: {stand}, do: [{home}]}}
+  - {{when: {stand}, do: [{}]}}
+expect:
+  - {{all: [{{signal: a.actual.position, is: 3000}}, {{signal: b.actual.position, is: 3000}}, {{signal: c.actual.position, is: 3000}}], at: end}}
+  - {{event: {{kind: homed}}, count: 6}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        moves("8 mm"),
+        moves("3 mm")
+    ))
+    .passes();
+    // Objects in RPDO 1 and TPDO 1.
+    for (node, mapped) in [(1, [2, 2]), (2, [2, 3]), (3, [3, 2])] {
+        let shown = drives.shown(node);
+        assert_eq!((shown.position, shown.machine), (3_000, 4_234.0), "{shown:?}");
+        assert_eq!(drives.tell(&format!("get {node} 0x6061 0"))["value"], 8, "node {node}");
+        for (index, count) in ["0x1600", "0x1A00"].into_iter().zip(mapped) {
+            assert_eq!(drives.tell(&format!("get {node} {index} 0"))["value"], count, "node {node}, {index}");
+        }
     }
 }
 

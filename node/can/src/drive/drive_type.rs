@@ -4,7 +4,7 @@
 //! Refuses  numbers that the table does not have; types whose words the source does not tell
 //! Source   MACS-CAN-01, -02, -08, -11, -12, -13, A-51, A-53
 
-use super::layout::{Asked, Field, Layout, LayoutError, Pdo, Told, Transmission};
+use super::layout::{Asked, Field, Layout, LayoutError, ModeBySdo, Pdo, Told, Transmission};
 use super::objects;
 use crate::NodeId;
 use crate::sdo::Object;
@@ -109,6 +109,7 @@ impl DriveType {
         Ok(Layout {
             asked: vec![Pdo { number: 1, id: rpdo, transmission, is_mapped, fields: asked }],
             told: vec![Pdo { number: 1, id: tpdo, transmission, is_mapped, fields: told }],
+            mode_by_sdo: ModeBySdo::default(),
         })
     }
 }

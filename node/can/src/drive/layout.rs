@@ -2,7 +2,8 @@
 //!
 //! Law      what every cycle needs goes with each SYNC; what seldom changes goes when it changes. Objects of a drive stand in the order in
 //!          which they are needed, as many in a PDO as have room, from PDO 1 on; those of modules and encoders where their profiles have them
-//! Reads    the dictionary of the drive, where there is one: an object that it does not map has no place
+//! Reads    the dictionary of the drive, where there is one: an object that it does not map has no place. The mode of operation (6060h, 6061h) goes
+//!          by SDO then
 //! Refuses  a drive that cannot map what its interface, or the cell, needs
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 402-2, CiA 406; MACS-CAN-18
 
@@ -149,6 +150,17 @@ pub struct Layout {
     pub asked: Vec<Pdo<Asked>>,
     /// Those that the device sends.
     pub told: Vec<Pdo<Told>>,
+    /// What goes by SDO instead.
+    pub mode_by_sdo: ModeBySdo,
+}
+
+/// Objects of the mode of operation that no PDO can carry, and that go by SDO.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ModeBySdo {
+    /// 6060h is written.
+    pub writes: bool,
+    /// 6061h is read.
+    pub reads: bool,
 }
 
 /// What a drive tells beside what its mode needs.
@@ -181,13 +193,15 @@ pub enum LayoutError {
 }
 
 impl Layout {
-    /// All objects that its PDOs carry.
+    /// All objects that its PDOs carry, and 6060h if it goes by SDO: what is commanded while cycles run.
     pub fn mapped(&self) -> impl Iterator<Item = Object> {
         let asked = self.asked.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object);
-        asked.chain(self.told.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object))
+        let mode = self.mode_by_sdo.writes.then_some(objects::MODE);
+        asked.chain(self.told.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object)).chain(mode)
     }
 
-    /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need.
+    /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need. 6060h and
+    /// 6061h have no place if the drive cannot map them, which is optional in CiA 402.
     ///
     /// # Errors
     /// What the drive cannot map.
@@ -213,19 +227,19 @@ impl Layout {
         let maps =
             |object: Object| dictionary.is_some_and(|known| known.entry(object).is_some_and(|entry| entry.is_mappable));
         let cannot = |object: &Object| dictionary.is_some() && !maps(*object);
+        let mode_by_sdo = ModeBySdo { writes: cannot(&objects::MODE), reads: cannot(&objects::MODE_DISPLAY) };
+        asked.retain(|field| field.word != Asked::Mode || !mode_by_sdo.writes);
+        each_sync.retain(|field| field.word != Told::Mode || !mode_by_sdo.reads);
         let needed = asked.iter().map(|field| field.object).chain(each_sync.iter().map(|field| field.object));
         if let Some(object) = needed.into_iter().find(cannot) {
             return Err(LayoutError::NotMappable(object, mode.name()));
         }
-        if !terminals.digital_inputs.is_empty() {
-            // What the machine reads is of each cycle.
-            seldom.retain(|field| *field != inputs);
-            each_sync.push(inputs);
-        }
+        let has_inputs = !terminals.digital_inputs.is_empty();
         if !terminals.digital_outputs.is_empty() {
             asked.push(Field::asked(Asked::Outputs, objects::DIGITAL_OUTPUTS, 32));
         }
-        let used = [asked.get(3).map(|field| field.object), each_sync.get(3).map(|field| field.object)];
+        let outputs = asked.iter().find(|field| field.word == Asked::Outputs).map(|field| field.object);
+        let used = [outputs, has_inputs.then_some(inputs.object)];
         if let Some(object) = used.into_iter().flatten().find(cannot) {
             return Err(LayoutError::NoTerminal(object));
         }
@@ -237,20 +251,29 @@ impl Layout {
             }
             each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
         }
+        if has_inputs {
+            // What the machine reads is of each cycle.
+            seldom.retain(|field| *field != inputs);
+        }
         let seldom: Vec<_> = seldom.into_iter().filter(|field| maps(field.object)).collect();
         for slot in probe::slots(extras.probes) {
             let objects @ [position, count] = probe::objects_of(slot);
             if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
                 return Err(LayoutError::NoProbe(missing));
             }
-            // 6 bytes behind 7 or 11, and behind 6: both in one PDO, so of one moment.
+            // 6 bytes after 2, 6, 7 or 8: both in one PDO, so of one moment.
             each_sync.push(Field::told(Told::Captured(slot), position, 32));
             each_sync.push(Field::told(Told::Captures(slot), count, 16));
+        }
+        // Last: after 4 bytes a PDO would have room for a position, and none for its count.
+        if has_inputs {
+            each_sync.push(inputs);
         }
         let mut told = packed(&each_sync, Transmission::EachSync, 1, |number| node.tpdo(number))?;
         let next = told.len() as u8 + 1;
         told.extend(packed(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
-        Ok(Self { asked: packed(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?, told })
+        let asked = packed(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?;
+        Ok(Self { asked, told, mode_by_sdo })
     }
 
     /// The PDOs of a module: digital ones in PDO 1, analog ones from PDO 2 on, from the first one to the last one that is used, as its
@@ -270,7 +293,7 @@ impl Layout {
             (fields(digital(digital_outputs), Asked::Digital, objects::MODULE_OUTPUTS, 8), 1),
             (fields(analog(analog_outputs), Asked::Analog, objects::MODULE_ANALOG_OUTPUTS, 16), 2),
         ];
-        let mut layout = Self { asked: Vec::new(), told: Vec::new() };
+        let mut layout = Self { asked: Vec::new(), told: Vec::new(), mode_by_sdo: ModeBySdo::default() };
         for (fields, first) in told {
             layout.told.extend(packed(&fields, Transmission::EachSync, first, |number| node.tpdo(number))?);
         }
@@ -287,7 +310,7 @@ impl Layout {
     pub fn encoder(node: NodeId) -> Result<Self, LayoutError> {
         let position = [Field::told(Told::Encoder, objects::ENCODER_POSITION, 32)];
         let told = packed(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
-        Ok(Self { asked: Vec::new(), told })
+        Ok(Self { asked: Vec::new(), told, mode_by_sdo: ModeBySdo::default() })
     }
 }
 
@@ -406,6 +429,65 @@ mod tests {
             "607Ah:00 cannot be mapped to a PDO, by the dictionary of the drive; mode csp needs it in each cycle";
         assert_eq!(error.to_string(), sentence);
         assert!(Layout::plan(node(), DriveMode::Csv, Extras::default(), &Terminals::default(), Some(&known)).is_ok());
+    }
+
+    /// The dictionary of the simulated drive, as if it could not map these objects.
+    fn dictionary_without(objects: &[&str]) -> Dictionary {
+        let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
+        for object in objects {
+            let at = text.find(&format!("[{object}]")).unwrap();
+            text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+        }
+        eds::parse(text.as_bytes(), Some(3)).unwrap()
+    }
+
+    /// Mapping of 6060h and 6061h is optional (CiA 402): they go by SDO then. What each cycle needs is refused as before.
+    #[test]
+    fn mode_that_a_drive_cannot_map_has_no_place_in_a_pdo() {
+        let plan = |unmappable: &[&str]| {
+            let known = dictionary_without(unmappable);
+            Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known))
+        };
+        let cases: [(&[&str], bool, bool); 4] =
+            [(&[], false, false), (&["6060"], true, false), (&["6061"], false, true), (&["6060", "6061"], true, true)];
+        for (unmappable, writes, reads) in cases {
+            let layout = plan(unmappable).unwrap();
+            assert_eq!(layout.mode_by_sdo, ModeBySdo { writes, reads }, "{unmappable:?}");
+            let lengths = (layout.asked[0].bytes(), layout.told[0].bytes());
+            assert_eq!(lengths, (if writes { 6 } else { 7 }, if reads { 6 } else { 7 }), "{unmappable:?}");
+            // Whoever else writes 6060h changes what is commanded, in a PDO or not.
+            assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
+        }
+        let refused = plan(&["6060", "607A"]).unwrap_err();
+        assert_eq!(refused, LayoutError::NotMappable(objects::TARGET_POSITION, "csp"));
+    }
+
+    /// A position that is caught, and its count, are of one moment only if they are in one PDO.
+    #[test]
+    fn what_a_probe_catches_is_in_one_pdo() {
+        let rising = Extras { probes: [Some(probe::Probe::Rising), None], torque: false };
+        let both = Extras { probes: [Some(probe::Probe::Rising), Some(probe::Probe::Index)], torque: false };
+        for extras in [rising, both, Extras { torque: true, ..rising }, Extras { torque: true, ..both }] {
+            let cases: [&[&str]; 2] = [&[], &["6061"]];
+            for unmappable in cases {
+                for digital_inputs in [vec![], vec![terminal(16)]] {
+                    let known = dictionary_without(unmappable);
+                    let terminals = Terminals { digital_inputs, ..Terminals::default() };
+                    // Four PDOs may be too few.
+                    let Ok(layout) = Layout::plan(node(), DriveMode::Csp, extras, &terminals, Some(&known)) else {
+                        continue;
+                    };
+                    for pdo in &layout.told {
+                        let slots = |of: fn(&Told) -> Option<Slot>| {
+                            pdo.fields.iter().filter_map(|field| of(&field.word)).collect::<Vec<_>>()
+                        };
+                        let caught = slots(|word| if let Told::Captured(slot) = word { Some(*slot) } else { None });
+                        let counts = slots(|word| if let Told::Captures(slot) = word { Some(*slot) } else { None });
+                        assert_eq!(caught, counts, "{:?}", told(&layout));
+                    }
+                }
+            }
+        }
     }
 
     fn terminal(address: u16) -> Terminal {

@@ -13,6 +13,7 @@ use super::sync::SyncCounter;
 use super::tally::Tally;
 use super::time::TimeOfDay;
 use crate::config::{BusConfig, Master};
+use crate::drive::ModeRequest;
 use crate::sdo::{Client, Object, SdoError, Transfer};
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Happened, NmtCommand, NmtState, NodeId};
@@ -57,6 +58,8 @@ pub(crate) enum Report {
     Emergency(NodeId, Emergency),
     /// A drive refuses an object of its homing.
     HomingRefused(usize, SdoError),
+    /// The mode of operation of a drive can be neither written nor read by SDO.
+    ModeRefused(usize, SdoError),
     /// The way to the bus is lost; it is closed here.
     Lost(Box<dyn Transport>, TransportError),
 }
@@ -215,7 +218,7 @@ impl Bus {
         }
         let sync = self.sync.next();
         self.send(&sync);
-        self.set_up_homing(now_ns);
+        self.ask_by_sdo(now_ns);
         self.send_services(now_ns, SDO_FRAMES);
     }
 
@@ -319,7 +322,7 @@ impl Bus {
             Route::Sdo(node) => {
                 let client = self.clients.get_mut(usize::from(node.get()) - 1);
                 if let Some(done) = client.and_then(|client| client.receive(frame, now_ns)) {
-                    self.end_transfer(node, done);
+                    self.end_transfer(node, done, now_ns);
                 }
             }
             Route::Life(node) => {
@@ -347,18 +350,27 @@ impl Bus {
         self.report(Report::Happened { device: place, what, took_part });
     }
 
-    fn end_transfer(&mut self, node: NodeId, done: Transfer) {
+    fn end_transfer(&mut self, node: NodeId, done: Transfer, now_ns: u64) {
         self.busy.retain(|busy| *busy != node);
         let place = self.devices.iter().position(|device| device.node == node);
         let drive = place.and_then(|place| self.devices.get_mut(place)?.drive.as_mut());
-        match drive.filter(|drive| drive.homing.awaits(done.object)) {
-            Some(drive) => {
+        match drive {
+            Some(drive) if drive.homing.awaits(done.object) => {
                 drive.homing.take(done.object, done.data, done.result.is_ok());
                 if let (Some(place), Err(error)) = (place, done.result) {
                     self.report(Report::HomingRefused(place, error));
                 }
             }
-            None => {
+            Some(drive) if drive.modes.awaits(done.object) => {
+                let error = drive.take_mode(done, now_ns);
+                if let (Some(place), Some(error)) = (place, error) {
+                    self.report(Report::ModeRefused(place, error));
+                }
+            }
+            other => {
+                if let (Some(drive), Err(error)) = (other, &done.result) {
+                    drive.modes.note_failed(done.object, error);
+                }
                 let client = self.clients.get(usize::from(node.get()) - 1);
                 let strays = client.map_or(0, Client::strays);
                 self.report(Report::Transfer(node, done, strays));
@@ -376,7 +388,7 @@ impl Bus {
                     if let Some(frame) = abort {
                         self.send(&frame);
                     }
-                    self.end_transfer(node, done);
+                    self.end_transfer(node, done, now_ns);
                 }
                 None => at += 1,
             }
@@ -397,17 +409,27 @@ impl Bus {
         }
     }
 
-    fn set_up_homing(&mut self, now_ns: u64) {
+    /// Objects of a homing, and the modes of drives that map them to no PDO; one request of a drive at a time.
+    fn ask_by_sdo(&mut self, now_ns: u64) {
         for device in &mut self.devices {
             let Some(client) = self.clients.get_mut(usize::from(device.node.get()) - 1) else { continue };
             if !device.is_ready() || !client.is_idle() {
                 continue;
             }
             let Some(drive) = &mut device.drive else { continue };
-            let Some((object, data)) = drive.homing.next_object() else { continue };
-            match client.download(object, data, false, now_ns) {
-                Ok(()) => self.busy.push(device.node),
-                Err(data) => drive.homing.give_back(data),
+            let begun = if let Some((object, data)) = drive.homing.next_object() {
+                client.download(object, data, false, now_ns).map_err(|data| drive.homing.give_back(data))
+            } else if let Some(ModeRequest { object, data, writes }) = drive.next_mode_request(now_ns) {
+                let begun = match writes {
+                    true => client.download(object, data, false, now_ns),
+                    false => client.upload(object, data, false, now_ns),
+                };
+                begun.map_err(|data| drive.modes.give_back(data))
+            } else {
+                continue;
+            };
+            if begun.is_ok() {
+                self.busy.push(device.node);
             }
         }
     }

@@ -338,7 +338,7 @@ impl Session<'_> {
         }
         let tells_mode =
             self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == Told::Mode);
-        if !tells_mode {
+        if !tells_mode && !self.device.layout.mode_by_sdo.reads {
             add(objects::MODE, &drive.mode.number().to_le_bytes(), false);
         }
         let outputs = &self.device.terminals.digital_outputs;

@@ -9,7 +9,8 @@
 use crate::config::{DriveConfig, Missed, VelocityFactor};
 use crate::drive::layout::{Asked, Layout, Told};
 use crate::drive::probe::{self, Catch, Caught, Probes};
-use crate::drive::{Commander, Counter, HomingSetup};
+use crate::drive::{Commander, Counter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
+use crate::sdo::{SdoError, Transfer};
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
     STATUS_HOMING_ATTAINED, control,
@@ -20,11 +21,14 @@ use lineshaft_core::object::Object;
 const HOMING_EXCESS: f64 = 4.0;
 /// How far a drive that homes may tremble besides (counts).
 const HOMING_SLACK: f64 = 100.0;
+/// How long a drive whose mode is written by SDO may take to leave mode homing (s).
+const RETURN_S: f64 = 5.0;
 
 /// What it tells.
 #[derive(Clone, Copy, Debug, Default)]
 struct Words {
     status: u16,
+    /// Of a drive whose mode is read by SDO the last one that was known, or 0.
     mode: i8,
     inputs: u32,
     fault: u16,
@@ -68,6 +72,11 @@ pub(crate) struct Drive {
     /// The faster velocity of the homing that was asked for last (counts/s); 0 before the first one.
     homing_velocity: f64,
     pub(super) homing: HomingSetup,
+    homing_end: HomingEnd,
+    /// The exchange of its mode, if an object of it is in no PDO.
+    pub(super) modes: ModeExchange,
+    /// The axis commands that the operation is enabled.
+    is_enabling: bool,
 }
 
 impl Drive {
@@ -97,11 +106,19 @@ impl Drive {
             mode: 0,
             commander: Commander::new(config.mode, cycle_ns),
             target_bits: target.map_or(32, |field| field.bits),
-            is_mode_fixed: !told().any(|field| field.word == Told::Mode),
+            is_mode_fixed: !layout.mode_by_sdo.reads && !told().any(|field| field.word == Told::Mode),
             is_shut_down: config.drive_type.is_some(),
             asked: (0, 0),
             homing_velocity: 0.0,
             homing: HomingSetup::new(config.velocity),
+            // The loops of an axis with interface torque follow where the drive is: it jumps after nothing, and must not be without torque.
+            homing_end: HomingEnd::new(
+                layout.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
+                // Saturates.
+                (RETURN_S * 1e9 / cycle_ns as f64) as u32,
+            ),
+            modes: ModeExchange::new(layout.mode_by_sdo),
+            is_enabling: false,
         }
     }
 
@@ -125,6 +142,9 @@ impl Drive {
         self.words = Words { inputs, mode, ..Words::default() };
         (self.is_heard, self.is_fresh, self.stale) = (false, false, 0);
         self.catches = Default::default();
+        self.modes.begin_anew();
+        self.homing_end.clear();
+        self.is_enabling = false;
     }
 
     /// It has been started; `fault` is its error code.
@@ -136,11 +156,11 @@ impl Drive {
 
     /// Takes the words of a PDO.
     pub(super) fn take(&mut self, told: impl Iterator<Item = (Told, i64)>, is_each_sync: bool) {
-        let (was, mut word, mut captured) = (self.words, None, 0);
+        let (was, mut word, mut captured, mut has_status) = (self.words, None, 0, false);
         let words = &mut self.words;
         for (what, value) in told {
             match what {
-                Told::Status => words.status = value as u16,
+                Told::Status => (words.status, has_status) = (value as u16, true),
                 Told::Mode => words.mode = value as i8,
                 Told::Inputs => words.inputs = value as u32,
                 Told::Fault => words.fault = value as u16,
@@ -161,6 +181,9 @@ impl Drive {
         let finds_zero = has_zero(now) && !has_zero(was);
         if is_homing && (finds_zero || word.is_some_and(|word| self.is_beyond_homing(word))) {
             self.counter.begin_anew();
+            if self.asked.0 & control::START_HOMING != 0 {
+                self.homing_end.note_zero();
+            }
         }
         if let Some(word) = word {
             let change = self.counter.take(word);
@@ -171,6 +194,9 @@ impl Drive {
         }
         // The PDO with its position is one of those that go with each SYNC.
         self.is_fresh |= is_each_sync && word.is_some();
+        if has_status && let Some(mode) = self.modes.hear_status() {
+            self.words.mode = mode;
+        }
     }
 
     /// Whether a position is further away than homing moves the drive: its coordinate was set anew. Bit 12 need not tell that: it may
@@ -196,6 +222,8 @@ impl Drive {
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = is_there && self.is_heard;
         let Words { status, mode, inputs, fault, torque, velocity } = self.words;
+        let mode = if self.modes.by_sdo().reads { self.modes.known().unwrap_or_default() } else { mode };
+        let (mode, status) = self.homing_end.show(self.commander.mode().across(mode), status);
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
         self.stale = if is_fresh { 0 } else { self.stale.saturating_add(1) };
         let is_in_fault = matches!(DriveState::from_status(status), DriveState::Fault | DriveState::FaultReaction);
@@ -205,7 +233,7 @@ impl Drive {
             velocity,
             effort: f64::from(torque) * self.effort_unit,
             status,
-            mode: self.commander.mode().across(mode),
+            mode,
             // The error code stays behind the fault that it is of.
             fault: if is_in_fault { fault } else { 0 },
             online: is_online,
@@ -249,12 +277,60 @@ impl Drive {
             self.homing_velocity = order.search_velocity.abs().max(order.zero_velocity.abs());
         }
         let mode = self.commander.mode();
+        let command = self.command_mode(output);
         let is_in_mode = mode.across(self.mode) == mode.number() && self.words.mode == mode.number();
-        let control = match output.control {
+        let control = match command {
             control::DISABLE_VOLTAGE if self.is_shut_down => control::SHUTDOWN,
             other => other,
         };
         self.asked = self.commander.command(control, output.position, self.words.status, is_in_mode);
+    }
+
+    /// Commands the mode of a drive that maps it to no PDO. Returns the control word: the drive is not enabled before it is in that mode.
+    fn command_mode(&mut self, output: &DriveOutput) -> u16 {
+        if !self.modes.is_used() {
+            return output.control;
+        }
+        let mode = self.commander.mode();
+        let starts = matches!(output.mode, Mode::Homing(_)) && output.control & control::START_HOMING != 0;
+        let commanded = self.homing_end.command(mode.across(self.mode), mode.number(), starts);
+        self.modes.command(commanded);
+        let enables = output.control & control::ENABLE == control::ENABLE;
+        let is_enabled = DriveState::from_status(self.words.status) == DriveState::Enabled;
+        let was_enabling = std::mem::replace(&mut self.is_enabling, enables);
+        if enables && !was_enabling && !is_enabled {
+            // Somebody else may have changed it since it was read.
+            self.modes.distrust();
+        }
+        self.forget_mode();
+        let is_settled = self.modes.is_settled(self.words.mode);
+        self.homing_end.note_return(is_settled, self.modes.is_refused());
+        match output.control {
+            _ if enables && !is_enabled && !is_settled => control::SWITCH_ON,
+            other if self.homing_end.holds() => other & !control::START_HOMING,
+            other => other,
+        }
+    }
+
+    /// Forgets the mode while it is not known by SDO: its status word is of another one.
+    fn forget_mode(&mut self) {
+        // A homing that is broken off may find its zero until the drive has left its mode. One that is over has it.
+        let may_find_zero = self.words.mode == MODE_HOMING && self.words.status & STATUS_HOMING_ATTAINED == 0;
+        if self.modes.by_sdo().reads && self.modes.known().is_none() && !may_find_zero {
+            self.words.mode = 0;
+        }
+    }
+
+    /// The next request for its mode by SDO.
+    pub(super) fn next_mode_request(&mut self, now_ns: u64) -> Option<ModeRequest> {
+        let request = self.modes.next_request(now_ns);
+        self.forget_mode();
+        request
+    }
+
+    /// Takes the answer of such a request. Returns an error that is to be reported.
+    pub(super) fn take_mode(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
+        self.modes.take(done, now_ns)
     }
 
     /// A word that asks it for that.
@@ -263,6 +339,8 @@ impl Drive {
             Asked::Control => i64::from(self.asked.0),
             // Positions wrap, as those of the drive do.
             Asked::Position => self.asked.1,
+            // A drive that homes has its speeds from 6099h. Until it is in mode homing this is its target: the axis stands.
+            Asked::Velocity if matches!(output.mode, Mode::Homing(_)) => 0,
             Asked::Velocity => {
                 let most = (1_i64 << (self.target_bits.clamp(2, 63) - 1)) - 1;
                 self.factor.to_drive(output.velocity).clamp(-most, most)

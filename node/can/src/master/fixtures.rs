@@ -1,6 +1,7 @@
 //! Devices for the tests of this room.
 
 use crate::config::{DeviceConfig, DriveConfig, Role};
+use crate::eds::{self, Dictionary};
 
 /// What it is as a drive.
 pub(super) fn as_drive(device: &mut DeviceConfig) -> &mut DriveConfig {
@@ -8,4 +9,15 @@ pub(super) fn as_drive(device: &mut DeviceConfig) -> &mut DriveConfig {
         Role::Drive(drive) => drive,
         Role::Module | Role::Encoder => panic!("it is a drive"),
     }
+}
+
+/// The dictionary of the simulated drive, as if it could not map these objects.
+pub(super) fn dictionary_without(objects: &[&str]) -> Dictionary {
+    let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
+    for object in objects {
+        let at = text.find(&format!("[{object}]")).expect("the drive has it");
+        let (before, of) = text.split_at(at);
+        text = format!("{before}{}", of.replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+    }
+    eds::parse(text.as_bytes(), Some(3)).expect("it is good")
 }

@@ -151,6 +151,10 @@ impl CanService {
                 Report::HomingRefused(place, error) => {
                     tracing::error!("{}: {}: homing is not set up: {error}", self.config.name, self.device_name(place));
                 }
+                Report::ModeRefused(place, error) => {
+                    let name = self.device_name(place);
+                    tracing::error!("{}: {name}: its mode of operation is not confirmed: {error}", self.config.name);
+                }
                 Report::Lost(transport, error) => {
                     // Closing may take its time: not in the cycle.
                     drop(transport);

@@ -1,4 +1,5 @@
 mod devices;
+mod modes;
 
 use super::super::fixtures::as_drive;
 use super::*;

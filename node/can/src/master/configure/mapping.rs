@@ -1,20 +1,26 @@
 //! The PDOs of a device under configuration.
 //!
 //! Law      a PDO is mapped by the sequence that all devices take: off, no objects, the objects, their number, type, on; one that is as it should be
-//!          is left alone. PDOs that nobody needs are switched off
-//! Refuses  a device without a PDO that is needed, or that does not take its objects; one that somebody else was to map, and did not
+//!          is left alone. PDOs that are not needed are switched off. One that the device keeps on is left so if nothing else on the bus has
+//!          its identifier. Data on change that is optional is left out if the device refuses its PDO. Both are one line of the log
+//! Refuses  a device without a PDO that is needed, or that does not take its objects; one that somebody else was to map, and did not; one
+//!          whose PDO stays on with an identifier of other process data
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
 use super::{Refusal, Session};
 use crate::config::Role;
-use crate::drive::layout::{Field, MOST_PDOS, Pdo};
+use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told, Transmission};
+use crate::drive::objects;
 use crate::eds::{CobId, Direction};
-use crate::sdo::Object;
+use crate::sdo::{Object, SdoError};
+use std::fmt;
 
 /// Bit 31 of a COB-ID: the PDO does not exist.
 const INVALID: u32 = 0x8000_0000;
 /// Bit 30 of a COB-ID: remote frames are not answered.
 const NO_REMOTE: u32 = 0x4000_0000;
+/// Transmission types that are tried, in this order, if a device refuses 255: event-driven as its maker has it, then with each SYNC.
+const OTHER_TYPES: [u8; 2] = [254, 1];
 
 impl Session<'_> {
     pub(super) fn write_pdos(&mut self) -> Result<(), Refusal> {
@@ -25,18 +31,85 @@ impl Session<'_> {
                 None => self.switch_off(Direction::Receive, number)?,
             }
             match layout.told.iter().find(|pdo| pdo.number == number) {
-                Some(pdo) => self.write_pdo(Direction::Transmit, pdo)?,
+                Some(pdo) => self.write_told(pdo)?,
                 None => self.switch_off(Direction::Transmit, number)?,
             }
         }
         Ok(())
     }
 
-    /// A PDO that nobody needs would only load the bus.
+    /// Switches off a PDO that is not needed: it would only load the bus. The device may keep it on, unless its frames would be mistaken for
+    /// other process data.
     fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
         let cob_id = Object { index: direction.communication(number), sub: 1 };
         let Some(present) = self.number(cob_id)? else { return Ok(()) };
-        if CobId(present).is_valid() { self.write(cob_id, &(present | INVALID).to_le_bytes()) } else { Ok(()) }
+        if !CobId(present).is_valid() {
+            return Ok(());
+        }
+        let Err(refused) = self.try_write(cob_id, &(present | INVALID).to_le_bytes())? else { return Ok(()) };
+        let id = CobId(present).id();
+        if !CobId(present).is_extended() && self.is_used(id) {
+            let sentence = format!(
+                "{refused}; this PDO is not needed and cannot be switched off, and its identifier {id:03X}h is that of other process data"
+            );
+            return Err(Refusal::Wrong(sentence));
+        }
+        self.warn(format_args!("{refused}; this PDO is not needed and stays on, with identifier {id:03X}h"));
+        Ok(())
+    }
+
+    /// Whether a PDO of any device of the bus has this identifier.
+    fn is_used(&self, id: u32) -> bool {
+        let mut layouts = self.bus.devices.iter().map(|device| &device.layout);
+        layouts.any(|layout| {
+            let asked = layout.asked.iter().map(|pdo| pdo.id);
+            asked.chain(layout.told.iter().map(|pdo| pdo.id)).any(|used| u32::from(used.get()) == id)
+        })
+    }
+
+    /// Maps a PDO that the device sends. One on change is left out if the device refuses it, unless it carries digital inputs: limit switches of
+    /// the drive are read from there.
+    fn write_told(&mut self, pdo: &Pdo<Told>) -> Result<(), Refusal> {
+        let has_inputs = pdo.fields.iter().any(|field| field.word == Told::Inputs);
+        let is_optional = pdo.transmission == Transmission::OnChange && !has_inputs;
+        match self.write_pdo(Direction::Transmit, pdo) {
+            Err(Refusal::Wrong(why)) if is_optional => {
+                self.switch_off(Direction::Transmit, pdo.number)?;
+                let objects: Vec<_> = pdo.fields.iter().map(|field| field.object.to_string()).collect();
+                self.warn(format_args!("{why}; PDO {} is left out: {}", pdo.number, objects.join(", ")));
+                Ok(())
+            }
+            done => done,
+        }
+    }
+
+    /// Writes a transmission type. Another one is tried if a device refuses 255.
+    fn write_transmission(&mut self, object: Object, transmission: Transmission) -> Result<(), Refusal> {
+        let wanted = transmission.number();
+        let Err(refused) = self.try_write(object, &[wanted])? else { return Ok(()) };
+        if transmission == Transmission::OnChange {
+            for other in OTHER_TYPES {
+                if self.try_write(object, &[other])?.is_ok() {
+                    self.warn(format_args!("{refused}; transmission type {other} is used instead of {wanted}"));
+                    return Ok(());
+                }
+            }
+        }
+        Err(refused.into())
+    }
+
+    /// Writes an object; the inner error is that of a device that refuses it.
+    fn try_write(&mut self, object: Object, data: &[u8]) -> Result<Result<(), SdoError>, Refusal> {
+        match self.port.write(self.device.node, object, data) {
+            Err(error @ SdoError::Refused(..)) => return Ok(Err(error)),
+            done => done?,
+        }
+        self.written += 1;
+        Ok(Ok(()))
+    }
+
+    fn warn(&self, what: fmt::Arguments<'_>) {
+        tracing::warn!("{}: {}: {what}", self.bus.name, self.device);
     }
 
     /// Maps a PDO by the sequence that all devices take: off, no objects, the objects, their number, type, on.
@@ -61,11 +134,12 @@ impl Session<'_> {
             return Ok(());
         }
         self.write(at(communication, 1), &(id | INVALID).to_le_bytes())?;
-        self.write(at(communication, 2), &[kind])?;
+        self.write_transmission(at(communication, 2), pdo.transmission)?;
         if !is_mapped {
             self.write(at(mapping, 0), &[0])?;
-            for (sub, entry) in (1..).zip(&entries) {
-                self.write(at(mapping, sub), &entry.to_le_bytes())?;
+            for ((sub, entry), field) in (1..).zip(&entries).zip(&pdo.fields) {
+                let written = self.write(at(mapping, sub), &entry.to_le_bytes());
+                written.map_err(|refusal| not_mapped(refusal, field.object))?;
             }
             self.write(at(mapping, 0), &[entries.len() as u8])?;
         }
@@ -108,6 +182,17 @@ impl Session<'_> {
 fn lengths(entries: &[u32]) -> String {
     let bytes: Vec<_> = entries.iter().map(|entry| ((entry & 0xFF) / 8).to_string()).collect();
     if bytes.is_empty() { "nothing".to_owned() } else { format!("{} bytes", bytes.join(", ")) }
+}
+
+/// Names the object that a device does not map.
+fn not_mapped(refusal: Refusal, object: Object) -> Refusal {
+    let is_mode = [objects::MODE, objects::MODE_DISPLAY].contains(&object);
+    let cure =
+        if is_mode { "; it goes by SDO if the EDS of the drive (key eds) says that it cannot be mapped" } else { "" };
+    match refusal {
+        Refusal::Wrong(why) => Refusal::Wrong(format!("{object} cannot be mapped to a PDO: {why}{cure}")),
+        other => other,
+    }
 }
 
 fn missing(object: Object, number: u8) -> Refusal {

@@ -2,7 +2,9 @@ use super::super::bus::Bus;
 use super::super::fixtures;
 use super::*;
 use crate::config::{Identity, Master};
-use crate::drive::DriveType;
+use crate::drive::layout::Extras;
+use crate::drive::{DriveMode, DriveType, Layout};
+use crate::eds;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id};
 use lineshaft_core::drive::BusState;
@@ -19,6 +21,8 @@ struct Device {
     comes: VecDeque<Frame>,
     answers: usize,
     refuses: Option<(u16, u8)>,
+    /// Values that it refuses, by their objects.
+    denies: Vec<(u16, u8, u32)>,
 }
 
 const RESPONSE: u16 = 0x583;
@@ -65,7 +69,7 @@ impl Device {
     fn refusal(&self, index: u16, sub: u8, value: u32) -> Option<u32> {
         let present = self.objects.get(&(index, sub));
         let Some(_) = present else { return Some(0x0602_0000) };
-        if self.refuses == Some((index, sub)) {
+        if self.refuses == Some((index, sub)) || self.denies.contains(&(index, sub, value)) {
             return Some(0x0800_0022);
         }
         let is_mapping = (0x1600..0x1800).contains(&index) || (0x1A00..0x1C00).contains(&index);
@@ -348,4 +352,100 @@ fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
     assert!(good.lock().unwrap().written.iter().all(|(index, ..)| !matches!(index, 0x1600 | 0x1A00)), "left alone");
     let sentence = "1600h maps 2, 1 bytes; 2, 4 bytes are expected, mapped before the drive is used here";
     assert_eq!(run(&with(&[0x6040_0010, 0x6060_0008]), &config).unwrap_err(), sentence);
+}
+
+/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be taken for another.
+#[test]
+fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used() {
+    for index in [0x1401, 0x1801] {
+        let device = device(|device| device.refuses = Some((index, 1)));
+        assert!(run(&device, &config()).is_ok(), "{index:04X}h");
+        let found = device.lock().unwrap();
+        assert_eq!(found.get(index, 1) & 0x8000_0000, 0, "{index:04X}h is still on");
+        assert_eq!((found.get(0x1400, 1), found.get(0x1800, 1), found.nmt.last()), (0x203, 0x183, Some(&1)));
+    }
+    // 183h is TPDO 1 of the drive itself, 185h that of another drive of the bus.
+    for (index, id) in [(0x1401, 0x183_u32), (0x1801, 0x183), (0x1401, 0x185), (0x1801, 0x185)] {
+        let device = device(|device| {
+            device.refuses = Some((index, 1));
+            device.objects.insert((index, 1), id.to_le_bytes().to_vec());
+        });
+        let mut config = config();
+        config.devices.push(DeviceConfig::plain_drive(1, NodeId::new(5).expect("1 to 127"), Watching::None));
+        let refused = run(&device, &config).unwrap_err();
+        assert!(refused.starts_with(&format!("{index:04X}h:01: the device refuses")), "{refused}");
+        assert!(refused.ends_with(&format!("its identifier {id:03X}h is that of other process data")), "{refused}");
+    }
+}
+
+/// A drive with digital inputs and error code in TPDO 2, on change; `keep`: only these objects of it.
+fn config_with_extras(keep: &[u16]) -> BusConfig {
+    let known = eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
+    let mut config = config();
+    let drive = &mut config.devices[0];
+    drive.layout = Layout::plan(drive.node, DriveMode::Csp, Extras::default(), &drive.terminals, Some(&known)).unwrap();
+    drive.layout.told[1].fields.retain(|field| keep.contains(&field.object.index));
+    config
+}
+
+/// Type 255, then 254, then 1 (with each SYNC); what no cycle needs is left out, the switches of the drive are not.
+#[test]
+fn optional_pdo_of_a_refused_transmission_type_has_another_one_or_is_left_out() {
+    let refuses =
+        |types: &[u32]| device(|device| device.denies = types.iter().map(|kind| (0x1801, 2, *kind)).collect());
+    let both = config_with_extras(&[0x60FD, 0x603F]);
+    let cases: [(&[u32], u32); 3] = [(&[], 255), (&[255], 254), (&[255, 254], 1)];
+    for (refused, used) in cases {
+        let device = refuses(refused);
+        assert!(run(&device, &both).is_ok(), "{refused:?}");
+        let found = device.lock().unwrap();
+        assert_eq!((found.get(0x1801, 1), found.get(0x1801, 2), found.get(0x1A01, 0)), (0x283, used, 2), "{refused:?}");
+        assert_eq!((found.get(0x1A01, 1), found.get(0x1A01, 2)), (0x60FD_0020, 0x603F_0010));
+    }
+    let none = refuses(&[255, 254, 1]);
+    let refused = run(&none, &both).unwrap_err();
+    assert!(refused.starts_with("1801h:02: the device refuses"), "{refused}");
+    assert!(run(&none, &config_with_extras(&[0x603F])).is_ok());
+    assert_eq!(none.lock().unwrap().get(0x1801, 1), 0x8000_0283, "off");
+    // Its identifier is that of the PDO as planned: one that cannot be switched off would be taken for it.
+    let stuck = device(|device| device.refuses = Some((0x1801, 1)));
+    assert!(run(&stuck, &config_with_extras(&[0x603F])).is_err());
+}
+
+/// What each cycle needs has no other type.
+#[test]
+fn pdo_of_each_cycle_has_no_other_transmission_type() {
+    let device = device(|device| device.denies = vec![(0x1800, 2, 1)]);
+    let refused = run(&device, &config()).unwrap_err();
+    assert!(refused.starts_with("1800h:02: the device refuses"), "{refused}");
+}
+
+/// 6060h and 6061h are in no PDO, and not written before the cycles run: in these they go by SDO.
+#[test]
+fn drive_that_cannot_map_its_mode_is_configured_without_it() {
+    let mut config = config();
+    let known = fixtures::dictionary_without(&["6060", "6061"]);
+    let drive = &mut config.devices[0];
+    drive.layout = Layout::plan(drive.node, DriveMode::Csp, Extras::default(), &drive.terminals, Some(&known)).unwrap();
+    let device = device(|_| ());
+    assert!(run(&device, &config).is_ok());
+    let found = device.lock().unwrap();
+    let entries = [(0x1600, 0), (0x1600, 1), (0x1600, 2), (0x1A00, 0), (0x1A00, 1), (0x1A00, 2)];
+    let values = entries.map(|(index, sub)| found.get(index, sub));
+    assert_eq!(values, [2, 0x6040_0010, 0x607A_0020, 2, 0x6041_0010, 0x6064_0020]);
+    assert!(found.written.iter().all(|(index, ..)| *index != 0x6060));
+}
+
+/// Without a dictionary the drive itself says what it cannot map.
+#[test]
+fn object_that_a_drive_does_not_map_is_named() {
+    let refused = run(&device(|device| device.refuses = Some((0x1A00, 3))), &config()).unwrap_err();
+    assert!(refused.starts_with("6061h:00 cannot be mapped to a PDO: 1A00h:03: the device refuses: "), "{refused}");
+    assert!(
+        refused.ends_with("it goes by SDO if the EDS of the drive (key eds) says that it cannot be mapped"),
+        "{refused}"
+    );
+    let refused = run(&device(|device| device.refuses = Some((0x1600, 2))), &config()).unwrap_err();
+    assert!(refused.starts_with("607Ah:00 cannot be mapped to a PDO: 1600h:02: the device refuses: "), "{refused}");
+    assert!(!refused.contains("SDO"), "{refused}");
 }

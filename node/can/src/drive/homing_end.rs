@@ -1,0 +1,137 @@
+//! End of a homing in a drive whose mode of operation is written by SDO.
+//!
+//! Law      with 6060h in a PDO the drive leaves mode homing in the cycle in which the axis commands its own mode again. By SDO that takes some
+//!          cycles, in which the axis could move away already: the drive would jump after it. So the drive is brought back to its cyclic mode
+//!          first, and only then the axis is shown that the zero is attained. Until then it commands no motion
+//! Reads    that the drive has attained a new zero, the status word
+//! Writes   the mode that is to be commanded; mode and status word as the axis sees them
+//! Refuses  a drive that does not come back: a homing error is shown
+//! Source   CiA 402-2 (mode homing, bits 10, 12, 13 of 6041h)
+
+use lineshaft_core::drive::{MODE_HOMING, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
+
+/// Both say that a homing has succeeded.
+const HOMED: u16 = STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Stage {
+    /// No new zero.
+    #[default]
+    None,
+    /// The drive has a new zero, and may still move.
+    Attained,
+    /// The drive stands, and is brought back to its cyclic mode, since so many cycles.
+    Returns(u32),
+    /// It is in its cyclic mode.
+    Over,
+    /// It is not.
+    Failed,
+}
+
+/// The end of a homing.
+#[derive(Clone, Copy, Debug)]
+pub struct HomingEnd {
+    is_used: bool,
+    most_cycles: u32,
+    stage: Stage,
+}
+
+impl HomingEnd {
+    /// None under way; `is_used`: the mode is written by SDO. The drive has so many cycles to return to its cyclic mode.
+    pub fn new(is_used: bool, most_cycles: u32) -> Self {
+        Self { is_used, most_cycles, stage: Stage::None }
+    }
+
+    /// Forgets a homing.
+    pub fn clear(&mut self) {
+        self.stage = Stage::None;
+    }
+
+    /// The drive shows a new zero while its homing is commanded.
+    pub fn note_zero(&mut self) {
+        if self.is_used && self.stage == Stage::None {
+            self.stage = Stage::Attained;
+        }
+    }
+
+    /// The mode to be commanded: the cyclic one instead of homing, once the drive stands at its zero. `starts`: the axis commands a homing, with the
+    /// bit that starts it.
+    pub fn command(&mut self, mode: i8, cyclic: i8, starts: bool) -> i8 {
+        if !starts {
+            self.stage = Stage::None;
+        }
+        if self.holds() { cyclic } else { mode }
+    }
+
+    /// What has come of the return in this cycle.
+    pub fn note_return(&mut self, is_settled: bool, is_refused: bool) {
+        let Stage::Returns(cycles) = self.stage else { return };
+        self.stage = match () {
+            () if is_refused || cycles >= self.most_cycles => Stage::Failed,
+            () if is_settled => Stage::Over,
+            () => Stage::Returns(cycles.saturating_add(1)),
+        };
+    }
+
+    /// Whether the homing is over for the drive, and not yet for the axis.
+    pub fn holds(&self) -> bool {
+        matches!(self.stage, Stage::Returns(_) | Stage::Over | Stage::Failed)
+    }
+
+    /// Mode (by the number of the axis) and status word as the axis sees them.
+    pub fn show(&mut self, mode: i8, status: u16) -> (i8, u16) {
+        if self.stage == Stage::Attained && status & HOMED == HOMED {
+            self.stage = Stage::Returns(0);
+        }
+        let bare = status & !(HOMED | STATUS_HOMING_ERROR);
+        match self.stage {
+            Stage::None | Stage::Attained => (mode, status),
+            Stage::Returns(_) => (MODE_HOMING, bare),
+            Stage::Over => (MODE_HOMING, bare | HOMED),
+            Stage::Failed => (MODE_HOMING, bare | STATUS_HOMING_ERROR),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bits 10 and 12 are shown once the drive is in mode 8 again; meanwhile neither, whatever they mean in that mode.
+    #[test]
+    fn zero_is_shown_once_the_drive_is_back_in_its_cyclic_mode() {
+        let mut end = HomingEnd::new(true, 5);
+        assert_eq!((end.command(6, 8, true), end.show(6, 0x0237)), (6, (6, 0x0237)));
+        end.note_zero();
+        assert_eq!((end.show(6, 0x1237), end.command(6, 8, true)), ((6, 0x1237), 6), "it moves to its zero");
+        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
+        end.note_return(false, false);
+        assert_eq!(end.show(0, 0x1637), (6, 0x0237));
+        end.note_return(true, false);
+        assert_eq!((end.show(8, 0x3237), end.command(6, 8, true)), ((6, 0x1637), 8));
+        // The axis has its zero, and commands its own mode.
+        assert_eq!((end.command(8, 8, false), end.show(8, 0x1237)), (8, (8, 0x1237)));
+    }
+
+    #[test]
+    fn drive_that_does_not_return_shows_a_homing_error() {
+        for (cycles, is_refused) in [(1, true), (6, false)] {
+            let mut end = HomingEnd::new(true, 5);
+            end.note_zero();
+            for cycle in 0..cycles {
+                assert_eq!(end.show(6, 0x1637), (6, 0x0237), "{cycle}");
+                end.note_return(false, is_refused);
+            }
+            assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x2237), 8));
+            assert_eq!(end.command(6, 8, false), 6, "the next homing begins");
+        }
+    }
+
+    /// 6060h in a PDO: the drive is in the mode of the axis at once.
+    #[test]
+    fn nothing_is_held_back_from_a_drive_whose_mode_is_mapped() {
+        let mut end = HomingEnd::new(false, 5);
+        end.note_zero();
+        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x1637), 6));
+    }
+}
