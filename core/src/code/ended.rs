@@ -79,7 +79,7 @@ codes! {
     /// The drive did not take up mode homing.
     HOMING_IN_DRIVE_TIMEOUT = 10311, Search {
         says: "the drive did not take up mode 6, homing, within 5 s",
-        cause: "The drive did not take mode 6 or did not start.",
+        cause: "The drive did not take mode 6, or left it before its homing was over.",
         remedy: "Check that it can home by itself; or set homing.in_drive to false.",
     }
 
@@ -118,6 +118,13 @@ codes! {
         says: "homing in the drive has lasted for {asked} and goes on; homing.max_time limits it",
         cause: "The drive homes by itself and has not shown an end for a minute, two, and so on.",
         remedy: "Look at the axis: halt ends homing; set homing.max_time to have it end by itself.",
+    }
+
+    /// A drive in mode homing shows the bits of an earlier homing only.
+    HOMING_NOT_BEGUN = 10317, Search {
+        says: "the drive is in mode 6, homing, and has not begun within 5 s: bits 10 and 12 of 6041h are still those of an earlier homing",
+        cause: "The drive is in mode 6 and has cleared neither bit 10 nor bit 12 of its status word (6041h) since bit 4 of the control word rose.",
+        remedy: "Check that homing by bit 4 of the control word is enabled in the drive, and that it knows the method (6098h).",
     }
 
     /// ENCODERTYPE or MENCODERTYPE has no such number.

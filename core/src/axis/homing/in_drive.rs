@@ -1,12 +1,12 @@
 //! Homing that the drive runs by itself.
 //!
-//! Law      mode 6 is asked for; once the drive shows it, and bit 4 was low for 50 ms, bit 4 starts homing with the number of the method.
-//!          Meanwhile the command is where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin anew
-//!          (a new epoch). Bits that stood before count once the drive has cleared one of them: it may do so late. Methods 35 and 37
-//!          alone need no time, and may leave them as they are
-//! Refuses  bit 13, mode 6 or a begin not shown in time, or a way of more than homing.max_distance: an error. A drive that moves has
-//!          begun, and is not taken out of mode 6 for the time. Whatever else ends homing takes the axis over from its motion, in its own
-//!          mode, and brakes it
+//! Law      mode 6 is asked for; once the drive has shown it for 50 ms, in which bit 4 is low, bit 4 starts homing with the number of the
+//!          method. Meanwhile the command is where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin
+//!          anew (a new epoch). Bits of an earlier homing count once the drive has cleared one of them, which it may do late, or has set its counts
+//!          anew. Methods 35 and 37 alone need no time, and may leave them as they are
+//! Refuses  bit 13, mode 6 not shown in time, bits of an earlier homing that are not cleared in time, or a way of more than
+//!          homing.max_distance: an error. A drive that moves has begun, and is not taken out of mode 6 for the time. Whatever else ends
+//!          homing takes the axis over from its motion, in its own mode, and brakes it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
 
 use super::super::power::level_of;
@@ -32,12 +32,16 @@ const INSTANT_NS: u64 = 50_000_000;
 pub(super) struct InDrive {
     /// Cycle in which mode 6 was asked for, or bit 4 set.
     since: u64,
+    /// The cycle since which the drive shows mode 6.
+    shown_since: Option<u64>,
     /// Bit 4 is set.
     started: bool,
     /// The drive has shown that it began, after that.
     begun: bool,
     /// The bits that it showed in the cycle before.
     shown: u16,
+    /// How often its counts were set anew before it was started.
+    epoch: u32,
     /// Bit 13 stands since before it began: it is that of another homing.
     old_error: bool,
     /// Where the axis was when homing began.
@@ -70,22 +74,31 @@ struct Since {
 
 impl InDrive {
     pub(super) fn since(cycle: u64, from: Position) -> Self {
-        Self { since: cycle, started: false, begun: false, shown: 0, old_error: false, from }
+        Self {
+            since: cycle,
+            shown_since: None,
+            started: false,
+            begun: false,
+            shown: 0,
+            epoch: 0,
+            old_error: false,
+            from,
+        }
     }
 
     /// Bit 4 is set from this cycle on.
-    fn start(self, cycle: u64, status: u16) -> Self {
+    fn start(self, cycle: u64, (status, epoch): (u16, u32)) -> Self {
         let old_error = status & STATUS_HOMING_ERROR != 0;
         // Where no zero is known yet, one that is known is new.
         let begun = status & STATUS_HOMING_ATTAINED == 0;
-        Self { since: cycle, started: true, begun, shown: status, old_error, ..self }
+        Self { since: cycle, started: true, begun, shown: status, epoch, old_error, ..self }
     }
 
-    /// Takes the status word of a cycle behind [`start`](Self::start).
-    fn take(&mut self, status: u16, since: Since) -> Shown {
+    /// Takes status word and epoch of a cycle after [`start`](Self::start).
+    fn take(&mut self, (status, epoch): (u16, u32), since: Since) -> Shown {
         let shows = |bit: u16| status & bit != 0;
         let leaves_target = self.shown & STATUS_TARGET_REACHED != 0 && !shows(STATUS_TARGET_REACHED);
-        self.begun |= !shows(STATUS_HOMING_ATTAINED) || since.answers && leaves_target;
+        self.begun |= !shows(STATUS_HOMING_ATTAINED) || since.answers && leaves_target || epoch != self.epoch;
         self.old_error &= shows(STATUS_HOMING_ERROR);
         self.shown = status;
         let is_late = since.time_ns > TIMEOUT_NS;
@@ -132,26 +145,30 @@ impl Axis {
         let time = elapsed.saturating_mul(self.setup.cycle_ns);
         if input.mode != MODE_HOMING {
             if time > TIMEOUT_NS || drive.started && elapsed > self.delay().saturating_add(1) {
-                self.fail_homing(cx, Code::HOMING_IN_DRIVE_TIMEOUT, Number::None, Number::None);
+                return self.fail_homing(cx, Code::HOMING_IN_DRIVE_TIMEOUT, Number::None, Number::None);
             }
+            drive.shown_since = None;
+            run.stage = Stage::InDrive(drive);
+            self.homing.run = Some(run);
             return;
         }
+        let shown_since = *drive.shown_since.get_or_insert(cx.cycle);
+        let told = (input.status, input.epoch);
         if drive.started {
             let answers = elapsed > self.delay().saturating_add(1);
-            match drive.take(input.status, Since { time_ns: time, answers, is_instant: matches!(run.method, 35 | 37) })
-            {
+            match drive.take(told, Since { time_ns: time, answers, is_instant: matches!(run.method, 35 | 37) }) {
                 Shown::Done => return self.take_zero_of_drive(cx, input.count, run.offset),
                 Shown::Failed => {
                     return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
                 }
                 Shown::NoBegin if !self.moves() => {
-                    return self.fail_homing(cx, Code::HOMING_IN_DRIVE_TIMEOUT, Number::None, Number::None);
+                    return self.fail_homing(cx, Code::HOMING_NOT_BEGUN, Number::None, Number::None);
                 }
                 Shown::NoBegin | Shown::UnderWay => {}
             }
-        } else if elapsed >= level_of(self.setup.cycle_ns) {
-            // Bit 4 of the homing before was seen to go.
-            drive = drive.start(cx.cycle, input.status);
+        } else if cx.cycle.saturating_sub(shown_since) >= level_of(self.setup.cycle_ns) {
+            // In mode 6 the drive has seen bit 4 low, whatever that was in the mode before.
+            drive = drive.start(cx.cycle, told);
         }
         run.stage = Stage::InDrive(drive);
         self.homing.run = Some(run);
@@ -203,10 +220,10 @@ mod tests {
     /// What comes of status words, each from a time on (ms), the first one before bit 4 is set; and when.
     fn homed(method: i64, words: &[(u64, u16)]) -> (Shown, u64) {
         let status = |ms: u64| words.iter().rev().find(|(from, _)| *from <= ms).map_or(0, |(_, status)| *status);
-        let mut drive = InDrive::since(0, Position::ZERO).start(0, status(0));
+        let mut drive = InDrive::since(0, Position::ZERO).start(0, (status(0), 0));
         for ms in 1..20_000 {
             let since = Since { time_ns: ms * 1_000_000, answers: ms > 1, is_instant: matches!(method, 35 | 37) };
-            let shown = drive.take(status(ms), since);
+            let shown = drive.take((status(ms), 0), since);
             if shown != Shown::UnderWay {
                 return (shown, ms);
             }
@@ -232,6 +249,16 @@ mod tests {
             assert_eq!(homed(1, &[(0, ERROR), (clears, 0), (9_000, both)]), (Shown::Done, 9_000), "the old error");
             assert_eq!(homed(1, &[(0, ERROR), (clears, 0), (9_000, ERROR)]), (Shown::Failed, 9_000));
         }
+    }
+
+    /// Counts that were set anew are of this homing, whatever its bits showed between two looks.
+    #[test]
+    fn bits_that_stay_count_once_the_counts_were_set_anew() {
+        let both = ATTAINED | REACHED;
+        let mut drive = InDrive::since(0, Position::ZERO).start(0, (both, 3));
+        let since = |time_ns| Since { time_ns, answers: true, is_instant: false };
+        assert_eq!(drive.take((both, 3), since(100_000_000)), Shown::UnderWay);
+        assert_eq!(drive.take((both, 4), since(200_000_000)), Shown::Done);
     }
 
     /// Methods 35 and 37 need no way: old bits hold after 50 ms. All others have begun within 5 s.

@@ -33,18 +33,39 @@ enum Stage {
 pub struct HomingEnd {
     is_used: bool,
     most_cycles: u32,
+    /// Within so many cycles a method that takes no time has its zero.
+    instant_cycles: u32,
+    /// Cycles since such a method was started; 0: none was.
+    instant: u32,
     stage: Stage,
 }
 
 impl HomingEnd {
-    /// None under way; `is_used`: the mode is written by SDO. The drive has so many cycles to return to its cyclic mode.
-    pub fn new(is_used: bool, most_cycles: u32) -> Self {
-        Self { is_used, most_cycles, stage: Stage::None }
+    /// None under way; `is_used`: the mode is written by SDO. The drive has `most_cycles` to return to its cyclic mode, and its zero after
+    /// `instant_cycles` of a method that takes no time.
+    pub fn new(is_used: bool, most_cycles: u32, instant_cycles: u32) -> Self {
+        Self { is_used, most_cycles, instant_cycles, instant: 0, stage: Stage::None }
+    }
+
+    /// Whether the mode is written by SDO, and a drive in another mode than the axis could jump.
+    pub fn is_used(&self) -> bool {
+        self.is_used
     }
 
     /// Forgets a homing.
     pub fn clear(&mut self) {
-        self.stage = Stage::None;
+        (self.stage, self.instant) = (Stage::None, 0);
+    }
+
+    /// A cycle in which a method that takes no time (35, 37) is started. It may leave the bits of an earlier homing as they are: they
+    /// count after a while, and are not shown before.
+    pub fn note_instant(&mut self) {
+        if self.is_used && self.stage == Stage::None {
+            self.instant = self.instant.saturating_add(1);
+            if self.instant > self.instant_cycles {
+                self.stage = Stage::Attained;
+            }
+        }
     }
 
     /// The drive shows a new zero while its homing is commanded.
@@ -58,7 +79,7 @@ impl HomingEnd {
     /// bit that starts it.
     pub fn command(&mut self, mode: i8, cyclic: i8, starts: bool) -> i8 {
         if !starts {
-            self.stage = Stage::None;
+            self.clear();
         }
         if self.holds() { cyclic } else { mode }
     }
@@ -85,6 +106,7 @@ impl HomingEnd {
         }
         let bare = status & !(HOMED | STATUS_HOMING_ERROR);
         match self.stage {
+            Stage::None if self.instant > 0 => (mode, status & !HOMED),
             Stage::None | Stage::Attained => (mode, status),
             Stage::Returns(_) => (MODE_HOMING, bare),
             Stage::Over => (MODE_HOMING, bare | HOMED),
@@ -100,7 +122,7 @@ mod tests {
     /// Bits 10 and 12 are shown once the drive is in mode 8 again; meanwhile neither, whatever they mean in that mode.
     #[test]
     fn zero_is_shown_once_the_drive_is_back_in_its_cyclic_mode() {
-        let mut end = HomingEnd::new(true, 5);
+        let mut end = HomingEnd::new(true, 5, 3);
         assert_eq!((end.command(6, 8, true), end.show(6, 0x0237)), (6, (6, 0x0237)));
         end.note_zero();
         assert_eq!((end.show(6, 0x1237), end.command(6, 8, true)), ((6, 0x1237), 6), "it moves to its zero");
@@ -113,10 +135,24 @@ mod tests {
         assert_eq!((end.command(8, 8, false), end.show(8, 0x1237)), (8, (8, 0x1237)));
     }
 
+    /// Bits 10 and 12 stand from an earlier homing, and stay.
+    #[test]
+    fn method_that_takes_no_time_is_over_in_the_cyclic_mode_too() {
+        let mut end = HomingEnd::new(true, 5, 3);
+        for cycle in 0..3 {
+            end.note_instant();
+            assert_eq!((end.command(6, 8, true), end.show(6, 0x1637)), (6, (6, 0x0237)), "{cycle}");
+        }
+        end.note_instant();
+        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
+        end.note_return(true, false);
+        assert_eq!(end.show(8, 0x3237), (6, 0x1637));
+    }
+
     #[test]
     fn drive_that_does_not_return_shows_a_homing_error() {
         for (cycles, is_refused) in [(1, true), (6, false)] {
-            let mut end = HomingEnd::new(true, 5);
+            let mut end = HomingEnd::new(true, 5, 3);
             end.note_zero();
             for cycle in 0..cycles {
                 assert_eq!(end.show(6, 0x1637), (6, 0x0237), "{cycle}");
@@ -130,7 +166,7 @@ mod tests {
     /// 6060h in a PDO: the drive is in the mode of the axis at once.
     #[test]
     fn nothing_is_held_back_from_a_drive_whose_mode_is_mapped() {
-        let mut end = HomingEnd::new(false, 5);
+        let mut end = HomingEnd::new(false, 5, 3);
         end.note_zero();
         assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x1637), 6));
     }

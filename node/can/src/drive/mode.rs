@@ -163,6 +163,15 @@ const LEVEL_CYCLES: u64 = 5;
 const ACKNOWLEDGE_NS: u64 = 500_000_000;
 const ACKNOWLEDGE_CYCLES: u64 = 25;
 
+fn cycles_of(ns: u64, cycle_ns: u64, least: u64) -> u32 {
+    u32::try_from(ns.div_ceil(cycle_ns.max(1)).max(least)).unwrap_or(u32::MAX)
+}
+
+/// Returns how many cycles a bit keeps each level, so that a slow drive sees its edges: 50 ms, 5 at least.
+pub(crate) fn level_cycles(cycle_ns: u64) -> u32 {
+    cycles_of(LEVEL_NS, cycle_ns, LEVEL_CYCLES)
+}
+
 /// The handshake of mode pp: bit 4 hands a setpoint over, bit 12 acknowledges it.
 ///
 /// A setpoint is handed over once bit 12 is 0, and stays until bit 12 rises. Bit 12 that is 1 from before acknowledges nothing: bit 4
@@ -189,10 +198,9 @@ struct Handshake {
 
 impl Handshake {
     fn new(cycle_ns: u64) -> Self {
-        let cycles = |ns: u64, least| u32::try_from(ns.div_ceil(cycle_ns.max(1)).max(least)).unwrap_or(u32::MAX);
         Self {
-            level_cycles: cycles(LEVEL_NS, LEVEL_CYCLES),
-            most_cycles: cycles(ACKNOWLEDGE_NS, ACKNOWLEDGE_CYCLES),
+            level_cycles: level_cycles(cycle_ns),
+            most_cycles: cycles_of(ACKNOWLEDGE_NS, cycle_ns, ACKNOWLEDGE_CYCLES),
             setpoint: 0,
             is_given: false,
             has_begun: false,
@@ -213,7 +221,10 @@ impl Handshake {
             (self.is_old, self.level, self.waits) = (false, 0, 0);
             return;
         }
-        self.is_old &= is_acknowledged;
+        if self.is_old && !is_acknowledged {
+            // From here on it is the setpoint that waits.
+            (self.is_old, self.waits) = (false, 0);
+        }
         let is_wanted = position != self.setpoint || !self.has_begun;
         match (self.is_given, is_acknowledged) {
             (true, true) if !self.is_old => (self.is_given, self.level, self.waits) = (false, 0, 0),
@@ -232,7 +243,10 @@ impl Handshake {
                     self.give(position, true);
                 }
             }
-            (false, false) if is_wanted => self.give(position, false),
+            (false, false) if is_wanted => {
+                self.waits = 0;
+                self.give(position, false);
+            }
             (false, _) => (self.level, self.waits) = (0, 0),
         }
     }
@@ -364,6 +378,8 @@ mod tests {
         assert_eq!(first_late(handed_over(600, |_, _| true)), Some(500));
         // One that is given and acknowledged, however late, is not; nor is one that has no new one to wait for.
         assert_eq!(first_late(handed_over(2_000, |_, cycle| cycle > 499)), None);
+        // Bit 12 falls after 300 cycles, and the setpoint that is given then is acknowledged 250 cycles later.
+        assert_eq!(first_late(handed_over(900, |_, cycle| !(300..550).contains(&cycle))), None);
         let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
         for _ in 0..600 {
             pp.command(control::ENABLE, 7, ENABLED, true);

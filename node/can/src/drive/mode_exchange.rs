@@ -5,7 +5,7 @@
 //!          An answer that may be the late one of an earlier read is not used
 //! Reads    answers of SDO requests, and that status words have come
 //! Writes   SDO requests
-//! Refuses  a mode that the drive refuses: it is not written again before another one was commanded, or the drive was started
+//! Refuses  a mode that the drive refuses: it is not written again before another one is commanded, the drive is enabled, or it is started
 //! Source   CiA 402-2 (6060h and 6061h: PDO mapping is optional), CiA 301 (SDO)
 
 use super::layout::ModeBySdo;
@@ -123,9 +123,9 @@ impl ModeExchange {
         }
     }
 
-    /// Has the mode written and read again: another client may have changed it.
+    /// Has the mode written and read again: another client may have changed it, and what the drive has refused without power it may take now.
     pub fn distrust(&mut self) {
-        (self.written, self.known, self.heard, self.due_ns) = (None, None, None, 0);
+        (self.written, self.known, self.heard, self.refused, self.due_ns) = (None, None, None, None, 0);
         if self.stage == Stage::Reads {
             self.counts = false;
         }

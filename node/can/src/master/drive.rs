@@ -8,6 +8,7 @@
 
 use crate::config::{DriveConfig, Missed, VelocityFactor};
 use crate::drive::layout::{Asked, Layout, Told};
+use crate::drive::mode::level_cycles;
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Commander, Counter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
 use crate::sdo::{SdoError, Transfer};
@@ -71,12 +72,16 @@ pub(crate) struct Drive {
     asked: (u16, i64),
     /// The faster velocity of the homing that was asked for last (counts/s); 0 before the first one.
     homing_velocity: f64,
+    /// Its coordinate was set anew since homing was started, by a jump.
+    has_jumped: bool,
     pub(super) homing: HomingSetup,
     homing_end: HomingEnd,
     /// The exchange of its mode, if an object of it is in no PDO.
     pub(super) modes: ModeExchange,
     /// The axis commands that the operation is enabled.
     is_enabling: bool,
+    /// It was to home, and may not be back in its cyclic mode yet.
+    leaves_homing: bool,
 }
 
 impl Drive {
@@ -110,15 +115,18 @@ impl Drive {
             is_shut_down: config.drive_type.is_some(),
             asked: (0, 0),
             homing_velocity: 0.0,
+            has_jumped: false,
             homing: HomingSetup::new(config.velocity),
             // The loops of an axis with interface torque follow where the drive is: it jumps after nothing, and must not be without torque.
             homing_end: HomingEnd::new(
                 layout.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
                 // Saturates.
                 (RETURN_S * 1e9 / cycle_ns as f64) as u32,
+                level_cycles(cycle_ns),
             ),
             modes: ModeExchange::new(layout.mode_by_sdo),
             is_enabling: false,
+            leaves_homing: false,
         }
     }
 
@@ -144,7 +152,7 @@ impl Drive {
         self.catches = Default::default();
         self.modes.begin_anew();
         self.homing_end.clear();
-        self.is_enabling = false;
+        (self.is_enabling, self.leaves_homing) = (false, false);
     }
 
     /// It has been started; `fault` is its error code.
@@ -179,9 +187,14 @@ impl Drive {
         let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
         let is_homing = now.mode == MODE_HOMING && was.mode == MODE_HOMING;
         let finds_zero = has_zero(now) && !has_zero(was);
-        if is_homing && (finds_zero || word.is_some_and(|word| self.is_beyond_homing(word))) {
+        let is_started = self.asked.0 & control::START_HOMING != 0;
+        // One jump is the zero. A drive that goes on so is too fast, and its way counts.
+        let may_jump = is_homing && is_started && !self.has_jumped;
+        let jumps = may_jump && word.is_some_and(|word| self.is_beyond_homing(word));
+        self.has_jumped |= jumps;
+        if is_homing && finds_zero || jumps {
             self.counter.begin_anew();
-            if self.asked.0 & control::START_HOMING != 0 {
+            if is_started {
                 self.homing_end.note_zero();
             }
         }
@@ -276,6 +289,7 @@ impl Drive {
         if let Mode::Homing(order) = output.mode {
             self.homing_velocity = order.search_velocity.abs().max(order.zero_velocity.abs());
         }
+        self.has_jumped &= output.control & control::START_HOMING != 0;
         let mode = self.commander.mode();
         let command = self.command_mode(output);
         let is_in_mode = mode.across(self.mode) == mode.number() && self.words.mode == mode.number();
@@ -286,13 +300,18 @@ impl Drive {
         self.asked = self.commander.command(control, output.position, self.words.status, is_in_mode);
     }
 
-    /// Commands the mode of a drive that maps it to no PDO. Returns the control word: the drive is not enabled before it is in that mode.
+    /// Commands the mode of a drive that maps it to no PDO. Returns the control word: the drive is not enabled before it is in that mode, nor
+    /// while it returns from a homing that was ended.
     fn command_mode(&mut self, output: &DriveOutput) -> u16 {
         if !self.modes.is_used() {
             return output.control;
         }
         let mode = self.commander.mode();
-        let starts = matches!(output.mode, Mode::Homing(_)) && output.control & control::START_HOMING != 0;
+        let method = if let Mode::Homing(order) = output.mode { Some(order.method) } else { None };
+        let starts = method.is_some() && output.control & control::START_HOMING != 0;
+        if starts && matches!(method, Some(35 | 37)) {
+            self.homing_end.note_instant();
+        }
         let commanded = self.homing_end.command(mode.across(self.mode), mode.number(), starts);
         self.modes.command(commanded);
         let enables = output.control & control::ENABLE == control::ENABLE;
@@ -305,8 +324,11 @@ impl Drive {
         self.forget_mode();
         let is_settled = self.modes.is_settled(self.words.mode);
         self.homing_end.note_return(is_settled, self.modes.is_refused());
+        // A homing that is ended before its zero: back in its cyclic mode the drive would jump to where the axis is by then.
+        self.leaves_homing = self.homing_end.is_used() && (method.is_some() || self.leaves_homing && !is_settled);
+        let is_left = self.leaves_homing && method.is_none();
         match output.control {
-            _ if enables && !is_enabled && !is_settled => control::SWITCH_ON,
+            _ if enables && !is_settled && (!is_enabled || is_left) => control::SWITCH_ON,
             other if self.homing_end.holds() => other & !control::START_HOMING,
             other => other,
         }

@@ -200,7 +200,7 @@ fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
     assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 5_000.0));
     assert!(matches!(rig.outputs().drive[0].mode, Mode::Homing(_)));
     rig.run(500);
-    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+    assert_eq!(rig.done(sequence)[0].code, Code::HOMING_NOT_BEGUN);
     assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
 }
 

@@ -161,6 +161,12 @@ fn refused_mode_is_reported_once() {
     }
     assert!(matches!(rig.reports.pop(), Ok(Report::ModeRefused(0, SdoError::Refused(..)))));
     assert!(rig.reports.pop().is_err());
+    // A drive may take it once it has power: it is written again when the drive is enabled.
+    rig.outputs.drive[0].control = control::ENABLE;
+    rig.answer(0x0233, 0, 0);
+    rig.cycle();
+    let is_written = |frame: &Frame| hex(frame) == "603#2F60600008000000";
+    assert!(rig.sent().iter().any(is_written));
 }
 
 /// The axis sees its zero once the drive is in mode 8 again, so that it cannot move away before: then bits 10 and 12 come, in mode 6.
@@ -198,9 +204,9 @@ fn homing_by_sdo_is_over_once_the_drive_is_back_in_its_mode() {
     assert_eq!((mode, status, epoch), (MODE_CSP, 0x1237, 1));
 }
 
-/// Commanded back to 8 before 6 was confirmed, the 8 that was read before is not shown: the drive may be in 6.
+/// Commanded back to 8 before 6 was confirmed, the 8 that was read before is not shown: the drive may be in 6, and is disabled.
 #[test]
-fn mode_that_was_read_before_another_one_was_written_is_not_shown() {
+fn drive_whose_homing_is_ended_is_disabled_until_it_is_back_in_its_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
     rig.outputs.drive[0].control = control::ENABLE;
     (0..4).for_each(|_| assert_eq!(server.turn(&mut rig, 0x1237, 0), 15));
@@ -211,11 +217,11 @@ fn mode_that_was_read_before_another_one_was_written_is_not_shown() {
     }
     rig.outputs.drive[0].mode = Mode::Position;
     let shown = [(); 5].map(|()| {
-        server.turn(&mut rig, 0x1237, 0);
-        (mode_of(&rig), server.mode)
+        let control = server.turn(&mut rig, 0x1237, 0);
+        (control, mode_of(&rig), server.mode)
     });
-    // The write of 8, its answer, two status words.
-    assert_eq!(shown, [(0, 8), (0, 8), (0, 8), (8, 8), (8, 8)]);
+    // The write of 8, its answer, two status words. Until then the drive could jump to where the axis is: its operation is disabled.
+    assert_eq!(shown, [(7, 0, 8), (7, 0, 8), (7, 0, 8), (15, 8, 8), (15, 8, 8)]);
 }
 
 /// A target velocity that is meant for homing would move a drive that is not in mode homing yet.
