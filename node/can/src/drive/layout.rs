@@ -163,6 +163,18 @@ pub struct ModeBySdo {
     pub reads: bool,
 }
 
+impl ModeBySdo {
+    /// A sentence about the objects that go by SDO; none if PDOs carry both.
+    pub fn sentence(self) -> Option<&'static str> {
+        match (self.writes, self.reads) {
+            (true, true) => Some("6060h and 6061h are in no PDO: the mode goes by SDO"),
+            (true, false) => Some("6060h is in no PDO: the mode is written by SDO"),
+            (false, true) => Some("6061h is in no PDO: the mode is read by SDO"),
+            (false, false) => None,
+        }
+    }
+}
+
 /// What a drive tells beside what its mode needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {

@@ -2,7 +2,7 @@
 
 use super::Sheet;
 use crate::drive::layout::{Asked, MOST_PDOS, Told, Transmission};
-use crate::eds::{Access, DataType, Direction};
+use crate::eds::{Access, Direction};
 use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
 
@@ -31,7 +31,7 @@ impl Sheet<'_> {
         let known = self.known;
         let Some(entry) = known.entry(object) else { return self.missing(object, key) };
         let (data_type, access) = (entry.data_type, entry.access);
-        if !is_integer(data_type, bits) {
+        if !data_type.may_be_integer(bits) {
             self.error(&format!(
                 "{object} is {data_type} by the file; an integer of {bits} bits is mapped to a PDO (key {key})"
             ));
@@ -64,15 +64,6 @@ impl Sheet<'_> {
             pdo.is_ok_and(|pdo| pdo.mapped.iter().any(|mapped| mapped.object == object))
         };
         (1..=u16::from(MOST_PDOS)).find(carries)
-    }
-}
-
-/// Whether values of a type are integers of so many bits, of either sign; those of a type that is not known may be.
-fn is_integer(data_type: DataType, bits: u32) -> bool {
-    match data_type {
-        DataType::Other(_) => true,
-        DataType::Real32 | DataType::Real64 => false,
-        other => other.bits() == Some(bits),
     }
 }
 
