@@ -1,7 +1,7 @@
 //! Objects that the PDOs of a device carry, compared with its file.
 
 use super::Sheet;
-use crate::drive::layout::{Asked, MOST_PDOS, Told, Transmission};
+use crate::drive::layout::{Asked, Field, MOST_PDOS, OPTIONAL, Told, Transmission};
 use crate::eds::{Access, Direction};
 use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
@@ -24,6 +24,32 @@ impl Sheet<'_> {
                     self.field(Direction::Transmit, field.object, field.bits, key);
                 }
             }
+        }
+        self.left_out();
+    }
+
+    /// Warns of optional objects that are in no PDO because the file gives them another type or access.
+    fn left_out(&mut self) {
+        let (device, known) = (self.device, self.known);
+        if device.drive().is_none_or(|drive| drive.drive_type.is_some()) {
+            return;
+        }
+        for field in OPTIONAL {
+            let Field { word, object, bits } = field;
+            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.suits(entry)) else {
+                continue;
+            };
+            if device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|carried| carried.object == object) {
+                continue;
+            }
+            let why = match entry.data_type {
+                data_type if data_type.may_be_integer(bits) => {
+                    format!("has access {} by the file", entry.access.name())
+                }
+                data_type => format!("is {data_type} by the file, not an integer of {bits} bits"),
+            };
+            let lost = if word == Told::Inputs { "; the switches of the drive are not read" } else { "" };
+            self.warning(&format!("{object} {why}: it is not mapped to a PDO{lost}"));
         }
     }
 

@@ -245,6 +245,43 @@ fn planned(known: &Dictionary) -> DeviceConfig {
     DeviceConfig { layout: layout.expect("it maps what it needs"), ..drive(DriveMode::Csp) }
 }
 
+/// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). Without entries of io no cell needs them; with one 60FDh is needed.
+#[test]
+fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_it() {
+    let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
+    for (section, key, value, sentence) in [
+        (
+            "60FD",
+            "DataType",
+            "0x0006",
+            "60FDh:00 is UNSIGNED16 by the file, not an integer of 32 bits: it is not mapped to a PDO; the switches of the drive are not read",
+        ),
+        (
+            "60FD",
+            "AccessType",
+            "wo",
+            "60FDh:00 has access wo by the file: it is not mapped to a PDO; the switches of the drive are not read",
+        ),
+        (
+            "603F",
+            "DataType",
+            "0x0007",
+            "603Fh:00 is UNSIGNED32 by the file, not an integer of 16 bits: it is not mapped to a PDO",
+        ),
+        ("603F", "AccessType", "wo", "603Fh:00 has access wo by the file: it is not mapped to a PDO"),
+    ] {
+        let sentence = format!("node 3 (x0): {sentence}");
+        assert_eq!(found(&changed(&[(section, key, value)])), of(&[], &[&sentence]));
+    }
+    let known = changed(&[("60FD", "DataType", "0x0006")]);
+    let terminals = Terminals { digital_inputs: vec![terminal(16)], ..Terminals::default() };
+    let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known));
+    let device = DeviceConfig { layout: layout.expect("it maps it"), terminals, ..drive(DriveMode::Csp) };
+    let sentence = "node 3 (x0): 60FDh:00 is UNSIGNED16 by the file; an integer of 32 bits is mapped to a PDO (key io)";
+    assert_eq!(compare(&device, Needs::default(), &known), of(&[sentence], &[]));
+    assert_eq!(found(&changed(&[])), Findings::default());
+}
+
 /// A drive need not be able to map 6060h and 6061h (CiA 402-2). By SDO 6060h is written and 6061h is read; both are INTEGER8.
 #[test]
 fn mode_that_goes_by_sdo_is_compared_with_the_file() {
