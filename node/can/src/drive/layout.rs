@@ -159,7 +159,7 @@ pub struct Layout {
     pub asked: Vec<Pdo<Asked>>,
     /// Those that the device sends.
     pub told: Vec<Pdo<Told>>,
-    /// What goes by SDO instead.
+    /// Objects of the mode of operation that go by SDO instead.
     pub mode_by_sdo: ModeBySdo,
 }
 
@@ -214,7 +214,7 @@ pub enum LayoutError {
 }
 
 impl Layout {
-    /// All objects that its PDOs carry, and 6060h if it goes by SDO: what is commanded while cycles run.
+    /// All objects that its PDOs carry, and 6060h if it goes by SDO: the objects that are commanded or read while cycles run.
     pub fn mapped(&self) -> impl Iterator<Item = Object> {
         let asked = self.asked.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object);
         let mode = self.mode_by_sdo.writes.then_some(objects::MODE);
@@ -507,7 +507,7 @@ mod tests {
             assert_eq!(layout.mode_by_sdo, ModeBySdo { writes, reads }, "{unmappable:?}");
             let lengths = (layout.asked[0].bytes(), layout.told[0].bytes());
             assert_eq!(lengths, (if writes { 6 } else { 7 }, if reads { 6 } else { 7 }), "{unmappable:?}");
-            // Whoever else writes 6060h changes what is commanded, in a PDO or not.
+            // Another client that writes 6060h changes the commanded mode, in a PDO or not.
             assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
         }
         let refused = plan(&["6060", "607A"]).unwrap_err();

@@ -10,7 +10,7 @@ use crate::eds::Direction;
 use crate::sdo::Object;
 
 impl Sheet<'_> {
-    /// Notes an object that a PDO carries and the file lacks; of each index the first one, behind which the others are. An index that says
+    /// Notes an object that a PDO carries and the file lacks; of each index the first one, and no other. An index that says
     /// how many subindices it has lacks the next ones for sure.
     pub(super) fn missing(&mut self, object: Object, key: &str) {
         if !self.lacking.insert(object.index) {

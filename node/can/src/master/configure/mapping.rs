@@ -89,7 +89,7 @@ impl Session<'_> {
         match self.write_pdo(Direction::Transmit, pdo) {
             Err(Refusal::Wrong(why)) if is_optional => {
                 match self.try_switch_off(Direction::Transmit, pdo.number)? {
-                    // It stays on, and what it sends would be taken for the objects of the plan.
+                    // It stays on, and its data would be treated as the objects of the plan.
                     Some((_, cob_id)) if has_planned_id(cob_id, pdo) => return Err(Refusal::Wrong(why)),
                     Some((refused, cob_id)) => self.keep_on(&refused, cob_id)?,
                     None => {}

@@ -356,7 +356,7 @@ fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
     assert_eq!(run(&with(&[0x6040_0010, 0x6060_0008]), &config).unwrap_err(), sentence);
 }
 
-/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be taken for another.
+/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be treated as another.
 #[test]
 fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used() {
     for index in [0x1401, 0x1801] {
@@ -435,7 +435,7 @@ fn pdo_with_its_identifier_in_a_read_only_cob_id_is_mapped_while_it_is_on() {
     }
 }
 
-/// What such a PDO sends would be taken for the objects of the plan: it is not left out, and its own identifier is not that of another PDO.
+/// The data of such a PDO would be treated as the objects of the plan: it is not left out, and its own identifier is not that of another PDO.
 #[test]
 fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refused_by_its_cob_id() {
     for (communication, number) in [(0x1400, 1), (0x1800, 1), (0x1801, 2)] {
