@@ -157,16 +157,15 @@ impl Session<'_> {
             Err(_) if has_id => false,
             Err(refused) => return Err(refused.into()),
         };
+        let cob_id = at(communication, 1);
+        let named = |refusal: Refusal| if is_off { refusal } else { is_kept_on(refusal, cob_id, pdo.number) };
         if is_off || !has_type {
-            self.write_transmission(at(communication, 2), pdo.transmission)?;
+            self.write_transmission(at(communication, 2), pdo.transmission).map_err(named)?;
         }
         if !is_mapped {
-            let written = self.write_entries(mapping, &pdo.fields, &entries);
-            written.map_err(
-                |refusal| if is_off { refusal } else { is_kept_on(refusal, at(communication, 1), pdo.number) },
-            )?;
+            self.write_entries(mapping, &pdo.fields, &entries).map_err(named)?;
         }
-        if is_off { self.write(at(communication, 1), &id.to_le_bytes()) } else { Ok(()) }
+        if is_off { self.write(cob_id, &id.to_le_bytes()) } else { Ok(()) }
     }
 
     /// Writes the objects of a PDO: none, each of them, their number.

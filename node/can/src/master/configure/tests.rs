@@ -446,6 +446,14 @@ fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refuse
         assert!(refused.starts_with(&format!("{sentence}{mapping:04X}h:00: the device refuses: ")), "{refused}");
         assert!(!refused.contains("not needed"), "{refused}");
     }
+    let of_another_type = device(|device| {
+        device.refuses = Some((0x1800, 1));
+        device.denies = vec![(0x1800, 2, 1)];
+        device.maps_while_on = true;
+    });
+    let refused = run(&of_another_type, &config()).unwrap_err();
+    let sentence = "PDO 1 cannot be mapped: 1800h:01 is read-only; 1800h:02: the device refuses: ";
+    assert!(refused.starts_with(sentence), "{refused}");
     // With another identifier it is no planned one: it is left out, and stays on.
     let other = device(|device| {
         device.refuses = Some((0x1801, 1));
