@@ -166,7 +166,7 @@ impl Axis {
         is_asked && (input.fresh || self.gantry().is_none())
     }
 
-    /// The error of a drive that has not come on in time, with what it shows instead.
+    /// The error of a drive that was not enabled in time, with the state and the mode that it shows instead.
     fn not_enabled(&self, input: &DriveInput) -> Failure {
         let shown = NotEnabled { state: self.shown.state(), mode: input.mode };
         let limit = i64::try_from(self.setup.enable_timeout_ns).unwrap_or(i64::MAX);
@@ -174,8 +174,7 @@ impl Axis {
         failure.with(Number::Count(shown.to_number()), Number::Time(limit))
     }
 
-    /// A drive that repeats itself is told once a second, and one that says this and that eight times. The end (code 0) of what was told is always
-    /// told.
+    /// The same code is reported once a second, different codes at most eight times a second. Code 0 after a reported code is always reported.
     fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
         let last = self.watch.emergency;
@@ -333,7 +332,7 @@ pub(super) fn level_of(cycle_ns: u64) -> u64 {
 }
 
 /// The control word of a reset, so many cycles after it began. The reset needs a rising edge: bit 7 was low before, is low in the first cycle,
-/// and then stands high and low in turn until the fault is left, or the time is over.
+/// and then is high and low in turn until the drive leaves its fault, or the time has passed.
 fn reset_word(elapsed: u64, cycle_ns: u64) -> u16 {
     match elapsed.checked_sub(1) {
         Some(passed) if (passed / level_of(cycle_ns)).is_multiple_of(2) => control::FAULT_RESET,

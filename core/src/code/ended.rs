@@ -568,8 +568,8 @@ codes! {
     /// The drive did not acknowledge a setpoint in time (profile position).
     SETPOINT_NOT_ACKNOWLEDGED = 10219, Drive {
         says: "the drive did not acknowledge a setpoint in time (mode pp, bit 12 of 6041h)",
-        cause: "Mode pp: the drive did not acknowledge a setpoint within 500 ms, or its acknowledgement (bit 12 of 6041h) stayed from the setpoint \
-            before; the axis does not follow.",
+        cause: "Mode pp: the drive did not acknowledge a setpoint within 500 ms (25 cycles, if a cycle is longer than 20 ms), or its acknowledgement \
+            (bit 12 of 6041h) stayed from the setpoint before; the axis does not follow.",
         remedy: "Check that 6040h and 607Ah reach the drive and that it takes setpoints at once (bit 5 of 6040h); modes ip and csp need no \
             acknowledgement. Then reset_errors.",
     }

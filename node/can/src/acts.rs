@@ -38,7 +38,7 @@ const COMMON: [Row; 7] = [
     (0x1003, 0x1003, Some(0), Acts),
     // Store parameters, restore default parameters.
     (0x1010, 0x1011, None, Acts),
-    // High resolution time stamp: the time of the file is over.
+    // High resolution time stamp: the time of the file has passed.
     (0x1013, 0x1013, None, Setpoint),
     // OS command, its mode, debugger interface, OS prompt.
     (0x1023, 0x1026, None, Acts),

@@ -3,8 +3,8 @@
 //! Law      heartbeat: the device tells its state by itself, and is lost once it has been silent for longer than its time; that begins with
 //!          the first one. Guarding: it is asked by a remote frame and answers with a toggle that alternates, from 0 on after its
 //!          boot-up; it is lost once it has not answered rightly for the guard time times the life time factor, from the first question on.
-//!          One that is lost is back with its next right sign of life. One whose first heartbeat never comes is not watched: that is told
-//!          once, its time after it was started
+//!          One that is lost is back with its next right sign of life. One whose first heartbeat never comes is not watched: that is
+//!          reported once, its time after it was started
 //! Reads    frames on 700h + node, the time
 //! Writes   the remote frames that guard
 //! Source   CiA 301, MACS-CAN-06
@@ -60,7 +60,7 @@ pub struct Watch {
     toggle: bool,
     /// When it was started, before its first heartbeat.
     began_ns: Option<u64>,
-    /// That its first heartbeat does not come is told.
+    /// It was reported that its first heartbeat does not come.
     is_told: bool,
 }
 
@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(watch.state(), Some(NmtState::Operational));
     }
 
-    /// 100 ms behind the start, once; the first one that comes is watched as ever, and a boot-up is a sign of life.
+    /// 100 ms after the start, once; the first one that comes is watched as ever, and a boot-up is a sign of life.
     #[test]
     fn heartbeats_that_never_come_are_told_once() {
         let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
@@ -190,12 +190,12 @@ mod tests {
         watch.begin(10_000 * MS);
         assert_eq!(watch.tick(10_100 * MS).0, None, "100 ms are allowed");
         assert_eq!(watch.tick(10_100 * MS + 1).0, Some(Happened::NeverHeard));
-        assert_eq!((watch.tick(20_000 * MS).0, watch.is_lost()), (None, false), "told once; it takes part");
+        assert_eq!((watch.tick(20_000 * MS).0, watch.is_lost()), (None, false), "reported once; it takes part");
         watch.begin(20_000 * MS);
-        assert_eq!(watch.tick(30_000 * MS).0, None, "told once, however often it is started");
+        assert_eq!(watch.tick(30_000 * MS).0, None, "reported once, however often it is started");
         assert_eq!(watch.hear(&life(0x05), 30_001 * MS), Some(Happened::State(NmtState::Operational)));
         assert_eq!(watch.tick(30_102 * MS).0, Some(Happened::Lost));
-        // Whoever sends them, or is watched otherwise, is not told of.
+        // A device that sends them, or is watched otherwise, is not reported.
         let mut heard = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
         heard.begin(0);
         heard.hear(&life(0x05), 50 * MS);

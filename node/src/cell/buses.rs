@@ -354,6 +354,15 @@ pub(crate) fn left_out_of(bus: &BusConfig) -> Vec<String> {
     devices.map(line).collect()
 }
 
+/// The drives of a bus whose mode of operation goes by SDO, in a line for each of them.
+pub(crate) fn mode_by_sdo_of(bus: &BusConfig) -> Vec<String> {
+    let line = |device: &DeviceConfig| {
+        let sentence = device.layout.mode_by_sdo.sentence()?;
+        Some(format!("backend {}: {device}: {sentence}", bus.name))
+    };
+    bus.devices.iter().filter_map(line).collect()
+}
+
 /// What a bus carries, in words; none where it has no bit rate.
 pub(crate) fn load_of(bus: &BusConfig) -> Option<String> {
     let load = Load::of(bus)?;

@@ -54,7 +54,7 @@ mod wiring;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
-pub(crate) use buses::{device_file, left_out_of, load_of, passed_over};
+pub(crate) use buses::{device_file, left_out_of, load_of, mode_by_sdo_of, passed_over};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
 pub(crate) use groups::trajectory_limits;

@@ -4,7 +4,7 @@ mod functions;
 mod marks;
 
 use super::{CheckArgs, Exit, say};
-use crate::cell::{Cell, left_out_of, load_of};
+use crate::cell::{Cell, left_out_of, load_of, mode_by_sdo_of};
 use crate::graph;
 use crate::recording::plot::{Target, replace};
 use crate::scenario::Scenario;
@@ -49,7 +49,8 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     if let Some(line) = joint_names(&cell) {
         say(&line);
     }
-    for line in buses.iter().filter_map(load_of).chain(buses.iter().flat_map(left_out_of)) {
+    let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
+    for line in buses.iter().filter_map(load_of).chain(of_devices) {
         say(&line);
     }
     for warning in warnings(&cell).into_iter().chain(idle) {

@@ -11,7 +11,7 @@ use super::mode::DriveMode;
 use super::objects;
 use super::probe::{self, Probes, Slot};
 use crate::config::{Analog, Terminals};
-use crate::eds::Dictionary;
+use crate::eds::{Dictionary, Entry};
 use crate::sdo::Object;
 use crate::{Id, NodeId};
 use lineshaft_core::drive::{Interface, Terminal};
@@ -88,7 +88,16 @@ impl Field<Told> {
     const fn told(word: Told, object: Object, bits: u32) -> Self {
         Self { word, object, bits }
     }
+
+    /// Whether an object of the dictionary has the type and the access of this field: an integer of its length that can be read.
+    pub(crate) fn suits(&self, entry: &Entry) -> bool {
+        entry.data_type.may_be_integer(self.bits) && entry.access.is_readable()
+    }
 }
+
+/// Objects that a drive sends on change if it can: no cell needs them.
+pub(crate) const OPTIONAL: [Field<Told>; 2] =
+    [Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(Told::Fault, objects::ERROR_CODE, 16)];
 
 impl Field<Asked> {
     const fn asked(word: Asked, object: Object, bits: u32) -> Self {
@@ -150,7 +159,7 @@ pub struct Layout {
     pub asked: Vec<Pdo<Asked>>,
     /// Those that the device sends.
     pub told: Vec<Pdo<Told>>,
-    /// What goes by SDO instead.
+    /// Objects of the mode of operation that go by SDO instead.
     pub mode_by_sdo: ModeBySdo,
 }
 
@@ -161,6 +170,18 @@ pub struct ModeBySdo {
     pub writes: bool,
     /// 6061h is read.
     pub reads: bool,
+}
+
+impl ModeBySdo {
+    /// A sentence about the objects that go by SDO; none if PDOs carry both.
+    pub fn sentence(self) -> Option<&'static str> {
+        match (self.writes, self.reads) {
+            (true, true) => Some("6060h and 6061h are in no PDO: the mode goes by SDO"),
+            (true, false) => Some("6060h is in no PDO: the mode is written by SDO"),
+            (false, true) => Some("6061h is in no PDO: the mode is read by SDO"),
+            (false, false) => None,
+        }
+    }
 }
 
 /// What a drive tells beside what its mode needs.
@@ -193,7 +214,7 @@ pub enum LayoutError {
 }
 
 impl Layout {
-    /// All objects that its PDOs carry, and 6060h if it goes by SDO: what is commanded while cycles run.
+    /// All objects that its PDOs carry, and 6060h if it goes by SDO: the objects that are commanded or read while cycles run.
     pub fn mapped(&self) -> impl Iterator<Item = Object> {
         let asked = self.asked.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object);
         let mode = self.mode_by_sdo.writes.then_some(objects::MODE);
@@ -201,7 +222,8 @@ impl Layout {
     }
 
     /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need. 6060h and
-    /// 6061h have no place if the drive cannot map them, which is optional in CiA 402.
+    /// 6061h have no place if the drive cannot map them, which is optional in CiA 402. 60FDh and 603Fh that the cell does not need have none if the
+    /// dictionary gives them another type, or does not let them be read.
     ///
     /// # Errors
     /// What the drive cannot map.
@@ -222,8 +244,8 @@ impl Layout {
             Field::told(Told::Position, objects::POSITION, 32),
             Field::told(Told::Mode, objects::MODE_DISPLAY, 8),
         ];
-        let inputs = Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32);
-        let mut seldom = vec![inputs, Field::told(Told::Fault, objects::ERROR_CODE, 16)];
+        let [inputs, fault] = OPTIONAL;
+        let mut seldom = vec![inputs, fault];
         let maps =
             |object: Object| dictionary.is_some_and(|known| known.entry(object).is_some_and(|entry| entry.is_mappable));
         let cannot = |object: &Object| dictionary.is_some() && !maps(*object);
@@ -255,7 +277,12 @@ impl Layout {
             // What the machine reads is of each cycle.
             seldom.retain(|field| *field != inputs);
         }
-        let seldom: Vec<_> = seldom.into_iter().filter(|field| maps(field.object)).collect();
+        // An optional object of another type or access is left out; `check` warns of it.
+        let is_sent = |field: &Field<Told>| {
+            let entry = dictionary.and_then(|known| known.entry(field.object));
+            entry.is_some_and(|entry| entry.is_mappable && field.suits(entry))
+        };
+        let seldom: Vec<_> = seldom.into_iter().filter(is_sent).collect();
         for slot in probe::slots(extras.probes) {
             let objects @ [position, count] = probe::objects_of(slot);
             if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
@@ -384,6 +411,31 @@ mod tests {
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
     }
 
+    /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of io 60FDh is needed: `check` refuses its type.
+    #[test]
+    fn optional_object_of_another_type_or_access_has_no_place() {
+        let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
+        let seldom = |section: &str, from: &str, to: &str| {
+            let at = text.find(&format!("[{section}]")).unwrap();
+            let text = format!("{}{}", &text[..at], text[at..].replacen(from, to, 1));
+            let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+            let plan = |terminals: &Terminals| {
+                Layout::plan(node(), DriveMode::Csp, Extras::default(), terminals, Some(&known)).unwrap()
+            };
+            let needed = plan(&Terminals { digital_inputs: vec![terminal(16)], ..Terminals::default() });
+            assert_eq!(told(&needed)[1], (2, 0x283, 1, vec![Told::Inputs]), "{section}");
+            told(&plan(&Terminals::default())).swap_remove(1)
+        };
+        let both = (2, 0x283, 255, vec![Told::Inputs, Told::Fault]);
+        assert_eq!(seldom("60FD", "DataType=0x0007", "DataType=0x0004"), both, "the sign makes no difference");
+        for (from, to) in [("DataType=0x0007", "DataType=0x0006"), ("AccessType=ro", "AccessType=wo")] {
+            assert_eq!(seldom("60FD", from, to), (2, 0x283, 255, vec![Told::Fault]), "{to}");
+        }
+        for (from, to) in [("DataType=0x0006", "DataType=0x0007"), ("AccessType=ro", "AccessType=wo")] {
+            assert_eq!(seldom("603F", from, to), (2, 0x283, 255, vec![Told::Inputs]), "{to}");
+        }
+    }
+
     /// A drive of torques tells its torque in each cycle, whatever else is asked for.
     #[test]
     fn a_drive_of_torques_is_asked_for_one_and_tells_it() {
@@ -455,7 +507,7 @@ mod tests {
             assert_eq!(layout.mode_by_sdo, ModeBySdo { writes, reads }, "{unmappable:?}");
             let lengths = (layout.asked[0].bytes(), layout.told[0].bytes());
             assert_eq!(lengths, (if writes { 6 } else { 7 }, if reads { 6 } else { 7 }), "{unmappable:?}");
-            // Whoever else writes 6060h changes what is commanded, in a PDO or not.
+            // Another client that writes 6060h changes the commanded mode, in a PDO or not.
             assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
         }
         let refused = plan(&["6060", "607A"]).unwrap_err();

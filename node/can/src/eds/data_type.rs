@@ -109,6 +109,15 @@ impl DataType {
         }
     }
 
+    /// Whether values of this type are integers of that many bits, signed or unsigned; true for a type that is not known.
+    pub fn may_be_integer(self, bits: u32) -> bool {
+        match self {
+            Self::Other(_) => true,
+            Self::Real32 | Self::Real64 => false,
+            known => known.bits() == Some(bits),
+        }
+    }
+
     pub(super) fn kind(self) -> Kind {
         match self {
             Self::Boolean => Kind::Boolean,

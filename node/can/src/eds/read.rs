@@ -1,7 +1,7 @@
 //! From the bytes of a file to a dictionary.
 //!
 //! Law      a wrong default, a list that lies, a missing name cost a warning and themselves; an object whose type or access cannot be
-//!          understood, and a value of the configuration that cannot be read, is an error, and all errors are told at once
+//!          understood, and a value of the configuration that cannot be read, is an error, and all errors are reported at once
 //! Refuses  a file beyond 16 MiB, a node id that is none, more than 100000 objects, a file without objects
 //! Source   CiA 306-1
 

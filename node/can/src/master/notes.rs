@@ -1,7 +1,7 @@
 //! What happens to nodes, until somebody takes it to tell it.
 //!
 //! Law      at most 128 notes come within 10 s: a node that flaps floods no event stream. Of emergency messages of foreign nodes one a second
-//!          is told, and the end of each that was told
+//!          is reported, and the end of each that was reported
 
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::Note;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// Most notes of a bus within [`PERIOD`]; each of its drives starts once, with 127 of them.
 const MOST: usize = 128;
 const PERIOD: Duration = Duration::from_secs(10);
-/// Time between two errors of foreign nodes that are told.
+/// Time between two errors of foreign nodes that are reported.
 const SECOND: Duration = Duration::from_secs(1);
 
 /// Notes of a bus.
@@ -38,17 +38,17 @@ impl Notes {
     }
 }
 
-/// Emergency messages of nodes that are no drives of the cell: which of them are told.
+/// Emergency messages of nodes that are no drives of the cell: which of them are reported.
 #[derive(Debug, Default)]
 pub(super) struct ForeignEmergencies {
-    /// When an error was told last.
+    /// When an error was reported last.
     told: Option<Instant>,
-    /// Nodes whose error was told and is not over, a bit for each.
+    /// Nodes whose error was reported and has not ended, a bit for each.
     open: u128,
 }
 
 impl ForeignEmergencies {
-    /// Whether a message of a node with an error code is told: one a second, and the end (code 0) of an error that was told.
+    /// Whether a message of a node with an error code is reported: one a second, and the end (code 0) of an error that was reported.
     pub(super) fn pass(&mut self, node: u8, code: u16, now: Instant) -> bool {
         let bit = 1_u128.checked_shl(node.into()).unwrap_or(0);
         if code == 0 && self.open & bit != 0 {
@@ -75,12 +75,12 @@ mod tests {
         let (mut foreign, begin) = (ForeignEmergencies::default(), Instant::now());
         let mut pass = |node, code, ms| foreign.pass(node, code, begin + Duration::from_millis(ms));
         assert!(pass(9, 0x8130, 0));
-        // One a second of the bus; what was not told has no end that would be.
+        // One a second of the bus; the end of an error that was not reported is not reported either.
         assert!(!pass(9, 0x2310, 10) && !pass(127, 0xFF01, 20) && !pass(127, 0, 30));
-        assert!(pass(9, 0, 40), "it is over");
+        assert!(pass(9, 0, 40), "it has ended");
         assert!(!pass(9, 0, 50), "once");
         assert!(!pass(9, 0x8130, 999) && pass(127, 0xFF01, 1000) && pass(127, 0, 1001));
-        // An end without an error is told as any other message.
+        // An end without an error is reported as any other message.
         assert!(pass(1, 0, 2000) && !pass(1, 0, 2001));
     }
 

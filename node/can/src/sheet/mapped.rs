@@ -1,8 +1,8 @@
 //! Objects that the PDOs of a device carry, compared with its file.
 
 use super::Sheet;
-use crate::drive::layout::{Asked, MOST_PDOS, Told, Transmission};
-use crate::eds::{Access, DataType, Direction};
+use crate::drive::layout::{Asked, Field, MOST_PDOS, OPTIONAL, Told, Transmission};
+use crate::eds::{Access, Direction};
 use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
 
@@ -25,13 +25,39 @@ impl Sheet<'_> {
                 }
             }
         }
+        self.left_out();
+    }
+
+    /// Warns of optional objects that are in no PDO because the file gives them another type or access.
+    fn left_out(&mut self) {
+        let (device, known) = (self.device, self.known);
+        if device.drive().is_none_or(|drive| drive.drive_type.is_some()) {
+            return;
+        }
+        for field in OPTIONAL {
+            let Field { word, object, bits } = field;
+            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.suits(entry)) else {
+                continue;
+            };
+            if device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|carried| carried.object == object) {
+                continue;
+            }
+            let why = match entry.data_type {
+                data_type if data_type.may_be_integer(bits) => {
+                    format!("has access {} by the file", entry.access.name())
+                }
+                data_type => format!("is {data_type} by the file, not an integer of {bits} bits"),
+            };
+            let lost = if word == Told::Inputs { "; the switches of the drive are not read" } else { "" };
+            self.warning(&format!("{object} {why}: it is not mapped to a PDO{lost}"));
+        }
     }
 
     fn field(&mut self, direction: Direction, object: Object, bits: u32, key: &str) {
         let known = self.known;
         let Some(entry) = known.entry(object) else { return self.missing(object, key) };
         let (data_type, access) = (entry.data_type, entry.access);
-        if !is_integer(data_type, bits) {
+        if !data_type.may_be_integer(bits) {
             self.error(&format!(
                 "{object} is {data_type} by the file; an integer of {bits} bits is mapped to a PDO (key {key})"
             ));
@@ -64,15 +90,6 @@ impl Sheet<'_> {
             pdo.is_ok_and(|pdo| pdo.mapped.iter().any(|mapped| mapped.object == object))
         };
         (1..=u16::from(MOST_PDOS)).find(carries)
-    }
-}
-
-/// Whether values of a type are integers of so many bits, of either sign; those of a type that is not known may be.
-fn is_integer(data_type: DataType, bits: u32) -> bool {
-    match data_type {
-        DataType::Other(_) => true,
-        DataType::Real32 | DataType::Real64 => false,
-        other => other.bits() == Some(bits),
     }
 }
 

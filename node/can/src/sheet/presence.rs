@@ -1,4 +1,6 @@
 //! Objects that a device needs, and that its file may lack.
+//!
+//! Source   CiA 301, CiA 402-2 (6060h and 6061h, which a drive need not be able to map)
 
 use super::Sheet;
 use crate::Watching;
@@ -8,7 +10,7 @@ use crate::eds::Direction;
 use crate::sdo::Object;
 
 impl Sheet<'_> {
-    /// Notes an object that a PDO carries and the file lacks; of each index the first one, behind which the others are. An index that says
+    /// Notes an object that a PDO carries and the file lacks; of each index the first one, and no other. An index that says
     /// how many subindices it has lacks the next ones for sure.
     pub(super) fn missing(&mut self, object: Object, key: &str) {
         if !self.lacking.insert(object.index) {
@@ -38,6 +40,7 @@ impl Sheet<'_> {
         for (object, key) in self.needed(homes) {
             self.written(object, key);
         }
+        self.mode_by_sdo();
         let device = self.device;
         for Write { object, data } in &device.startup {
             self.written(*object, "startup");
@@ -80,6 +83,9 @@ impl Sheet<'_> {
         needed.extend(key.map(|(key, _)| (objects::TOUCH_PROBE_FUNCTION, key)));
         // One by number has no mode in its PDOs.
         needed.extend(drive.drive_type.map(|_| (objects::MODE, "drivetype")));
+        if self.device.layout.mode_by_sdo.writes {
+            needed.push((objects::MODE, "interface"));
+        }
         if homes {
             let homing =
                 [objects::HOMING_METHOD, objects::HOMING_SEARCH, objects::HOMING_ZERO, objects::HOMING_ACCELERATION];
@@ -97,6 +103,31 @@ impl Sheet<'_> {
                 self.error(&format!("{object} has access {name} by the file; it is written for key {key}"));
             }
             Some(_) => {}
+        }
+    }
+
+    /// Checks the type of 6060h and 6061h, and that 6061h can be read, if they go by SDO.
+    fn mode_by_sdo(&mut self) {
+        let (known, by_sdo) = (self.known, self.device.layout.mode_by_sdo);
+        let of_mode = [(by_sdo.writes, objects::MODE, "written"), (by_sdo.reads, objects::MODE_DISPLAY, "read")];
+        for (_, object, verb) in of_mode.into_iter().filter(|(goes_by_sdo, ..)| *goes_by_sdo) {
+            let Some(entry) = known.entry(object) else {
+                // The other one was looked for as an object that is written.
+                if object == objects::MODE_DISPLAY {
+                    self.warning(&format!("{object} is missing in the file; key interface needs it"));
+                }
+                continue;
+            };
+            let (data_type, access) = (entry.data_type, entry.access);
+            if !data_type.may_be_integer(8) {
+                self.error(&format!(
+                    "{object} is {data_type} by the file; an integer of 8 bits is {verb} by SDO (key interface)"
+                ));
+            }
+            if object == objects::MODE_DISPLAY && !access.is_readable() {
+                let name = access.name();
+                self.error(&format!("{object} has access {name} by the file; it is read for key interface"));
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::config::{Analog, Role, Terminals, Write};
+use crate::drive::layout::Extras;
 use crate::drive::{DriveMode, Layout};
 use crate::{NodeId, Watching, eds};
 use lineshaft_core::drive::Terminal;
@@ -236,6 +237,82 @@ fn what_is_written_for_a_key_has_to_be_there_and_writable() {
     }
     assert_eq!(compare(&measured, Needs::default(), &without("608F")), of(&[], &[factors]));
     assert_eq!(compare(&measured, Needs::default(), &changed(&[])), Findings::default());
+}
+
+/// The drive in mode csp, with the PDOs that are planned by this file.
+fn planned(known: &Dictionary) -> DeviceConfig {
+    let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(known));
+    DeviceConfig { layout: layout.expect("it maps what it needs"), ..drive(DriveMode::Csp) }
+}
+
+/// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). Without entries of io no cell needs them; with one 60FDh is needed.
+#[test]
+fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_it() {
+    let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
+    for (section, key, value, sentence) in [
+        (
+            "60FD",
+            "DataType",
+            "0x0006",
+            "60FDh:00 is UNSIGNED16 by the file, not an integer of 32 bits: it is not mapped to a PDO; the switches of the drive are not read",
+        ),
+        (
+            "60FD",
+            "AccessType",
+            "wo",
+            "60FDh:00 has access wo by the file: it is not mapped to a PDO; the switches of the drive are not read",
+        ),
+        (
+            "603F",
+            "DataType",
+            "0x0007",
+            "603Fh:00 is UNSIGNED32 by the file, not an integer of 16 bits: it is not mapped to a PDO",
+        ),
+        ("603F", "AccessType", "wo", "603Fh:00 has access wo by the file: it is not mapped to a PDO"),
+    ] {
+        let sentence = format!("node 3 (x0): {sentence}");
+        assert_eq!(found(&changed(&[(section, key, value)])), of(&[], &[&sentence]));
+    }
+    let known = changed(&[("60FD", "DataType", "0x0006")]);
+    let terminals = Terminals { digital_inputs: vec![terminal(16)], ..Terminals::default() };
+    let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known));
+    let device = DeviceConfig { layout: layout.expect("it maps it"), terminals, ..drive(DriveMode::Csp) };
+    let sentence = "node 3 (x0): 60FDh:00 is UNSIGNED16 by the file; an integer of 32 bits is mapped to a PDO (key io)";
+    assert_eq!(compare(&device, Needs::default(), &known), of(&[sentence], &[]));
+    assert_eq!(found(&changed(&[])), Findings::default());
+}
+
+/// A drive need not be able to map 6060h and 6061h (CiA 402-2). By SDO 6060h is written and 6061h is read; both are INTEGER8.
+#[test]
+fn mode_that_goes_by_sdo_is_compared_with_the_file() {
+    let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
+    let unmappable = |section, key, value| changed(&[(section, "PDOMapping", "0"), (section, key, value)]);
+    for (section, access) in [("6060", "rw"), ("6060", "wo"), ("6061", "ro"), ("6061", "rw")] {
+        assert_eq!(found(&unmappable(section, "AccessType", access)), Findings::default(), "{section} {access}");
+    }
+    for (section, key, value, sentence) in [
+        ("6060", "AccessType", "ro", "6060h:00 has access ro by the file; it is written for key interface"),
+        ("6061", "AccessType", "wo", "6061h:00 has access wo by the file; it is read for key interface"),
+        (
+            "6060",
+            "DataType",
+            "0x0003",
+            "6060h:00 is INTEGER16 by the file; an integer of 8 bits is written by SDO (key interface)",
+        ),
+        (
+            "6061",
+            "DataType",
+            "0x0003",
+            "6061h:00 is INTEGER16 by the file; an integer of 8 bits is read by SDO (key interface)",
+        ),
+    ] {
+        let sentence = format!("node 3 (x0): {sentence}");
+        assert_eq!(found(&unmappable(section, key, value)), of(&[&sentence], &[]));
+    }
+    for index in ["6060", "6061"] {
+        let missing = format!("node 3 (x0): {index}h:00 is missing in the file; key interface needs it");
+        assert_eq!(found(&without(index)), of(&[], &[&missing]));
+    }
 }
 
 /// The lower half of 1000h is the profile: 192h is 402, 191h is 401 (CiA 301).

@@ -140,6 +140,31 @@ fn a_configuration_is_told_without_what_acts_or_is_a_setpoint() {
     assert_eq!(left_out_of(&plain[0]), [""; 0]);
 }
 
+/// A drive need not be able to map 6060h and 6061h (CiA 402-2).
+#[test]
+fn mode_that_goes_by_sdo_is_one_line() {
+    let eds = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
+    let lines = |unmappable: &[&str]| {
+        let mut text = eds.clone();
+        for section in unmappable {
+            let at = text.find(&format!("[{section}]\n")).unwrap();
+            text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+        }
+        let (_folder, at) = with_file(&text);
+        let buses = cell("4 ms", BUS, &["node: 3, eds: x.dcf".to_owned()]).buses(Some(&at)).unwrap();
+        mode_by_sdo_of(&buses[0])
+    };
+    assert_eq!(lines(&[]), [""; 0]);
+    let cases: [(&[&str], &str); 3] = [
+        (&["6060", "6061"], "6060h and 6061h are in no PDO: the mode goes by SDO"),
+        (&["6060"], "6060h is in no PDO: the mode is written by SDO"),
+        (&["6061"], "6061h is in no PDO: the mode is read by SDO"),
+    ];
+    for (unmappable, sentence) in cases {
+        assert_eq!(lines(unmappable), [format!("backend bus0: node 3 (x0): {sentence}")]);
+    }
+}
+
 /// Outputs (6200h) of a module are left out; what they do in a fault (6206h) and a filter, 6003h as the preset of encoders, are written.
 #[test]
 fn a_configuration_of_a_module_is_told_without_its_outputs() {

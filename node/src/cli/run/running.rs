@@ -1,7 +1,7 @@
 //! A machine that runs: its ways in and out, its threads, and how it is brought to rest.
 
 use super::super::{Exit, FlightArgs, RunArgs, store};
-use crate::cell::{Cell, left_out_of};
+use crate::cell::{Cell, left_out_of, mode_by_sdo_of};
 use crate::recording::bag::{Bag, BagOptions, Subject};
 use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
@@ -132,7 +132,8 @@ impl Hardware {
             real: if is_sim { vec![false; cell.machine.axes.len()] } else { cell.real_axes() },
         };
         for bus in buses {
-            left_out_of(&bus).iter().for_each(|line| tracing::info!("{line}"));
+            let lines = left_out_of(&bus).into_iter().chain(mode_by_sdo_of(&bus));
+            lines.for_each(|line| tracing::info!("{line}"));
             let sheets = file.map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
             let config = bus.clone();
             let (cyclic, mut service) = lineshaft_can::master::bus(bus);

@@ -232,7 +232,7 @@ fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
     assert_eq!(drive.1, "as objects that act: 6840h:00; as setpoints: 6200h:01 to 02");
     // The second one says nothing: it is what the first one is.
     assert_eq!(configured(&[(0x1000, 0, 0x0003_0191, 4)]).1, outputs);
-    // A device that names no profile is told nothing that acts in any.
+    // To a device that names no profile nothing is written that acts in any profile.
     let unknown = configured(&[(0x1000, 0, 0, 4)]);
     assert_eq!(
         (unknown.0.len(), unknown.1.as_str()),

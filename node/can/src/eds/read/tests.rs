@@ -114,7 +114,7 @@ fn one_section_stands_for_many_objects_with_their_names_and_values() {
     assert_eq!(warnings(&dictionary), [""; 0]);
 }
 
-/// The device would keep another value, and nobody would know.
+/// The device would keep another value, and no client would know.
 #[test]
 fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
     assert_eq!(
@@ -133,7 +133,7 @@ fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
     );
 }
 
-/// What a configuration does not write costs a warning: what the device only tells, and what tools shall leave alone (ObjFlags).
+/// An object that a configuration does not write costs a warning: one that the device only sends, or that tools shall leave alone (ObjFlags).
 #[test]
 fn an_unreadable_value_that_is_never_written_is_warned_of() {
     let dictionary = read(

@@ -378,8 +378,8 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
 }
 
-/// Bit 12 stands from the homing before, as with methods 35 and 37 of some drives, or rises behind the new zero: what is further than
-/// 4 * 50,000 counts/s in a cycle of 1 ms, and 100 counts, is no motion; what homing moves the drive by is.
+/// Bit 12 is still 1 from the homing before, as with methods 35 and 37 of some drives, or rises after the new zero. A step of more than
+/// 4 * 50,000 counts/s in a cycle of 1 ms, and 100 counts, is no motion; a step by which homing moves the drive is one.
 #[test]
 fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
     for before in [0x1637, 0x0237] {
@@ -516,7 +516,7 @@ fn a_cycle_takes_no_memory() {
     assert_eq!(violation_count(), before);
 }
 
-/// In mode pp (1), which the axis sees as csp (8): without bit 12 of its status word the setpoint is late behind 500 cycles; in csp none is.
+/// In mode pp (1), which the axis sees as csp (8): without bit 12 of its status word the setpoint is late after 500 cycles; in csp none is.
 #[test]
 fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
     let mut rig = Rig::running(Watching::None);

@@ -1,10 +1,11 @@
 //! The PDOs of a device under configuration.
 //!
-//! Law      a PDO is mapped by the sequence that all devices take: off, no objects, the objects, their number, type, on; one that is as it should be
-//!          is left alone. PDOs that are not needed are switched off. One that the device keeps on is left so if nothing else on the bus has
-//!          its identifier. Data on change that is optional is left out if the device refuses its PDO. Both are one line of the log
+//! Law      a PDO is mapped by the sequence that all devices take: off, type, no objects, the objects, their number, on; one that is as it
+//!          should be is left alone. One that has its identifier and that the device keeps on is mapped while it is on. PDOs that are not
+//!          needed are switched off. One that the device keeps on is left so if nothing else on the bus has its identifier. Data on change
+//!          that is optional is left out if the device refuses its PDO. Both are one line of the log
 //! Refuses  a device without a PDO that is needed, or that does not take its objects; one that somebody else was to map, and did not; one
-//!          whose PDO stays on with an identifier of other process data
+//!          whose PDO stays on with an identifier of other process data, or with its own and other objects
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
 use super::{Refusal, Session};
@@ -41,14 +42,27 @@ impl Session<'_> {
     /// Switches off a PDO that is not needed: it would only load the bus. The device may keep it on, unless its frames would be mistaken for
     /// other process data.
     fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
-        let cob_id = Object { index: direction.communication(number), sub: 1 };
-        let Some(present) = self.number(cob_id)? else { return Ok(()) };
-        if !CobId(present).is_valid() {
-            return Ok(());
+        match self.try_switch_off(direction, number)? {
+            None => Ok(()),
+            Some((refused, cob_id)) => self.keep_on(&refused, cob_id),
         }
-        let Err(refused) = self.try_write(cob_id, &(present | INVALID).to_le_bytes())? else { return Ok(()) };
-        let id = CobId(present).id();
-        if !CobId(present).is_extended() && self.is_used(id) {
+    }
+
+    /// Switches off a PDO. If the device refuses that, it stays on: returns why, and its COB-ID.
+    fn try_switch_off(&mut self, direction: Direction, number: u8) -> Result<Option<(SdoError, CobId)>, Refusal> {
+        let object = Object { index: direction.communication(number), sub: 1 };
+        let Some(present) = self.number(object)? else { return Ok(None) };
+        if !CobId(present).is_valid() {
+            return Ok(None);
+        }
+        let written = self.try_write(object, &(present | INVALID).to_le_bytes())?;
+        Ok(written.err().map(|refused| (refused, CobId(present))))
+    }
+
+    /// Accepts that a PDO that is not needed stays on, unless its identifier is that of other process data.
+    fn keep_on(&self, refused: &SdoError, cob_id: CobId) -> Result<(), Refusal> {
+        let id = cob_id.id();
+        if !cob_id.is_extended() && self.is_used(id) {
             let sentence = format!(
                 "{refused}; this PDO is not needed and cannot be switched off, and its identifier {id:03X}h is that of other process data"
             );
@@ -74,7 +88,12 @@ impl Session<'_> {
         let is_optional = pdo.transmission == Transmission::OnChange && !has_inputs;
         match self.write_pdo(Direction::Transmit, pdo) {
             Err(Refusal::Wrong(why)) if is_optional => {
-                self.switch_off(Direction::Transmit, pdo.number)?;
+                match self.try_switch_off(Direction::Transmit, pdo.number)? {
+                    // It stays on, and its data would be treated as the objects of the plan.
+                    Some((_, cob_id)) if has_planned_id(cob_id, pdo) => return Err(Refusal::Wrong(why)),
+                    Some((refused, cob_id)) => self.keep_on(&refused, cob_id)?,
+                    None => {}
+                }
                 let objects: Vec<_> = pdo.fields.iter().map(|field| field.object.to_string()).collect();
                 self.warn(format_args!("{why}; PDO {} is left out: {}", pdo.number, objects.join(", ")));
                 Ok(())
@@ -112,7 +131,8 @@ impl Session<'_> {
         tracing::warn!("{}: {}: {what}", self.bus.name, self.device);
     }
 
-    /// Maps a PDO by the sequence that all devices take: off, no objects, the objects, their number, type, on.
+    /// Maps a PDO by the sequence that all devices take: off, type, no objects, the objects, their number, on. A PDO that has its identifier and
+    /// cannot be switched off is mapped while it is on: the device sends and receives no PDOs before it is operational.
     fn write_pdo<W: Copy>(&mut self, direction: Direction, pdo: &Pdo<W>) -> Result<(), Refusal> {
         let (communication, mapping) = (direction.communication(pdo.number), direction.mapping(pdo.number));
         let at = |index, sub| Object { index, sub };
@@ -127,23 +147,36 @@ impl Session<'_> {
             true => self.has_entries(direction, pdo.number, &entries)?,
             false => self.check_lengths(mapping, &entries).map(|()| true)?,
         };
-        let is_there = CobId(found).is_valid()
-            && CobId(found).id() == CobId(id).id()
-            && self.number(at(communication, 2))? == Some(kind.into());
-        if is_there && is_mapped {
+        let has_id = CobId(found).is_valid() && has_planned_id(CobId(found), pdo);
+        let has_type = has_id && self.number(at(communication, 2))? == Some(kind.into());
+        if has_type && is_mapped {
             return Ok(());
         }
-        self.write(at(communication, 1), &(id | INVALID).to_le_bytes())?;
-        self.write_transmission(at(communication, 2), pdo.transmission)?;
-        if !is_mapped {
-            self.write(at(mapping, 0), &[0])?;
-            for ((sub, entry), field) in (1..).zip(&entries).zip(&pdo.fields) {
-                let written = self.write(at(mapping, sub), &entry.to_le_bytes());
-                written.map_err(|refusal| not_mapped(refusal, field.object))?;
-            }
-            self.write(at(mapping, 0), &[entries.len() as u8])?;
+        let is_off = match self.try_write(at(communication, 1), &(id | INVALID).to_le_bytes())? {
+            Ok(()) => true,
+            Err(_) if has_id => false,
+            Err(refused) => return Err(refused.into()),
+        };
+        let cob_id = at(communication, 1);
+        let named = |refusal: Refusal| if is_off { refusal } else { is_kept_on(refusal, cob_id, pdo.number) };
+        if is_off || !has_type {
+            self.write_transmission(at(communication, 2), pdo.transmission).map_err(named)?;
         }
-        self.write(at(communication, 1), &id.to_le_bytes())
+        if !is_mapped {
+            self.write_entries(mapping, &pdo.fields, &entries).map_err(named)?;
+        }
+        if is_off { self.write(cob_id, &id.to_le_bytes()) } else { Ok(()) }
+    }
+
+    /// Writes the objects of a PDO: none, each of them, their number.
+    fn write_entries<W>(&mut self, mapping: u16, fields: &[Field<W>], entries: &[u32]) -> Result<(), Refusal> {
+        let at = |sub| Object { index: mapping, sub };
+        self.write(at(0), &[0])?;
+        for ((sub, entry), field) in (1..).zip(entries).zip(fields) {
+            let written = self.write(at(sub), &entry.to_le_bytes());
+            written.map_err(|refusal| not_mapped(refusal, field.object))?;
+        }
+        self.write(at(0), &[entries.len() as u8])
     }
 
     /// Refuses a PDO that somebody else has mapped to objects of other lengths: its words would be taken for others.
@@ -175,6 +208,19 @@ impl Session<'_> {
             }
         }
         Ok(true)
+    }
+}
+
+/// Whether a COB-ID has the identifier that a PDO is planned with.
+fn has_planned_id<W>(cob_id: CobId, pdo: &Pdo<W>) -> bool {
+    !cob_id.is_extended() && cob_id.id() == u32::from(pdo.id.get())
+}
+
+/// Names the COB-ID that keeps a PDO on, and with it its objects.
+fn is_kept_on(refusal: Refusal, cob_id: Object, number: u8) -> Refusal {
+    match refusal {
+        Refusal::Wrong(why) => Refusal::Wrong(format!("PDO {number} cannot be mapped: {cob_id} is read-only; {why}")),
+        other => other,
     }
 }
 

@@ -23,6 +23,8 @@ struct Device {
     refuses: Option<(u16, u8)>,
     /// Values that it refuses, by their objects.
     denies: Vec<(u16, u8, u32)>,
+    /// It takes objects of a PDO that is on.
+    maps_while_on: bool,
 }
 
 const RESPONSE: u16 = 0x583;
@@ -76,7 +78,7 @@ impl Device {
         if is_mapping {
             let is_on = self.get(index - 0x200, 1) & 0x8000_0000 == 0;
             let has_objects = sub != 0 && self.get(index, 0) != 0;
-            return (is_on || has_objects).then_some(0x0800_0022);
+            return (is_on && !self.maps_while_on || has_objects).then_some(0x0800_0022);
         }
         // 301: only while the period is 0.
         (index == 0x1019 && self.get(0x1006, 0) != 0 && value != self.get(0x1019, 0)).then_some(0x0800_0022)
@@ -354,7 +356,7 @@ fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
     assert_eq!(run(&with(&[0x6040_0010, 0x6060_0008]), &config).unwrap_err(), sentence);
 }
 
-/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be taken for another.
+/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be treated as another.
 #[test]
 fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used() {
     for index in [0x1401, 0x1801] {
@@ -407,9 +409,58 @@ fn optional_pdo_of_a_refused_transmission_type_has_another_one_or_is_left_out() 
     assert!(refused.starts_with("1801h:02: the device refuses"), "{refused}");
     assert!(run(&none, &config_with_extras(&[0x603F])).is_ok());
     assert_eq!(none.lock().unwrap().get(0x1801, 1), 0x8000_0283, "off");
-    // Its identifier is that of the PDO as planned: one that cannot be switched off would be taken for it.
-    let stuck = device(|device| device.refuses = Some((0x1801, 1)));
-    assert!(run(&stuck, &config_with_extras(&[0x603F])).is_err());
+}
+
+/// 203h, 183h and 283h are the identifiers by default of node 3 (CiA 301). PDOs of a device that is pre-operational do not go.
+#[test]
+fn pdo_with_its_identifier_in_a_read_only_cob_id_is_mapped_while_it_is_on() {
+    let expected: [(u16, u32, u16, &[u32]); 3] = [
+        (0x1400, 0x203, 0x1600, &[3, 0x6040_0010, 0x607A_0020, 0x6060_0008]),
+        (0x1800, 0x183, 0x1A00, &[3, 0x6041_0010, 0x6064_0020, 0x6061_0008]),
+        (0x1801, 0x283, 0x1A01, &[1, 0x603F_0010]),
+    ];
+    for (communication, id, mapping, entries) in expected {
+        let device = device(|device| {
+            device.refuses = Some((communication, 1));
+            device.maps_while_on = true;
+        });
+        assert_eq!(run(&device, &config_with_extras(&[0x603F])).map(drop), Ok(()), "{communication:04X}h");
+        let found = device.lock().unwrap();
+        assert_eq!(found.get(communication, 1), id);
+        for (sub, entry) in (0..).zip(entries) {
+            assert_eq!(found.get(mapping, sub), *entry, "{mapping:04X}h:{sub:02X}");
+        }
+        assert_eq!(found.get(communication, 2), if communication == 0x1801 { 255 } else { 1 });
+        assert_eq!(found.nmt, [0x80, 0x01], "mapped in pre-operational");
+    }
+}
+
+/// The data of such a PDO would be treated as the objects of the plan: it is not left out, and its own identifier is not that of another PDO.
+#[test]
+fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refused_by_its_cob_id() {
+    for (communication, number) in [(0x1400, 1), (0x1800, 1), (0x1801, 2)] {
+        let stuck = device(|device| device.refuses = Some((communication, 1)));
+        let refused = run(&stuck, &config_with_extras(&[0x603F])).unwrap_err();
+        let sentence = format!("PDO {number} cannot be mapped: {communication:04X}h:01 is read-only; ");
+        let mapping = communication + 0x200;
+        assert!(refused.starts_with(&format!("{sentence}{mapping:04X}h:00: the device refuses: ")), "{refused}");
+        assert!(!refused.contains("not needed"), "{refused}");
+    }
+    let of_another_type = device(|device| {
+        device.refuses = Some((0x1800, 1));
+        device.denies = vec![(0x1800, 2, 1)];
+        device.maps_while_on = true;
+    });
+    let refused = run(&of_another_type, &config()).unwrap_err();
+    let sentence = "PDO 1 cannot be mapped: 1800h:01 is read-only; 1800h:02: the device refuses: ";
+    assert!(refused.starts_with(sentence), "{refused}");
+    // With another identifier it is no planned one: it is left out, and stays on.
+    let other = device(|device| {
+        device.refuses = Some((0x1801, 1));
+        device.objects.insert((0x1801, 1), 0x2C3_u32.to_le_bytes().to_vec());
+    });
+    assert_eq!(run(&other, &config_with_extras(&[0x603F])).map(drop), Ok(()));
+    assert_eq!(other.lock().unwrap().get(0x1801, 1), 0x2C3);
 }
 
 /// What each cycle needs has no other type.
