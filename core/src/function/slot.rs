@@ -287,7 +287,7 @@ impl Slot {
         tried.copy_from_slice(&self.staged);
         for &(place, value) in values {
             check_range(row, place, value)?;
-            check_in_cell(wires, row, place, value)?;
+            check_in_cell(wires, row, (place, value), None)?;
             if let Some(word) = tried.get_mut(usize::from(place)) {
                 *word = value;
             }
@@ -304,6 +304,7 @@ impl Slot {
             Order::ValueNew => {
                 // Fields that are not live keep what they had at START.
                 mix(row, mixed, &self.active, tried);
+                check_set_in_cell(wires, mixed)?;
                 self.function.check(Words(mixed), &setting)?;
                 self.active.copy_from_slice(mixed);
                 self.function.renew(Words(mixed));
@@ -730,25 +731,60 @@ fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
 
 /// Are all values within the ranges of their fields, and does the cell have what they name?
 fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
-    let row = wires.kind.description();
-    check_ranges(row, values)?;
-    if !matches!(row.kind, Kind::Sidiff | Kind::Fgen | Kind::Ecopy) {
-        return Ok(());
-    }
-    (0_u16..).zip(values).try_for_each(|(place, value)| check_in_cell(wires, row, place, *value))
+    check_ranges(wires.kind.description(), values)?;
+    check_set_in_cell(wires, values)
 }
 
-/// Does the cell have the axes that a value names, and does its analog output reach the value?
-fn check_in_cell(wires: &Wires, row: &Description, place: u16, value: i64) -> Result<(), Fault> {
+/// What of the cell bounds a field.
+#[derive(Clone, Copy)]
+enum CellBound {
+    /// A mask of axes: the cell has to have each.
+    AxisMask,
+    /// The number of an axis that the cell has; 0 is none.
+    AxisNumber,
+    /// Full scale of an analog output as sink, of a value that the set uses only if it has this bit of `mode`.
+    FullScale(i64),
+}
+
+/// The fields that the cell bounds.
+const CELL_BOUNDS: [(Kind, &str, CellBound); 5] = [
+    (Kind::Sidiff, "aw_mask", CellBound::AxisMask),
+    (Kind::Sidiff, "display_aw", CellBound::AxisNumber),
+    (Kind::Fgen, "aw_mask", CellBound::AxisMask),
+    (Kind::Ecopy, "value_e1_0", CellBound::FullScale(1)),
+    (Kind::Ecopy, "value_e1_1", CellBound::FullScale(2)),
+];
+
+/// Returns an error if a value of a whole set exceeds what the cell has.
+fn check_set_in_cell(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
+    let row = wires.kind.description();
+    let mode = row.find("mode").and_then(|(_, place)| values.get(place)).copied();
+    for (_, name, _) in CELL_BOUNDS.iter().filter(|(kind, ..)| *kind == row.kind) {
+        if let Some((_, place)) = row.find(name)
+            && let Some(value) = values.get(place)
+        {
+            check_in_cell(wires, row, (place as u16, *value), mode)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns an error if a value exceeds what the cell has. Without the `mode` of its set nothing says whether the set uses the value, so a
+/// voltage is accepted.
+fn check_in_cell(wires: &Wires, row: &Description, (place, value): (u16, i64), mode: Option<i64>) -> Result<(), Fault> {
     let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
+    let bound = CELL_BOUNDS.iter().find(|(kind, name, _)| *kind == row.kind && *name == field.name);
+    let Some((.., bound)) = bound else { return Ok(()) };
     let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
-    match (row.kind, field.name) {
-        (Kind::Sidiff | Kind::Fgen, "aw_mask") if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
+    match *bound {
+        CellBound::AxisMask if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
             Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
         }
-        (Kind::Sidiff, "display_aw") if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
-        (Kind::Ecopy, "value_e1_0" | "value_e1_1")
-            if matches!(wires.sink, Sink::Analog(..)) && value.saturating_abs() > wires.full_scale =>
+        CellBound::AxisNumber if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
+        CellBound::FullScale(bit)
+            if matches!(wires.sink, Sink::Analog(..))
+                && mode.is_some_and(|mode| mode & bit != 0)
+                && value.saturating_abs() > wires.full_scale =>
         {
             Err(beyond(wires.full_scale * value.signum()))
         }

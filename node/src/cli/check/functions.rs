@@ -169,8 +169,14 @@ functions:
             "f: value_e1_1: -10001 mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed; \
              START refuses this set",
         );
-        let good = judged("{slot: 0, type: ecopy, sink: speed, mode: 3, value_e1_0: 10000, value_e1_1: -10000}");
-        assert_eq!(good, (String::new(), Vec::new()));
+        for good in [
+            "mode: 3, value_e1_0: 10000, value_e1_1: -10000",
+            "mode: 2, value_e1_0: 12000",
+            "mode: 1, value_e1_1: 12000",
+        ] {
+            let good = judged(&format!("{{slot: 0, type: ecopy, sink: speed, {good}}}"));
+            assert_eq!(good, (String::new(), Vec::new()));
+        }
     }
 
     #[test]
