@@ -327,10 +327,10 @@ impl Slot {
         Ok(answer)
     }
 
-    /// Returns an error if START would refuse the staged set of a function at rest.
-    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>]) -> Result<(), Fault> {
-        check_set(wires, &self.staged)?;
-        self.function.check(Words(&self.staged), &self.setting(wires, found(wires, tables), Occasion::Order))
+    /// Returns an error if START would refuse a set of a function at rest.
+    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>], set: &[i64]) -> Result<(), Fault> {
+        check_set(wires, set)?;
+        self.function.check(Words(set), &self.setting(wires, found(wires, tables), Occasion::Order))
     }
 
     /// RESET: what it writes at the end it writes in its place of this cycle.
