@@ -126,7 +126,24 @@ fn refuse_start(trial: &Trial<'_, '_>, cell: &Cell) -> Vec<String> {
 
 fn idle(slot: &SlotConfig, entry: &Value<'_>) -> Vec<String> {
     let of_kind = IDLE.iter().filter(|(kind, key, _)| *kind == slot.kind && at(entry, key).is_none());
-    of_kind.map(|(_, key, what)| format!("{}: {key} is left out, which is 0: {what}", slot.name)).collect()
+    let idle = of_kind.map(|(_, key, what)| format!("{}: {key} is left out, which is 0: {what}", slot.name));
+    idle.chain(no_ratio(slot, entry)).collect()
+}
+
+/// A varsync without any ratio that its mode can choose (AMK-VARSYNC-04 to -06).
+fn no_ratio(slot: &SlotConfig, entry: &Value<'_>) -> Option<String> {
+    if slot.kind != Kind::Varsync {
+        return None;
+    }
+    let (_, place) = slot.kind.description().find("mode")?;
+    let last = match slot.values.get(place)? {
+        0 => 2,
+        1 => 8,
+        2 => 3,
+        _ => return None,
+    };
+    let has_none = (1..=last).all(|number| at(entry, &format!("m{number}")).is_none());
+    has_none.then(|| format!("{}: m1 to m{last} are left out, which are 0: its sink never moves", slot.name))
 }
 
 #[cfg(test)]
@@ -299,6 +316,17 @@ functions:
             ("", vec!["f: mult is left out, which is 0: its sink never moves".to_owned()])
         );
         assert_eq!(judged(&format!("{interpolator}, mult: 1}}")), (String::new(), Vec::new()));
+        // Mode 0 chooses m1 or m2, mode 1 one of eight, mode 2 one of three, mode 3 has a word.
+        for (given, last) in [("", Some(2)), (", m3: 1", Some(2)), (", m2: 1", None)].into_iter().chain([
+            (", mode: 1", Some(8)),
+            (", mode: 1, m8: 1", None),
+            (", mode: 2, m4: 1", Some(3)),
+        ]) {
+            let (problems, warnings) = judged(&format!("{{slot: 0, type: varsync, source: belt, sink: none{given}}}"));
+            let expected =
+                last.map(|last: u8| format!("f: m1 to m{last} are left out, which are 0: its sink never moves"));
+            assert_eq!((problems.as_str(), warnings), ("", Vec::from_iter(expected)), "{given}");
+        }
         let follower = "{slot: 0, type: dfkt, source: belt, sink: none, ba: 1, div: 1, in_resolution: 20000, in_final: 3000, \
                         ratio_max: 2, ratio_min: -2, ratio_div: 1";
         let (problems, warnings) = judged(&format!("{follower}}}"));
