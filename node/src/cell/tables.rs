@@ -211,4 +211,13 @@ mod tests {
         assert_eq!(known, files);
         assert!(files_of("[").is_err());
     }
+
+    #[test]
+    fn table_with_an_empty_key_cam_is_loaded_as_a_cam() {
+        let text = "lineshaft: 1\ncycle: 1 ms\naxes: {}\ntables:\n  curve: {form: xy, points: [[0, 0], [10, 5]]}\n  \
+                    round: {form: xy, points: [[0, 0], [10, 5]], cam: {}}\n";
+        let cell = crate::cell::Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+        let load = |name: &str, x: &[i64]| cell.machine.resolve_load_table(name, x, &[0, 10]).is_ok();
+        assert_eq!((load("curve", &[5, 10]), load("round", &[5, 10]), load("round", &[0, 10])), (true, false, true));
+    }
 }
