@@ -251,6 +251,8 @@ pub struct GlobalConfig {
     pub full_scales: Vec<FullScale>,
     /// Entries of section `encoders`, and axes for the encoders of their drives, that give no index pulses.
     pub without_index: Vec<Object>,
+    /// Places of the tables that the cell says to be cams (key `cam`): numbers that are no cam are refused.
+    pub cams: Vec<u16>,
 }
 
 impl GlobalConfig {

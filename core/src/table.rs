@@ -117,6 +117,13 @@ impl TryFrom<Numbers> for Table {
     }
 }
 
+/// The first place that does not exceed the one before it: its number from 0, and the sentence with which the cell and a request refuse it.
+pub fn falling_place(x: &[i64]) -> Option<(usize, String)> {
+    let mut pairs = x.iter().zip(x.iter().skip(1)).zip(1..);
+    let ((before, place), number) = pairs.find(|((before, place), _)| before >= place)?;
+    Some((number, format!("place {place} does not lie behind {before}, the one before it; places rise")))
+}
+
 impl Table {
     /// A table of numbers; `x` is empty but in form xy.
     ///

@@ -290,7 +290,7 @@ impl Axis {
         next.change += Position::from_f64(passed_on.to_f64() * marks.gear);
         let mut added = marks.master;
         if is_gear {
-            let wanted = state.marks.map_or(sync.offset, |marks| marks.offset(sync.offset));
+            let wanted = state.marks.as_ref().map_or(sync.offset, |marks| marks.offset(sync.offset));
             added += state.step_offset(wanted, rates, cycle_s, most / slope.abs());
         } else if state.marks.is_some() {
             // Of the master of a cam.

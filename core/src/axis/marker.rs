@@ -491,7 +491,7 @@ impl Axis {
 
     /// Were its first marks brought together, where it is coupled by marks?
     pub(super) fn has_marks(&self) -> bool {
-        self.conditioning.marks.is_none_or(|path| path.marker.has_begun())
+        self.conditioning.marks.as_ref().is_none_or(|path| path.marker.has_begun())
     }
 
     /// What it shows of its marks.
@@ -501,16 +501,18 @@ impl Axis {
         let [master, slave] = [Of::Master, Of::Slave].map(|of| marker.side(of).counts());
         let asked = Asked { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
         let law = marker.law();
+        // What a filter that was switched off has left is cleared by the next pair, which may never come.
+        let filtered = |value: f64| if asked.filter_time().is_some() { value } else { 0.0 };
         ShownMarks {
             error,
             correction,
             distance: law.distance(&asked),
             missed: master.0.saturating_add(slave.0),
             extra: master.1.saturating_add(slave.1),
-            filter: law.filter(),
-            correction_filter: law.correction_filter(),
-            start_left: law.start_left(),
-            distance_error: law.distance_error(),
+            filter: filtered(law.filter()),
+            correction_filter: filtered(law.correction_filter()),
+            start_left: filtered(law.start_left()),
+            distance_error: filtered(law.distance_error()),
         }
     }
 

@@ -110,9 +110,9 @@ impl Axis {
             has_brake && self.is_braked() && self.rests() && matches!(self.power, Power::On | Power::SwitchingOff);
         let was_held = std::mem::replace(&mut self.position_loop.is_held, is_held);
         if was_held && !is_held {
-            self.position_loop.pid.begin_anew();
+            self.position_loop.pid.forget_past();
             if self.setup.law == Law::Integer {
-                self.vocabularies.begin_loop_anew();
+                self.vocabularies.forget_loop_past();
             }
         }
         self.note_stepped() || is_held
@@ -147,7 +147,7 @@ impl Axis {
         let (full, rate) = self.full_reference();
         if let Some((value, _)) = self.out_an() {
             self.position_loop = PositionLoop { output: value, velocity: value * full, ..self.position_loop };
-            self.position_loop.pid.begin_anew();
+            self.position_loop.pid.forget_past();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }

@@ -397,7 +397,7 @@ impl Program for Epos {
         }
         let half_ms = words.get(at("sf_cycle"));
         if mode.substitutional {
-            check_cycle_bounds(half_ms, SEARCH_CYCLES, field("sf_cycle"), setting)?;
+            check_cycle_bounds(half_ms, SEARCH_CYCLES, (field("sf_cycle"), field("ba")), setting)?;
         }
         check_cycle(half_ms, field("sf_cycle"), setting)?;
         if (mode.substitutional || mode.modulo) && live.travel == 0 {

@@ -8,13 +8,15 @@
 //! Refuses  START while it is active, VALUE_NEW while it is not, a set that its type does not take, each with the field
 //! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
 
+mod bounds;
 mod goals;
 mod programs;
 
+use self::bounds::{check_in_cell, check_set_in_cell};
 use self::programs::{first_output, module};
 use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
-use super::kind::{Description, Kind, Quantity};
+use super::kind::{Description, Quantity};
 use super::notice::Notice;
 use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
 use super::reading::{Read, millivolts, read_inputs};
@@ -287,7 +289,7 @@ impl Slot {
         tried.copy_from_slice(&self.staged);
         for &(place, value) in values {
             check_range(row, place, value)?;
-            check_in_cell(wires, row, place, value)?;
+            check_in_cell(wires, row, (place, value), None)?;
             if let Some(word) = tried.get_mut(usize::from(place)) {
                 *word = value;
             }
@@ -304,6 +306,7 @@ impl Slot {
             Order::ValueNew => {
                 // Fields that are not live keep what they had at START.
                 mix(row, mixed, &self.active, tried);
+                check_set_in_cell(wires, mixed)?;
                 self.function.check(Words(mixed), &setting)?;
                 self.active.copy_from_slice(mixed);
                 self.function.renew(Words(mixed));
@@ -326,10 +329,10 @@ impl Slot {
         Ok(answer)
     }
 
-    /// Returns an error if START would refuse the staged set of a function at rest.
-    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>]) -> Result<(), Fault> {
-        check_set(wires, &self.staged)?;
-        self.function.check(Words(&self.staged), &self.setting(wires, found(wires, tables), Occasion::Order))
+    /// Returns an error if START would refuse a set of a function at rest.
+    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>], set: &[i64]) -> Result<(), Fault> {
+        check_set(wires, set)?;
+        self.function.check(Words(set), &self.setting(wires, found(wires, tables), Occasion::Order))
     }
 
     /// RESET: what it writes at the end it writes in its place of this cycle.
@@ -730,30 +733,8 @@ fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
 
 /// Are all values within the ranges of their fields, and does the cell have what they name?
 fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
-    let row = wires.kind.description();
-    check_ranges(row, values)?;
-    if !matches!(row.kind, Kind::Sidiff | Kind::Fgen | Kind::Ecopy) {
-        return Ok(());
-    }
-    (0_u16..).zip(values).try_for_each(|(place, value)| check_in_cell(wires, row, place, *value))
-}
-
-/// Does the cell have the axes that a value names, and does its analog output reach the value?
-fn check_in_cell(wires: &Wires, row: &Description, place: u16, value: i64) -> Result<(), Fault> {
-    let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
-    let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
-    match (row.kind, field.name) {
-        (Kind::Sidiff | Kind::Fgen, "aw_mask") if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
-            Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
-        }
-        (Kind::Sidiff, "display_aw") if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
-        (Kind::Ecopy, "value_e1_0" | "value_e1_1")
-            if matches!(wires.sink, Sink::Analog(..)) && value.saturating_abs() > wires.full_scale =>
-        {
-            Err(beyond(wires.full_scale * value.signum()))
-        }
-        _ => Ok(()),
-    }
+    check_ranges(wires.kind.description(), values)?;
+    check_set_in_cell(wires, values)
 }
 
 /// The live fields of `new` in a set that runs with `active`.

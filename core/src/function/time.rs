@@ -23,11 +23,12 @@ pub(super) fn check_cycle(half_ms: i64, field: u16, setting: &Setting<'_>) -> Re
     Err(Fault { asked: Number::Count(half_ms), limit: Number::Time(call), ..fault })
 }
 
-/// Refuses a cycle beyond the bounds of a mode (0.5 ms), whether the set names it or leaves it to the slot.
+/// Refuses a cycle beyond the bounds of a mode (0.5 ms). If the set names it, it is at fault, else the field that chooses the mode: no named
+/// cycle would be the slot's own and within the bounds.
 pub(super) fn check_cycle_bounds(
     half_ms: i64,
     (low, high): (i64, i64),
-    field: u16,
+    (cycle, mode): (u16, u16),
     setting: &Setting<'_>,
 ) -> Result<(), Fault> {
     let call = i64::try_from(setting.call_ns).unwrap_or(i64::MAX);
@@ -39,6 +40,7 @@ pub(super) fn check_cycle_bounds(
     }
     let number = |value| if is_named { Number::Count(value) } else { Number::Time(value) };
     let limit = number(if asked < low { low } else { high });
+    let field = if is_named { cycle } else { mode };
     Err(Fault { asked: number(asked), limit, ..Fault::new(Code::AMK_BEYOND).of(field) })
 }
 
@@ -115,10 +117,13 @@ mod tests {
     #[test]
     fn cycle_bounds_hold_for_the_cycle_of_the_slot_where_the_set_names_none() {
         let fault = |half_ms, call_ns| {
-            let bounded = check_cycle_bounds(half_ms, (2, 18), 3, &setting(call_ns, [None; 8]));
+            let bounded = check_cycle_bounds(half_ms, (2, 18), (3, 1), &setting(call_ns, [None; 8]));
             bounded.err().map(|fault| (fault.code, fault.field, fault.asked, fault.limit))
         };
-        let of = |asked, limit| Some((Code::AMK_BEYOND, Some(3), asked, limit));
+        let of = |asked, limit| {
+            let field = if matches!(asked, Number::Time(_)) { 1 } else { 3 };
+            Some((Code::AMK_BEYOND, Some(field), asked, limit))
+        };
         for call_ns in [1_000_000, 1_023_998, 9_000_000] {
             assert_eq!(fault(0, call_ns), None, "{call_ns}");
         }

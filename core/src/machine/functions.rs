@@ -70,14 +70,10 @@ impl Machine {
         &self.state.tables
     }
 
-    /// Returns why START without parameters would refuse the staged sets, of each function that it would refuse.
-    pub fn refused_starts(&self) -> Vec<Refusal> {
-        let State { slots, tables, .. } = &self.state;
-        let slots = (0_u16..).zip(self.wires.iter().zip(slots));
-        let refused = slots.filter_map(|(place, (wires, slot))| {
-            slot.check_start(wires, tables).err().map(|fault| refusal(fault, place))
-        });
-        refused.collect()
+    /// Returns why START would refuse a set of the function at a place at rest; none if it would not, and of a place without a function.
+    pub fn refused_start(&self, place: u16, set: &[i64]) -> Option<Refusal> {
+        let (wires, slot) = self.wires.get(usize::from(place)).zip(self.state.slots.get(usize::from(place)))?;
+        slot.check_start(wires, &self.state.tables, set).err().map(|fault| refusal(fault, place))
     }
 
     /// An order to a function; true where the axis that it moves has to hear of it.

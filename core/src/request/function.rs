@@ -4,7 +4,7 @@ use super::{RequestError, list};
 use crate::command::{Action, CommandFunction, RunFunction};
 use crate::config::{MachineConfig, SlotConfig};
 use crate::function::Order;
-use crate::table::{CamSetting, Table};
+use crate::table::{CamSetting, Table, falling_place};
 use crate::unit::excerpt;
 use lineshaft_program::Module;
 use std::sync::Arc;
@@ -107,12 +107,12 @@ impl MachineConfig {
         let setting = present.map(|present| present.table.cam_setting()).unwrap_or_default();
         let bad = |sentence: String| RequestError::BadTable { name: excerpt(name), sentence };
         // As the cell refuses it.
-        if let Some((before, place)) = x.iter().zip(x.iter().skip(1)).find(|(before, place)| before >= place) {
-            return Err(bad(format!("place {place} does not lie behind {before}, the one before it; places rise")));
+        if let Some((_, sentence)) = falling_place(x) {
+            return Err(bad(sentence));
         }
         let table = Table::new(form, x, y).map_err(|error| bad(error.to_string()))?.with_cam(setting);
         // Key `cam` says that it is one. Without the key any curve is good until an axis follows it.
-        if setting != CamSetting::default() {
+        if self.global.cams.contains(&index) || setting != CamSetting::default() {
             table.cam().map_err(|error| bad(error.to_string()))?;
         }
         Ok(Action::LoadTable { index, table: Arc::new(table) })
@@ -170,7 +170,7 @@ fn place(config: &SlotConfig, name: &str) -> Result<(u16, usize), RequestError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::TableConfig;
+    use crate::config::{GlobalConfig, TableConfig};
     use crate::table::{Form, Interpolation};
 
     #[test]
@@ -181,7 +181,9 @@ mod tests {
         };
         let cubic = CamSetting { interpolation: Interpolation::Cubic, ..CamSetting::default() };
         let tables = vec![table("curve", CamSetting::default()), table("cam", cubic)];
-        let config = MachineConfig { tables, ..MachineConfig::default() };
+        let tables = [tables, vec![table("plain", CamSetting::default())]].concat();
+        let global = GlobalConfig { cams: vec![2], ..GlobalConfig::default() };
+        let config = MachineConfig { tables, global, ..MachineConfig::default() };
         let load = |name, x: &[i64], y: &[i64]| {
             config.resolve_load_table(name, x, y).map(|_| ()).map_err(|error| error.to_string())
         };
@@ -194,5 +196,10 @@ mod tests {
         assert!(few.ends_with("a cam has 2 points; 3 or more are needed"), "{few}");
         assert_eq!(load("curve", &[0, 10], &[0, 5]), Ok(()));
         assert_eq!(load("cam", &[0, 10, 30], &[0, 5, 0]), Ok(()));
+        // `cam: {}` says it, too.
+        let few = load("plain", &[0], &[0]).unwrap_err();
+        assert!(few.ends_with("a cam has 1 points; 2 or more are needed"), "{few}");
+        assert!(load("plain", &[5, 10], &[0, 10]).is_err(), "a cam begins at place 0");
+        assert_eq!((load("curve", &[5, 10], &[0, 10]), load("plain", &[0, 10], &[0, 10])), (Ok(()), Ok(())));
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::analog::Analog;
-use super::driven::Driven;
+use super::driven::DrivenCount;
 use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
 use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
@@ -79,7 +79,7 @@ pub struct SimDrive {
     /// Place of the cycle before.
     place_before: i64,
     /// Counts of a scenario in the place of its own.
-    driven: Driven,
+    driven: DrivenCount,
     /// Homing of its own.
     homing: InDrive,
     /// The index gives no pulses any more.
@@ -138,7 +138,7 @@ impl SimDrive {
             origin: 0,
             place: 0,
             place_before: 0,
-            driven: Driven::default(),
+            driven: DrivenCount::default(),
             homing: InDrive::default(),
             index_lost: false,
             jammed: false,
@@ -193,7 +193,7 @@ impl SimDrive {
 
     /// Where its axis stands (inc), by the counts of a scenario where there are any.
     pub(super) fn place(&self) -> i64 {
-        self.driven.way().map_or(self.place, |(_, to)| to.wrapping_add(self.origin))
+        self.driven.way().map_or(self.place, |(_, to)| to.wrapping_add(self.driven.origin()))
     }
 
     /// Gives the counts of the next cycle, as it would tell them.
@@ -342,10 +342,10 @@ impl SimDrive {
         }
         let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
         self.place_before = before;
-        self.driven.step(&self.word);
-        let (from, to) = match self.driven.way() {
-            Some((from, to)) => (from.wrapping_add(self.origin), to.wrapping_add(self.origin)),
-            None => (before, self.place),
+        self.driven.step(&self.word, self.origin);
+        let (from, to, origin) = match (self.driven.way(), self.driven.origin()) {
+            (Some((from, to)), origin) => (from.wrapping_add(origin), to.wrapping_add(origin), origin),
+            (None, _) => (before, self.place, self.origin),
         };
         let passed = self.fixtures.index_passed(from, to).filter(|_| !self.index_lost);
         let (noise, effort) = self.measure();
@@ -362,7 +362,7 @@ impl SimDrive {
             bus: BusState::Active,
             emergency: self.emergency.take().filter(|_| self.online),
             inputs: self.actuated() & !self.hidden,
-            index: passed.map(|place| self.word.of(place.wrapping_sub(self.origin))),
+            index: passed.map(|place| self.word.of(place.wrapping_sub(origin))),
             unacknowledged: false,
         }
     }

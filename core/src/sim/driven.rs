@@ -8,23 +8,28 @@ use super::word::Word;
 
 /// Counts that are given for a cycle, and the way that they have gone.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Driven {
+pub(super) struct DrivenCount {
     /// Of the next cycle.
     given: Option<i64>,
     /// From the count of the last cycle to that of this one; none where the source tells its own.
     way: Option<(i64, i64)>,
+    /// Place of count 0 when the way began: a slip of the source's own counts later on does not move the given ones.
+    origin: i64,
     /// The way has begun, or ended, in this cycle.
     is_elsewhere: bool,
 }
 
-impl Driven {
+impl DrivenCount {
     /// Gives the counts of the next cycle, as the source would tell them.
     pub(super) fn give(&mut self, raw: i64) {
         self.given = Some(raw);
     }
 
-    /// Takes them, once in each cycle.
-    pub(super) fn step(&mut self, word: &Word) {
+    /// Takes them, once in each cycle; `origin` is the place of count 0 of the source's own counts.
+    pub(super) fn step(&mut self, word: &Word, origin: i64) {
+        if self.way.is_none() {
+            self.origin = origin;
+        }
         let next = match (self.given.take(), self.way) {
             (Some(raw), Some((_, last))) => Some((last, word.near(last, raw))),
             (Some(raw), None) => Some(word.count(raw)).map(|first| (first, first)),
@@ -37,6 +42,11 @@ impl Driven {
     /// The way of this cycle; none where the source tells its own counts.
     pub(super) fn way(&self) -> Option<(i64, i64)> {
         self.way
+    }
+
+    /// Place of count 0 of the given counts.
+    pub(super) fn origin(&self) -> i64 {
+        self.origin
     }
 
     /// Whether the source is somewhere else in this cycle without having moved there.

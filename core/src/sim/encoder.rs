@@ -4,7 +4,7 @@
 //!          counts of a scenario in the place of these are the way for index pulses and marks
 //! Source   MACS-ENC-12, WF-INC-01, WF-MON-01, -02
 
-use super::driven::Driven;
+use super::driven::DrivenCount;
 use super::fixtures::{Fixtures, Index};
 use super::word::Word;
 use crate::config::EncoderConfig;
@@ -25,7 +25,7 @@ pub(super) struct SimEncoder {
     slip: i64,
     index_lost: bool,
     epoch: u32,
-    driven: Driven,
+    driven: DrivenCount,
 }
 
 impl SimEncoder {
@@ -40,7 +40,7 @@ impl SimEncoder {
             slip: 0,
             index_lost: false,
             epoch: 0,
-            driven: Driven::default(),
+            driven: DrivenCount::default(),
         }
     }
 
@@ -105,7 +105,7 @@ impl SimEncoder {
 
     pub(super) fn read(&mut self) -> EncoderInput {
         let before = std::mem::replace(&mut self.before, self.way);
-        self.driven.step(&self.word);
+        self.driven.step(&self.word, 0);
         // Given counts are what is told: they have slipped already.
         let (from, to, slip) = match self.driven.way() {
             Some((from, to)) => (from, to, 0),

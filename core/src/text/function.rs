@@ -36,6 +36,11 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
 
 /// A value beyond a bound that the other fields leave: on which side, and the bound.
 fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
+    if let (Number::Time(call), Number::Time(bound)) = (event.asked, event.limit) {
+        let side = if call < bound { "is below the minimum" } else { "exceeds the maximum" };
+        let text = format!("{} between two calls {side} {}", plain(event.asked), plain(event.limit));
+        return Some(of_field(event, config, text));
+    }
     let (Number::Count(asked), Number::Count(bound)) = (event.asked, event.limit) else { return None };
     if field(event, config).is_some_and(|field| field.name.starts_with("value_e1_")) {
         let most = bound.saturating_abs();

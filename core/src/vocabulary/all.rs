@@ -214,8 +214,8 @@ impl Vocabularies {
     }
 
     /// That PID was not stepped while the axis was held: it goes on with its sum, and no change of the error.
-    pub(crate) fn begin_loop_anew(&mut self) {
-        self.saia.begin_loop_anew();
+    pub(crate) fn forget_loop_past(&mut self) {
+        self.saia.forget_loop_past();
     }
 
     /// Tells all whom it concerns.

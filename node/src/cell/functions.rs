@@ -154,15 +154,14 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
     }
 }
 
-/// Refuses copies that would move an axis by a speed as if it were a position, or the other way round, also through a sink that only other
-/// functions read. A memory cell or an output keeps a value of either kind.
+/// Refuses copies that would move an axis by a speed as if it were a position, or the other way round, itself or through copies of its sink.
+/// A memory cell, an output or another function may get a value of either kind.
 pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
-    let is_copy = |slot: &&SlotConfig| matches!(slot.kind, Kind::Dcopy | Kind::Ecopy);
-    for slot in machine.slots.iter().filter(is_copy) {
+    for (place, slot) in machine.slots.iter().enumerate().filter(|(_, slot)| copies_source(slot)) {
         let SourceConfig::Lead(leader) = slot.source else { continue };
         let carried = machine.carried(&slot.source).filter(|carried| *carried != slot.quantity);
         if let Some(carried) = carried
-            && matches!(slot.sink, SinkConfig::Axis(_) | SinkConfig::None)
+            && reaches_axis(machine, place)
             && let Some(entry) = cx.names.section(Section::Functions).iter().find(|entry| entry.name() == slot.name)
         {
             let source = machine.signal_of(leader).unwrap_or_default();
@@ -170,6 +169,36 @@ pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
             entry.key.refuse(format!("quantity is {quantity}; its source {} is a {carried}", quote(&source)), None);
         }
     }
+}
+
+/// Returns true for a copy that reads its source; an ecopy with the bits of both values does not.
+fn copies_source(slot: &SlotConfig) -> bool {
+    const BOTH_VALUES: i64 = 3;
+    let mode = slot.kind.description().find("mode").and_then(|(_, place)| slot.values.get(place));
+    match slot.kind {
+        Kind::Dcopy => true,
+        Kind::Ecopy => mode != Some(&BOTH_VALUES),
+        _ => false,
+    }
+}
+
+/// Returns true if a slot moves an axis, itself or through copies of its sink.
+fn reaches_axis(machine: &MachineConfig, place: usize) -> bool {
+    let (mut reached, mut next) = (vec![place], 0);
+    // Copies that read each other in a circle are visited once.
+    while let Some(place) = reached.get(next).copied() {
+        next += 1;
+        if machine.slots.get(place).is_some_and(|slot| matches!(slot.sink, SinkConfig::Axis(_))) {
+            return true;
+        }
+        for (reader, slot) in machine.slots.iter().enumerate() {
+            let reads = matches!(slot.source, SourceConfig::Lead(Leader::Sink(read)) if usize::from(read) == place);
+            if reads && copies_source(slot) && !reached.contains(&reader) {
+                reached.push(reader);
+            }
+        }
+    }
+    false
 }
 
 /// The slot, its part of a loop, and its number.

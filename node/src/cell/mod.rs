@@ -366,7 +366,15 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         masters: masters.into_iter().collect::<Option<_>>()?,
         axes: configs,
         safety: safety?,
-        global: GlobalConfig { parameters, saved: None, filters, virtual_inputs, full_scales, without_index },
+        global: GlobalConfig {
+            parameters,
+            saved: None,
+            filters,
+            virtual_inputs,
+            full_scales,
+            without_index,
+            cams: tables::cams(&cx),
+        },
     };
     functions::check_signals(&slots.open, &machine.directory());
     functions::check_axes(&cx, &machine);

@@ -6,7 +6,7 @@ use crate::document::{Place, Problems, Value};
 use crate::program;
 use crate::table::csv::{self, Numbers, Refused};
 use lineshaft_core::config::TableConfig;
-use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST_LENGTH, Table};
+use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST_LENGTH, Table, falling_place};
 use lineshaft_core::unit::excerpt;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -74,6 +74,14 @@ pub(super) fn read(cx: &Context<'_>, files: &Files) -> Vec<Option<TableConfig>> 
     entries.iter().map(|entry| table(&entry.value, entry.name(), files)).collect()
 }
 
+/// The places of the tables that the cell says to be cams.
+pub(super) fn cams(cx: &Context<'_>) -> Vec<u16> {
+    let is_cam =
+        |value: &Value<'_>| value.entries().unwrap_or_default().iter().any(|(key, _)| key.peek() == Some("cam"));
+    let entries = (0_u16..).zip(cx.names.section(Section::Tables));
+    entries.filter(|(_, entry)| is_cam(&entry.value)).map(|(place, _)| place).collect()
+}
+
 /// One table.
 pub(crate) fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
     let mut map = value.map(format!("table {}", quote(name)))?;
@@ -136,14 +144,8 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
 
 /// Do places rise? The first that does not is refused.
 fn rise(given: &Value<'_>, x: &[i64]) -> bool {
-    let falls = |pair: &[i64]| matches!(pair, [before, place] if before >= place);
-    let Some((at, [before, place])) =
-        x.windows(2).enumerate().find(|(_, pair)| falls(pair)).and_then(|(at, pair)| Some((at, pair.first_chunk()?)))
-    else {
-        return true;
-    };
-    let point = given.list().and_then(|items| items.into_iter().nth(at + 1));
-    let sentence = format!("place {place} does not lie behind {before}, the one before it; places rise");
+    let Some((number, sentence)) = falling_place(x) else { return true };
+    let point = given.list().and_then(|items| items.into_iter().nth(number));
     point.as_ref().unwrap_or(given).refuse(sentence, None);
     false
 }
@@ -208,5 +210,14 @@ mod tests {
         let Ok(Files::Known(known)) = files_of(&files_text(&files)) else { panic!("it reads back") };
         assert_eq!(known, files);
         assert!(files_of("[").is_err());
+    }
+
+    #[test]
+    fn table_with_an_empty_key_cam_is_loaded_as_a_cam() {
+        let text = "lineshaft: 1\ncycle: 1 ms\naxes: {}\ntables:\n  curve: {form: xy, points: [[0, 0], [10, 5]]}\n  \
+                    round: {form: xy, points: [[0, 0], [10, 5]], cam: {}}\n";
+        let cell = crate::cell::Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+        let load = |name: &str, x: &[i64]| cell.machine.resolve_load_table(name, x, &[0, 10]).is_ok();
+        assert_eq!((load("curve", &[5, 10]), load("round", &[5, 10]), load("round", &[0, 10])), (true, false, true));
     }
 }

@@ -102,7 +102,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
         let name = &axis.name;
         format!(
             "{name}: without its switch homing goes on for ever; \
-             give homing.max_distance, or min_position and max_position"
+             give homing.max_distance, min_position and max_position, or homing.max_time"
         )
     }));
     let coasts = |axis: &&AxisConfig| axis.brake.is_some() && matches!(axis.parameters.error_reaction, 0 | 1);
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn a_search_without_an_end_is_warned_of() {
         let expected = "x: without its switch homing goes on for ever; \
-                        give homing.max_distance, or min_position and max_position";
+                        give homing.max_distance, min_position and max_position, or homing.max_time";
         for keys in ["homing: {method: 7}", "homing: {method: 1}, max_position: 1 m", "homing: {home_type: 0}"] {
             assert_eq!(warned(&format!("{MM}, {keys}")), [expected], "{keys}");
         }

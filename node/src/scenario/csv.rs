@@ -2,7 +2,7 @@
 //!
 //! The first row names the columns; fields are separated by commas and may stand in quotes. What `--csv` writes reads back.
 
-use super::ruler::{ALL_WHOLE, Ruler};
+use super::ruler::{ALL_WHOLE, Ruler, is_exact};
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::signal::{Type, Value as Number};
 use lineshaft_core::unit::excerpt;
@@ -95,13 +95,15 @@ fn number(field: &str, ruler: &Ruler) -> Option<Number> {
         Type::Real => field.parse().ok().filter(|value: &f64| value.is_finite()).map(Number::Real),
         Type::Bit => field.parse().ok().filter(|value| (0..=1).contains(value)).map(Number::Int),
         Type::Int | Type::Word | Type::Enum(_) => {
-            field.parse().ok().filter(|value: &i64| (low..=high).contains(value)).map(Number::Int)
+            let fits = |value: &i64| (low..=high).contains(value) && (!ruler.in_f64 || is_exact(*value));
+            field.parse::<i64>().ok().filter(fits).map(Number::Int)
         }
     }
 }
 
 fn expected(ruler: &Ruler) -> String {
     match (ruler.kind, ruler.range) {
+        _ if ruler.in_f64 => "a whole number, beyond +-2^53 one that an f64 holds,".to_owned(),
         (Type::Real, _) => "a finite number".to_owned(),
         (Type::Bit, _) => "0 or 1".to_owned(),
         (_, ALL_WHOLE) => "a whole number".to_owned(),

@@ -31,7 +31,7 @@ use ramp::{Ramp, cycles_between, exact, most_bits, wrap_bits, wrapped};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// Whole numbers of a memory cell with 64 bits: a command carries them as f64, so beyond 2^53 they would not be what was written.
+/// Whole numbers that an f64 holds, as which a command carries those of a memory cell: all of this range, beyond it only some.
 const EXACT: (i64, i64) = (-(1 << 53), 1 << 53);
 
 /// One entry of the section.
@@ -198,15 +198,19 @@ impl Reader<'_> {
         drives
     }
 
-    /// Refuses a ramp that leaves the range of its signal while it drives it.
+    /// Refuses a ramp that leaves the range of its signal while it drives it. Its end was checked with the file.
     fn refuse_beyond(&self, drive: &Drive) {
-        let Source::Ramp(ramp @ Ramp { end: None, wrap: None, is_real: false, .. }) = &drive.source else { return };
-        let last = drive.end.min(self.cycles).checked_sub(drive.at.saturating_add(1));
+        let Source::Ramp(ramp @ Ramp { wrap: None, is_real: false, .. }) = &drive.source else { return };
+        let reached = ramp.end.map_or(u64::MAX, |(reached, _)| reached);
+        let last = drive.end.min(self.cycles).min(drive.at.saturating_add(reached));
+        let last = last.checked_sub(drive.at.saturating_add(1));
         let Some(n) = last.and_then(|last| ramp.first_beyond(last, drive.range)) else { return };
         let (value, (low, high)) = (ramp.floor(n), drive.range);
         let when = moment::text(drive.at + n, self.cycle_ns);
         let sentence = format!("{} gets to {value} in {when}; {low}..{high} is allowed", drive.name);
-        let hint = format!("`wrap: {}` makes the ramp a counter that wraps", most_bits(drive.range));
+        let most = if matches!(drive.target, Target::Memory(_)) { most_bits(EXACT) } else { i64::BITS };
+        let bits = most_bits(drive.range).min(most);
+        let hint = format!("`wrap: {bits}` makes the ramp a counter that wraps");
         self.problems.push(drive.place, sentence, Some(hint));
     }
 
@@ -225,7 +229,11 @@ impl Reader<'_> {
             Some((_, then)) => then?,
         };
         let (name, kind, place) = (entry.name.clone(), entry.kind, item.place());
-        let range = ruler?.range;
+        let ruler = ruler?;
+        let range = match &source {
+            Some(Source::Ramp(ramp)) if ruler.in_f64 => ramp.exact_range(),
+            _ => ruler.range,
+        };
         Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then, range })
     }
 
@@ -235,7 +243,7 @@ impl Reader<'_> {
         let Target::Memory(index) = target else { return ruler };
         let kind = self.names.config.memory.get(usize::from(index)).map(|memory| memory.kind);
         let range = kind.and_then(MemoryKind::whole_range).unwrap_or(ALL_WHOLE);
-        ruler.within(if kind == Some(MemoryKind::I64) { EXACT } else { range })
+        Ruler { in_f64: kind == Some(MemoryKind::I64), ..ruler.within(range) }
     }
 
     fn start(&self, value: &Value<'_>) -> Option<u64> {
@@ -323,7 +331,7 @@ impl Reader<'_> {
         if ramp.is_some() {
             self.ramp(value, ruler).map(Source::Ramp)
         } else {
-            self.sine(value, ruler).map(Source::Sine)
+            self.sine(value, &all_exact(ruler)).map(Source::Sine)
         }
     }
 
@@ -349,14 +357,14 @@ impl Reader<'_> {
         let mut map = value.map("ramp")?;
         let wrap = map.optional("wrap");
         // From and until of a counter are those of the sum, which does not wrap.
-        let bounds = if wrap.is_some() { ruler.within(ALL_WHOLE) } else { *ruler };
+        let bounds = if wrap.is_some() { Ruler { in_f64: false, ..ruler.within(ALL_WHOLE) } } else { *ruler };
         let from = map.optional("from").map_or(Some(zero(ruler)), |value| bounds.read(&value));
         let per_cycle = map.required("per_cycle").and_then(|value| value.fraction());
         let until = map.optional("until").map(|value| (bounds.read(&value), value));
         map.finish();
         let wrap = match wrap {
             None => None,
-            Some(value) => Some(wrap_bits(&value, ruler)?),
+            Some(value) => Some(wrap_bits(&value, &all_exact(ruler))?),
         };
         let (from, per_cycle) = (from?, per_cycle?);
         let until = match until {
@@ -428,6 +436,11 @@ impl Reader<'_> {
         }
         ns.filter(|ns| *ns > 0)
     }
+}
+
+/// Returns the ruler without the whole numbers among which are some that a command could not carry.
+fn all_exact(ruler: &Ruler) -> Ruler {
+    if ruler.in_f64 { ruler.within(EXACT) } else { *ruler }
 }
 
 fn zero(ruler: &Ruler) -> Number {

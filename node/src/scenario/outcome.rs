@@ -9,6 +9,7 @@ use super::verb::Deed;
 use crate::document::Place;
 use lineshaft_core::code::Code;
 use lineshaft_core::event::{Event, Number};
+use lineshaft_core::object::Object;
 use lineshaft_core::parameter::ROWS;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
@@ -50,7 +51,9 @@ pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Optio
 
 /// Is what is wanted said by the sentence, by the parameter or by the code?
 fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> bool {
-    let row = event.parameter.and_then(|row| ROWS.get(usize::from(row)));
+    // Of a function it is the number of a field, which the sentence names.
+    let number = event.parameter.filter(|_| !matches!(event.source, Object::Function(_)));
+    let row = number.and_then(|row| ROWS.get(usize::from(row)));
     let code = Code::rows().find(|row| row.code == event.code);
     let names = [row.map_or("", |row| row.key), code.map_or("", |row| row.name)];
     let by_id = by_id(event, deed, plan).unwrap_or_default();

@@ -126,6 +126,7 @@ impl Probe {
             mask: None,
             row: None,
             range: ruler::ALL_WHOLE,
+            in_f64: false,
         };
         if theirs.measure != mine.measure {
             if has_no_unit {

@@ -30,6 +30,8 @@ pub(super) struct Ruler {
     pub row: Option<&'static Row>,
     /// Minimum and maximum of whole numbers.
     pub range: (i64, i64),
+    /// A command carries its whole numbers as f64, which has to hold them exactly.
+    pub in_f64: bool,
 }
 
 /// The range of whole numbers without narrower bounds.
@@ -48,6 +50,7 @@ impl Ruler {
             mask: None,
             row: None,
             range: ALL_WHOLE,
+            in_f64: false,
         }
     }
 
@@ -69,13 +72,15 @@ impl Ruler {
             mask: None,
             row: Some(row),
             range: ALL_WHOLE,
+            in_f64: false,
         }
     }
 
     /// Positions of an object of that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
         let (kind, measure) = (Type::Int, Measure::Position);
-        Self { kind, measure, scale: Some(scale), is_code: false, mask: None, row: None, range: ALL_WHOLE }
+        let scale = Some(scale);
+        Self { kind, measure, scale, is_code: false, mask: None, row: None, range: ALL_WHOLE, in_f64: false }
     }
 
     /// Returns the same with other bounds of whole numbers.
@@ -135,7 +140,10 @@ impl Ruler {
                 good(value, scale.position(&quantity))
             }
             _ if self.is_code => read_code(value).map(i64::from),
-            _ => value.integer(self.range.0..=self.range.1),
+            _ => {
+                let whole = value.integer(self.range.0..=self.range.1)?;
+                (!self.in_f64 || refuse_inexact(value, whole, self.range)).then_some(whole)
+            }
         }
     }
 
@@ -194,6 +202,24 @@ impl Ruler {
             _ => own,
         }
     }
+}
+
+/// Returns true if an f64 holds a whole number exactly: each up to 2^53, beyond that only some.
+pub(super) fn is_exact(whole: i64) -> bool {
+    // The cast rounds to the nearest f64, at most 2^63.
+    whole as f64 as i128 == i128::from(whole)
+}
+
+/// Returns true if an f64 holds a whole number exactly. Otherwise refuses it, with the nearest one that is within the range.
+pub(super) fn refuse_inexact(value: &Value<'_>, whole: i64, (low, high): (i64, i64)) -> bool {
+    if is_exact(whole) {
+        return true;
+    }
+    let nearest = whole as f64 as i128;
+    let sentence = format!("{} is {whole}; beyond +-2^53 only what an f64 holds can be set", value.label());
+    let fits = (i128::from(low)..=i128::from(high)).contains(&nearest);
+    value.refuse(sentence, fits.then(|| format!("the nearest is {nearest}")));
+    false
 }
 
 /// Bits of a mask: a bit outside of it could never be met.

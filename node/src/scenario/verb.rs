@@ -3,6 +3,7 @@
 use super::inject::{self, Injection};
 use super::names::{Names, did_you_mean, meant_parameter, nearest};
 use super::refusal::Refusal;
+use super::ruler::refuse_inexact;
 use super::verb::amount::amount;
 use crate::document::{Map, Place, Value};
 use lineshaft_core::code::Code;
@@ -473,15 +474,7 @@ fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
 fn memory_value(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     let Some((low, high)) = kind.whole_range() else { return value.number(f64::NEG_INFINITY..=f64::INFINITY) };
     let whole = value.integer(low..=high)?;
-    let carried = whole as f64;
-    let nearest = carried as i128;
-    if nearest != i128::from(whole) {
-        let sentence = format!("{} is {whole}; beyond +-2^53 only what an f64 holds can be set", value.label());
-        let fits = (i128::from(low)..=i128::from(high)).contains(&nearest);
-        value.refuse(sentence, fits.then(|| format!("the nearest is {nearest}")));
-        return None;
-    }
-    Some(carried)
+    refuse_inexact(value, whole, (low, high)).then_some(whole as f64)
 }
 
 fn whole(map: &mut Map<'_>, key: &str) -> Option<i64> {

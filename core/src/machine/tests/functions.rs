@@ -481,9 +481,9 @@ fn an_ao_as_sink_gets_no_more_than_its_full_scale() {
     (slot.source, slot.sink) = (SourceConfig::Signal("d".into()), SinkConfig::Output(2));
     let mut rig = Rig::of(cell(vec![slot]));
     let range = "mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed";
-    for (place, key, value) in [(1, "value_e1_0", 12_000), (2, "value_e1_1", -10_001)] {
-        for command in [Order::Stage, Order::Start] {
-            let refused = rig.give(with(0, command, &[(place, value)]));
+    for (place, key, value, bit) in [(1, "value_e1_0", 12_000, 1), (2, "value_e1_1", -10_001, 2)] {
+        for mode in [bit, 3] {
+            let refused = rig.give(with(0, Order::Start, &[(0, mode), (place, value)]));
             assert_eq!(rig.refusal(refused), format!("e: {key}: {value} {range}"));
         }
     }
@@ -493,6 +493,35 @@ fn an_ao_as_sink_gets_no_more_than_its_full_scale() {
         rig.give(Action::set_memory(1, value));
         rig.run(1);
         assert_eq!((rig.outputs().analog[0], rig.real("aa"), rig.int("e.sink")), (volts, volts, value as i64));
+    }
+}
+
+/// Bits 0 and 1 of the mode choose the values for E1 = 0 and E1 = 1; without its bit a value has no effect.
+///
+/// Proves: AMK-ECOPY-03
+#[test]
+fn value_that_the_mode_of_ecopy_does_not_use_may_exceed_the_full_scale() {
+    let range = "mV exceeds the full scale of the analog output; -10000 to 10000 mV is allowed";
+    for (mode, unused, used) in [(2, 1, 2), (1, 2, 1)] {
+        let mut slot = slot("e", 0, Type::Ecopy);
+        (slot.source, slot.sink) = (SourceConfig::Signal("d".into()), SinkConfig::Output(2));
+        let mut rig = Rig::of(cell(vec![slot]));
+        let commands = [
+            (Order::Stage, vec![(unused, 12_000)]),
+            (Order::Start, vec![(0, mode), (unused, 12_000)]),
+            (Order::ValueNew, vec![(unused, -12_000)]),
+            (Order::ValueNew, vec![(used, 10_000)]),
+        ];
+        for (command, values) in commands {
+            let given = rig.give(with(0, command, &values));
+            assert!(rig.was_accepted(given), "{mode} {command:?}: {:?}", rig.answer(given));
+        }
+        // The mode in force decides: the command has none.
+        let refused = rig.give(with(0, Order::ValueNew, &[(used, 10_001)]));
+        assert_eq!(rig.refusal(refused), format!("e: value_e1_{}: 10001 {range}", used - 1));
+        rig.give(order(0, Order::Reset));
+        let refused = rig.give(with(0, Order::Start, &[(0, 3)]));
+        assert_eq!(rig.refusal(refused), format!("e: value_e1_{}: -12000 {range}", unused - 1));
     }
 }
 

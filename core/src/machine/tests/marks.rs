@@ -241,6 +241,10 @@ fn filters_and_start_correction_of_marks_are_signals() {
         most = most.min(shown(&world)[3]);
     }
     assert!((most + 120.0 / (20.0 / 3.0)).abs() < 0.5, "{most}");
+    // Without `syncmftime` they are 0 at once: no further pair is needed.
+    assert!(shown(&world)[0] > 1.0 && shown(&world)[1] > 1.0, "{:?}", shown(&world));
+    world.rig.set("syncmftime", Value::Int(0));
+    assert_eq!(shown(&world), [0.0; 4]);
     world.rig.give(Action::Halt(AxisSet::one(X)));
     world.rig.run(50);
     assert_eq!(shown(&world), [0.0; 4]);

@@ -138,7 +138,7 @@ impl Pid {
     }
 
     /// What was under way is over, and its sum stands: the next cycle samples, and the error before it is no past.
-    pub fn begin_anew(&mut self) {
+    pub fn forget_past(&mut self) {
         (self.before, self.wait) = (None, 0);
     }
 

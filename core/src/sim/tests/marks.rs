@@ -241,17 +241,21 @@ fn the_index_of_a_drive_follows_the_counts_that_a_scenario_gives() {
     let mut drive = switched_on(Model::Ideal, 0);
     drive.read();
     drive.fit(Fixtures { start: 40, index: Some(Index { every: 100, at: 30 }), ..Fixtures::default() });
-    let mut see = |given: Option<i64>| {
+    let mut see = |given: Option<i64>, slip: i64| {
         if let Some(raw) = given {
             drive.replace_count(raw);
         }
+        drive.jump(slip);
         (drive.read().index, drive.place())
     };
-    assert_eq!(see(Some(80)), (None, 120));
-    assert_eq!(see(Some(100)), (Some(90), 140));
-    assert_eq!(see(Some(100)), (None, 140));
-    assert_eq!(see(Some(85)), (Some(90), 125));
-    assert_eq!(see(None), (None, 40));
+    assert_eq!(see(Some(80), 0), (None, 120));
+    assert_eq!(see(Some(100), 0), (Some(90), 140));
+    assert_eq!(see(Some(100), 0), (None, 140));
+    assert_eq!(see(Some(85), 0), (Some(90), 125));
+    // A slip of its own counts moves neither the given ones nor the axis.
+    assert_eq!(see(Some(85), 7), (None, 125));
+    assert_eq!(see(Some(100), 0), (Some(90), 140));
+    assert_eq!(see(None, 0), (None, 40));
 }
 
 fn any_marks() -> impl Strategy<Value = Marks> {

@@ -56,7 +56,7 @@ impl Asked<'_> {
     }
 
     /// SYNCMFTIME (ms), where it says something.
-    fn filter_time(&self) -> Option<f64> {
+    pub fn filter_time(&self) -> Option<f64> {
         self.distance().and(Some(self.marks.filter_time as f64)).filter(|time| *time > 0.0)
     }
 

@@ -79,7 +79,7 @@ pub(super) struct Pid {
     /// Time since then (chip samples).
     elapsed: f64,
     /// The next cycle has no past, but for the sum.
-    begins_anew: bool,
+    forgets_past: bool,
 }
 
 /// Largest magnitude of the sum: 24 bit with sign.
@@ -89,7 +89,7 @@ impl Pid {
     /// A cycle that is `length` chip samples long and has `count` of them; `error` (counts) is that of its end. U after the last one, within 16 bit.
     pub(super) fn cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
         let error = error as f64;
-        if std::mem::take(&mut self.begins_anew) {
+        if std::mem::take(&mut self.forgets_past) {
             (self.before, self.held, self.wait, self.last) = (word(error), 0.0, 0, None);
         }
         self.elapsed += length;
@@ -143,8 +143,8 @@ impl Pid {
     }
 
     /// Nothing was sampled for a while, in which the error may have changed: the sum stands, and that change is no motion.
-    pub(super) fn begin_anew(&mut self) {
-        self.begins_anew = true;
+    pub(super) fn forget_past(&mut self) {
+        self.forgets_past = true;
     }
 
     /// clamp(ki SUM, -IL, +IL), as `frdits` reads it (A11).

@@ -172,8 +172,8 @@ impl Saia {
     }
 
     /// It was not stepped while the axis was held: what has changed meanwhile is no motion to be damped.
-    pub(crate) fn begin_loop_anew(&mut self) {
-        self.pid.begin_anew();
+    pub(crate) fn forget_loop_past(&mut self) {
+        self.pid.forget_past();
     }
 
     /// A cycle in chip samples, of which it has some and a rest (SAIA-SW-01).

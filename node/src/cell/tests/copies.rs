@@ -45,7 +45,17 @@ fn copies_that_mistake_speeds_and_positions_are_refused() {
             "quantity is position; its source `turn.sink` is a speed",
         ),
         (
-            format!("{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}"),
+            format!(
+                "{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}, g: {{slot: 2, {copy}: f.sink, sink: disc}}"
+            ),
+            "quantity is position; its source `turn.sink` is a speed",
+        ),
+        (
+            format!("{turn}, f: {{slot: 1, {copy}: turn.sink, sink: md}}, g: {{slot: 2, {copy}: f.sink, sink: disc}}"),
+            "quantity is position; its source `turn.sink` is a speed",
+        ),
+        (
+            format!("{turn}, f: {{slot: 1, type: ecopy, mode: 2, source: turn.sink, sink: disc}}"),
             "quantity is position; its source `turn.sink` is a speed",
         ),
         (
@@ -82,6 +92,18 @@ fn copies_that_mistake_speeds_and_positions_are_refused() {
         format!("{turn}, f: {{slot: 1, {copy}: turn.sink, sink: md}}"),
         format!("{gear}, f: {{slot: 1, {copy}: gear.sink, sink: disc}}"),
         format!("f: {{slot: 1, {copy}: md, sink: disc, quantity: speed}}"),
+        // No axis is moved.
+        format!("{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}"),
+        format!("{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}, g: {{slot: 2, {copy}: f.sink, sink: md}}"),
+        format!(
+            "{turn}, f: {{slot: 1, {copy}: g.sink, sink: none}}, g: {{slot: 2, {copy}: f.sink, sink: none, quantity: speed}}"
+        ),
+        // Neither reads its source: E1 chooses between two values (AMK-ECOPY-03).
+        format!("{turn}, f: {{slot: 1, type: ecopy, mode: 3, source: turn.sink, sink: disc}}"),
+        format!(
+            "{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}, \
+             g: {{slot: 2, type: ecopy, mode: 3, source: f.sink, sink: disc}}"
+        ),
     ] {
         assert!(read(&good).is_ok(), "{good}: {:?}", read(&good).err());
     }

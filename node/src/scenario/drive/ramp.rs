@@ -1,6 +1,6 @@
 //! Ramps that drive a signal: exact fractions, with an end or as a counter that wraps.
 
-use super::{Number, Ruler, Type, Value};
+use super::{ALL_WHOLE, EXACT, Number, Ruler, Type, Value};
 use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
 use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
 
@@ -33,9 +33,27 @@ impl Ramp {
         (self.start + self.step * i128::from(n)).div_euclid(self.denominator)
     }
 
-    /// Returns the first n up to `last` at which the floor leaves a range, in which it begins.
+    /// Returns the range in which an f64 holds each value: +-2^53, times the largest power of 2 of which all values are multiples.
+    pub(super) fn exact_range(&self) -> (i64, i64) {
+        // With 2^10 the 53 bits of an f64 reach as far as 64 bits do.
+        const MOST_ZEROS: u32 = 10;
+        let zeros = if self.denominator == 1 {
+            self.start.trailing_zeros().min(self.step.trailing_zeros()).min(MOST_ZEROS)
+        } else {
+            0
+        };
+        match EXACT.1.checked_mul(1 << zeros) {
+            Some(bound) => (-bound, bound),
+            None => ALL_WHOLE,
+        }
+    }
+
+    /// Returns the first n up to `last` at which the floor is beyond a range.
     pub(super) fn first_beyond(&self, last: u64, (low, high): (i64, i64)) -> Option<u64> {
         let is_inside = |n| (i128::from(low)..=i128::from(high)).contains(&self.floor(n));
+        if !is_inside(0) {
+            return Some(0);
+        }
         if is_inside(last) {
             return None;
         }

@@ -132,6 +132,48 @@ fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
     );
 }
 
+/// An f64 has 53 bits: beyond 2^53 it holds even numbers, beyond 2^54 multiples of 4.
+#[test]
+fn i64_cell_is_driven_by_what_an_f64_holds() {
+    let cell = CELL.replace("\nencoders:", "\n  big: {type: i64, initial: 0}\nencoders:");
+    let cell = Cell::parse("cell.yaml", cell).unwrap_or_else(|problems| panic!("{problems}"));
+    let read = |drive: &str, expect: &str| {
+        let text = format!("scenario: s\ncycles: 5\ndrive: [{{signal: big, {drive}}}]\nexpect: [{expect}]");
+        Scenario::parse("s.yaml", &text, &cell).map_err(|problems| problems.to_string())
+    };
+    let big = 1_i64 << 60;
+    for (drive, values) in [
+        (format!("values: [{big}, {}]", -big), [big, -big, -big]),
+        (format!("ramp: {{from: {big}, per_cycle: 1024}}"), [big, big + 1024, big + 2048]),
+        (format!("ramp: {{per_cycle: {}, until: {big}}}", big / 2), [0, big / 2, big]),
+    ] {
+        let is = values.iter().enumerate();
+        let is: Vec<_> = is.map(|(at, value)| format!("{{signal: big, at: {at}, is: {value}}}")).collect();
+        let scenario = read(&drive, &is.join(", ")).unwrap_or_else(|problems| panic!("{drive}: {problems}"));
+        let report = simulate(&cell, &scenario, &Options::default()).unwrap();
+        assert!(report.passed(), "{drive}: {report}");
+    }
+    for (drive, said) in [
+        (
+            "values: [9007199254740993]",
+            "values[0] is 9007199254740993; beyond +-2^53 only what an f64 holds can be set, the nearest is 9007199254740992",
+        ),
+        ("ramp: {from: 9007199254740993, per_cycle: 0}", "from is 9007199254740993; beyond +-2^53 only what"),
+        ("ramp: {per_cycle: 1, until: 9007199254740993}", "until is 9007199254740993; beyond +-2^53 only what"),
+        (
+            "ramp: {from: 9007199254740991, per_cycle: 1, until: 9007199254740994}",
+            "big gets to 9007199254740993 in cycle 2 (0.002 s); -9007199254740992..9007199254740992 is allowed",
+        ),
+        ("ramp: {from: 1152921504606846976, per_cycle: 1}", "big gets to 1152921504606846976 in cycle 0 (0 s); -9007"),
+        ("ramp: {per_cycle: 1, wrap: 55}", "wrap is 55; 2..54 is allowed"),
+        ("sine: {mean: 9007199254740992, amplitude: 1, period: 1 s}", "the sine runs from 9007199254740991 to"),
+        ("sine: {mean: 9007199254740994, amplitude: 1, period: 1 s}", "mean is 9007199254740994; -9007199254740992.."),
+    ] {
+        let problems = read(drive, "").expect_err(drive);
+        assert!(problems.contains(said), "{drive}: {problems}");
+    }
+}
+
 #[test]
 fn a_ramp_on_a_count_beyond_64_bits_is_refused() {
     let said = problem("drive", "^{signal: belt.count, ramp: {from: 9223372036854775800, per_cycle: 1}}");

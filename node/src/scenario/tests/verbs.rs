@@ -633,3 +633,19 @@ fn an_input_that_reads_an_output_follows_set_output_and_nothing_else() {
         assert!(problems.contains(sentence), "{problems}");
     }
 }
+
+/// A refused field has a number of its own, which is that of some parameter of an axis.
+#[test]
+fn refusal_of_a_function_has_no_axis_parameter() {
+    let cell = format!("{CELL}functions:\n  choose: {{slot: 0, type: ecopy, sink: feed}}\n");
+    let cell = Cell::parse("cell.yaml", cell).unwrap_or_else(|problems| panic!("{problems}"));
+    let passes = |refused: &str| {
+        let start = "command_function: {function: choose, command: start, parameters: {mode: 9}}";
+        let text = format!("scenario: s\ncycles: 5\nsteps: [{{at: 1, do: {{{start}}}, refused: {refused}}}]");
+        let scenario = Scenario::parse("s.yaml", &text, &cell).unwrap_or_else(|problems| panic!("{problems}"));
+        simulate(&cell, &scenario, &Options::default()).unwrap().passed()
+    };
+    assert!(passes("mode is 9") && passes("FUNCTION_RANGE"));
+    // `mode` is field 0 of ecopy.
+    assert!(!passes(lineshaft_core::parameter::ROWS[0].key));
+}

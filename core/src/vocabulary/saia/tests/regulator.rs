@@ -141,7 +141,7 @@ fn the_error_between_two_cycles_lies_on_a_line() {
     let mut pid = Pid::default();
     let outputs = [0, 90, 90].map(|error| pid.cycle(&gains, PLAIN, error, (3, 3.0)));
     assert_eq!(outputs, [0, 2 * 90 + 5 * 30, 2 * 90]);
-    pid.begin_anew();
+    pid.forget_past();
     assert_eq!(pid.cycle(&gains, PLAIN, 300, (3, 3.0)), 2 * 300);
     assert!(pid.is_sound());
 }

@@ -1,0 +1,68 @@
+//! Bounds that the cell sets to fields: its axes, and the full scale of an analog output.
+
+use crate::code::Code;
+use crate::function::kind::{Description, Kind};
+use crate::function::program::{Fault, LINES};
+use crate::function::wires::{Sink, Wires};
+
+/// What of the cell bounds a field.
+#[derive(Clone, Copy)]
+enum CellBound {
+    /// A mask of axes: the cell has to have each.
+    AxisMask,
+    /// The number of an axis that the cell has; 0 is none.
+    AxisNumber,
+    /// Full scale of an analog output as sink, of a value that the set uses only if it has this bit of `mode`.
+    FullScale(i64),
+}
+
+/// The fields that the cell bounds.
+const CELL_BOUNDS: [(Kind, &str, CellBound); 5] = [
+    (Kind::Sidiff, "aw_mask", CellBound::AxisMask),
+    (Kind::Sidiff, "display_aw", CellBound::AxisNumber),
+    (Kind::Fgen, "aw_mask", CellBound::AxisMask),
+    (Kind::Ecopy, "value_e1_0", CellBound::FullScale(1)),
+    (Kind::Ecopy, "value_e1_1", CellBound::FullScale(2)),
+];
+
+/// Returns an error if a value of a whole set exceeds what the cell has.
+pub(super) fn check_set_in_cell(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
+    let row = wires.kind.description();
+    let mode = row.find("mode").and_then(|(_, place)| values.get(place)).copied();
+    for (_, name, _) in CELL_BOUNDS.iter().filter(|(kind, ..)| *kind == row.kind) {
+        if let Some((_, place)) = row.find(name)
+            && let Some(value) = values.get(place)
+        {
+            check_in_cell(wires, row, (place as u16, *value), mode)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns an error if a value exceeds what the cell has. Without the `mode` of its set nothing says whether the set uses the value, so a
+/// voltage is accepted.
+pub(super) fn check_in_cell(
+    wires: &Wires,
+    row: &Description,
+    (place, value): (u16, i64),
+    mode: Option<i64>,
+) -> Result<(), Fault> {
+    let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
+    let bound = CELL_BOUNDS.iter().find(|(kind, name, _)| *kind == row.kind && *name == field.name);
+    let Some((.., bound)) = bound else { return Ok(()) };
+    let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
+    match *bound {
+        CellBound::AxisMask if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
+            Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
+        }
+        CellBound::AxisNumber if value > wires.axes as i64 => Err(beyond(wires.axes as i64)),
+        CellBound::FullScale(bit)
+            if matches!(wires.sink, Sink::Analog(..))
+                && mode.is_some_and(|mode| mode & bit != 0)
+                && value.saturating_abs() > wires.full_scale =>
+        {
+            Err(beyond(wires.full_scale * value.signum()))
+        }
+        _ => Ok(()),
+    }
+}
