@@ -78,8 +78,8 @@ codes! {
 
     /// The drive did not take up mode homing.
     HOMING_IN_DRIVE_TIMEOUT = 10311, Search {
-        says: "the drive did not take up mode 6, homing, within 5 s",
-        cause: "The drive did not take mode 6, or left it before its homing was over.",
+        says: "the drive did not take up mode 6, homing, or its own mode after it within 5 s",
+        cause: "The drive did not take mode 6, left it before its homing was over, or did not return to its own mode after it.",
         remedy: "Check that it can home by itself; or set homing.in_drive to false.",
     }
 

@@ -3,8 +3,10 @@
 //! Law      mode 6 is asked for; once the drive has shown it for 50 ms, in which bit 4 is low, bit 4 starts homing with the number of the
 //!          method. Meanwhile the command is where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin
 //!          anew (a new epoch). Bits of an earlier homing count once the drive has cleared one of them, which it may do late, or has set its counts
-//!          anew. Methods 35 and 37 alone need no time, and may leave them as they are
-//! Refuses  bit 13, mode 6 not shown in time, bits of an earlier homing that are not cleared in time, or a way of more than
+//!          anew. Methods 35 and 37 alone need no time, and may leave them as they are. The axis is homed once the drive shows the
+//!          mode of the axis again, so that it cannot jump after an axis that moves off at once; with interface torque, which follows where the
+//!          drive is, at once
+//! Refuses  bit 13, mode 6 or the mode of the axis not shown in time, bits of an earlier homing that are not cleared in time, or a way of more than
 //!          homing.max_distance: an error. A drive that moves has begun, and is not taken out of mode 6 for the time. Whatever else ends
 //!          homing takes the axis over from its motion, in its own mode, and brakes it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
@@ -14,8 +16,8 @@ use super::super::{Axis, Context};
 use super::{Run, Stage};
 use crate::code::Code;
 use crate::drive::{
-    DriveOutput, HomingOrder, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED,
-    control,
+    DriveOutput, HomingOrder, Interface, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR,
+    STATUS_TARGET_REACHED, control,
 };
 use crate::event::Number;
 use crate::position::Position;
@@ -44,6 +46,8 @@ pub(super) struct InDrive {
     epoch: u32,
     /// Bit 13 stands since before it began: it is that of another homing.
     old_error: bool,
+    /// The cycle since which it has its zero, and is asked for the mode of the axis again.
+    returns: Option<u64>,
     /// Where the axis was when homing began.
     from: Position,
 }
@@ -82,6 +86,7 @@ impl InDrive {
             shown: 0,
             epoch: 0,
             old_error: false,
+            returns: None,
             from,
         }
     }
@@ -141,6 +146,15 @@ impl Axis {
         if let Some(most) = self.longest_search().filter(|most| gone > *most) {
             return self.fail_homing(cx, Code::HOMING_SWITCH_MISSED, Number::Position(gone), Number::Position(most));
         }
+        if let Some(since) = drive.returns {
+            if input.mode == self.setup.interface.mode().number() {
+                return self.take_zero_of_drive(cx, input.count, run.offset);
+            }
+            if cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > TIMEOUT_NS {
+                self.fail_homing(cx, Code::HOMING_IN_DRIVE_TIMEOUT, Number::None, Number::None);
+            }
+            return;
+        }
         let elapsed = cx.cycle.saturating_sub(drive.since);
         let time = elapsed.saturating_mul(self.setup.cycle_ns);
         if input.mode != MODE_HOMING {
@@ -157,7 +171,10 @@ impl Axis {
         if drive.started {
             let answers = elapsed > self.delay().saturating_add(1);
             match drive.take(told, Since { time_ns: time, answers, is_instant: matches!(run.method, 35 | 37) }) {
-                Shown::Done => return self.take_zero_of_drive(cx, input.count, run.offset),
+                Shown::Done if self.setup.interface == Interface::Torque => {
+                    return self.take_zero_of_drive(cx, input.count, run.offset);
+                }
+                Shown::Done => drive.returns = Some(cx.cycle),
                 Shown::Failed => {
                     return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
                 }
@@ -191,6 +208,9 @@ impl Axis {
         else {
             return output;
         };
+        if drive.returns.is_some() {
+            return output;
+        }
         let start = if drive.started { control::START_HOMING } else { 0 };
         let order = HomingOrder {
             // Numbers beyond those of CiA 402 are refused when homing begins.

@@ -4,7 +4,7 @@ use super::super::rig::{Rig, X, Y, couple, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::command::Action;
-use crate::drive::{MODE_CSP, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
+use crate::drive::{MODE_CSP, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
 use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
@@ -162,6 +162,26 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
     rig.run(1);
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
+}
+
+/// The drive has its zero and shows mode 6 for 300 ms more: the axis is homed after that, and moves off in the mode of the axis only.
+#[test]
+fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
+    let mut rig = in_drive(0, 0);
+    let sequence = home(&mut rig, 35);
+    while !matches!(rig.outputs().drive[0].mode, Mode::Homing(_)) {
+        rig.run(1);
+    }
+    while matches!(rig.outputs().drive[0].mode, Mode::Homing(_)) {
+        rig.run(1);
+    }
+    rig.tamper = |inputs| inputs.drive[0].mode = MODE_HOMING;
+    rig.run(300);
+    assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.int("x.homed")), (0, "HOMING", 0));
+    assert_eq!(rig.outputs().drive[0].mode, Mode::Position);
+    rig.tamper = |_| {};
+    assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
+    assert_eq!((rig.int("x.homed"), rig.int("x.error")), (1, 0));
 }
 
 /// Bits 10 and 12 of the first homing stand long after bit 4 has risen for the second one: the axis is moved meanwhile, and not homed.
