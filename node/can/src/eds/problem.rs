@@ -7,6 +7,24 @@ pub(super) const MOST_PROBLEMS: usize = 200;
 /// Characters of the file that a sentence quotes.
 const MOST_QUOTED: usize = 60;
 
+/// Which key of an object a warning passes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PassedKey {
+    /// DefaultValue, ParameterValue, or a value of `[xxxxValue]`.
+    Value,
+    /// LowLimit, HighLimit.
+    Limit,
+}
+
+/// A value or a limit of an object that a warning passes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PassedOver {
+    /// The index of the object.
+    pub index: u16,
+    /// Which key.
+    pub key: PassedKey,
+}
+
 /// One problem.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
@@ -14,6 +32,8 @@ pub struct Problem {
     pub line: Option<usize>,
     /// The sentence.
     pub text: String,
+    /// The value or limit that is passed over, if the problem is that.
+    pub passed_over: Option<PassedOver>,
 }
 
 impl fmt::Display for Problem {
@@ -34,8 +54,12 @@ pub struct Problems {
 
 impl Problems {
     pub(super) fn add(&mut self, line: Option<usize>, text: impl Into<String>) {
+        self.add_of(line, text, None);
+    }
+
+    pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<PassedOver>) {
         if self.kept.len() < MOST_PROBLEMS {
-            self.kept.push(Problem { line, text: text.into() });
+            self.kept.push(Problem { line, text: text.into(), passed_over });
         } else {
             self.dropped = self.dropped.saturating_add(1);
         }
