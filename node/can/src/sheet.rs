@@ -11,7 +11,7 @@ mod presence;
 
 use crate::commission::words;
 use crate::config::{DeviceConfig, Role};
-use crate::drive::objects;
+use crate::drive::{DriveMode, objects};
 use crate::eds::Dictionary;
 use crate::sdo::Object;
 use std::collections::BTreeSet;
@@ -117,11 +117,29 @@ impl Sheet<'_> {
         let offers = |mode: i8| offered >> (mode - 1) & 1 == 1;
         let said = format!("{object} is {offered:08X}h by the file ({})", words::modes(offered));
         let (mode, name) = (drive.mode.number(), drive.mode.name());
+        let is_configured = self.known.entry(object).is_some_and(|entry| entry.parameter.is_some());
         if !offers(mode) {
-            self.error(&format!("{said}: mode {mode} ({name}) is missing; key mode chooses another"));
+            let is_other = |other: DriveMode| other.interface() == drive.mode.interface() && offers(other.number());
+            let others: Vec<_> = DriveMode::NAMES.iter().filter(|row| is_other(row.1)).map(|row| row.0).collect();
+            let cure = match others.as_slice() {
+                [] => "no other mode of its interface is offered".to_owned(),
+                names => format!("offered are, with its interface, mode: {}", names.join(" or ")),
+            };
+            let key = if is_configured { "ParameterValue" } else { "DefaultValue" };
+            self.error(&format!(
+                "{said}: mode {mode} ({name}) is missing; {cure}; if the drive offers it all the same, delete the {key} of 6502h in the \
+                 file: the drive is asked when it starts"
+            ));
         }
         if homes && !offers(HOMING) {
-            self.error(&format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true"));
+            let sentence = format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true");
+            let method = objects::HOMING_METHOD;
+            // Many files have 6502h wrong. A ParameterValue is what the drive itself has said.
+            if !is_configured && self.known.entry(method).is_some_and(|entry| entry.access.is_writable()) {
+                self.warning(&format!("{sentence}; {method} of the file can be written all the same"));
+            } else {
+                self.error(&sentence);
+            }
         }
     }
 }

@@ -64,7 +64,20 @@ pub fn mode(number: i8) -> String {
 pub fn modes(offered: u32) -> String {
     let is_offered = |number: i8| offered >> (number - 1) & 1 == 1;
     let known = MODES.iter().filter(|row| is_offered(row.0)).map(|row| row.1.to_owned());
-    let others = (16..32).filter(|bit| offered >> bit & 1 == 1).map(|bit| format!("bit {bit} of the vendor"));
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for bit in (16..32).filter(|bit| offered >> bit & 1 == 1) {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == bit => *last = bit,
+            _ => runs.push((bit, bit)),
+        }
+    }
+    let others = runs.into_iter().map(|(first, last)| {
+        if first == last {
+            format!("bit {first} of the vendor")
+        } else {
+            format!("bits {first} to {last} of the vendor")
+        }
+    });
     listed(known.chain(others))
 }
 
@@ -115,6 +128,8 @@ mod tests {
     fn numbers_become_words() {
         assert_eq!(modes(0x1A5), "pp, pv, hm, csp, csv");
         assert_eq!(modes(0x0001_0000), "bit 16 of the vendor");
+        assert_eq!(modes(0x001F_0080), "csp, bits 16 to 20 of the vendor");
+        assert_eq!(modes(0xC005_0000), "bit 16 of the vendor, bit 18 of the vendor, bits 30 to 31 of the vendor");
         assert_eq!((mode(8), mode(0)), ("csp (cyclic synchronous position)".to_owned(), "none".to_owned()));
         assert_eq!((mode(-3), mode(5)), ("-3 (of the vendor)".to_owned(), "5 (not known)".to_owned()));
         assert_eq!((register(0), register(0x21)), ("none".to_owned(), "generic, profile".to_owned()));

@@ -45,12 +45,43 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
     let known = changed(&[("6502", "DefaultValue", "0x185")]);
     assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), Findings::default());
     let said = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv)";
-    let cst = format!("{said}: mode 10 (cst) is missing; key mode chooses another");
-    assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &known), of(&[&cst], &[]));
-    let homing = format!("{said}: mode 6 (hm) is missing, and homing.in_drive is true");
-    assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &known), of(&[&homing], &[]));
+    let cure = "if the drive offers it all the same, delete the DefaultValue of 6502h in the file: the drive is asked when it starts";
+    for (mode, missing) in [
+        (DriveMode::Cst, "mode 10 (cst) is missing; no other mode of its interface is offered"),
+        (DriveMode::Ip, "mode 7 (ip) is missing; offered are, with its interface, mode: pp or csp"),
+    ] {
+        let sentence = format!("{said}: {missing}; {cure}");
+        assert_eq!(compare(&drive(mode), Needs::default(), &known), of(&[&sentence], &[]));
+    }
+    // As the cure says.
+    let deleted = OWN.replacen("DefaultValue=0x3EF\n", "", 1);
+    assert_ne!(deleted, OWN);
+    let deleted = eds::parse(deleted.as_bytes(), Some(3)).expect("a good file");
+    assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &deleted), Findings::default());
     let with_homing = changed(&[("6502", "DefaultValue", "0x1A5")]);
     assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &with_homing), Findings::default());
+}
+
+/// Bit 5 of 6502h is homing (CiA 402-2). Files have it wrong; a ParameterValue comes from the drive itself.
+#[test]
+fn homing_that_the_file_does_not_offer_is_a_warning_if_its_method_can_be_written() {
+    let modes = ("6502", "DefaultValue", "0x185");
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 6 (hm) is missing, and homing.in_drive is true";
+    let homing = |known: &Dictionary| compare(&drive(DriveMode::Csp), HOMES, known);
+    let warning = format!("{sentence}; 6098h:00 of the file can be written all the same");
+    assert_eq!(homing(&changed(&[modes])), of(&[], &[&warning]));
+    for access in ["ro", "const"] {
+        let read_only =
+            format!("node 3 (x0): 6098h:00 has access {access} by the file; it is written for key homing.in_drive");
+        let known = changed(&[modes, ("6098", "AccessType", access)]);
+        assert_eq!(homing(&known), of(&[sentence, &read_only], &[]));
+    }
+    let parsed = |text: &str| eds::parse(text.as_bytes(), Some(3)).expect("a good file");
+    let lacking = OWN.replacen("[6098]\n", "[2F98]\n", 1).replacen("DefaultValue=0x3EF\n", "DefaultValue=0x185\n", 1);
+    let missing = "node 3 (x0): 6098h:00 is missing in the file; key homing.in_drive needs it";
+    assert_eq!(homing(&parsed(&lacking)), of(&[sentence], &[missing]));
+    let configured = OWN.replacen("[6502]\n", "[6502]\nParameterValue=0x185\n", 1);
+    assert_eq!(homing(&parsed(&configured)), of(&[sentence], &[]));
 }
 
 #[test]

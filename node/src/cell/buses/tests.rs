@@ -490,7 +490,9 @@ fn mode_that_the_file_does_not_offer_is_refused() {
         "[6502]\nParameterName=Supported drive modes\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=";
     let (from, to) = (format!("{at}0x3EF"), format!("{at}0x185"));
     let said = refused_by_file(&[(from.as_str(), to.as_str())], BUS, "node: 3, mode: ip");
-    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; key mode chooses another";
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; offered are, with its \
+                    interface, mode: pp or csp; if the drive offers it all the same, delete the DefaultValue of 6502h in the file: the drive \
+                    is asked when it starts";
     assert_eq!(said, sentence);
     assert_eq!(warned(&[(from.as_str(), to.as_str())], BUS, &["node: 3"]), [""; 0]);
 }
