@@ -4,6 +4,7 @@
 
 use crate::NmtState;
 use lineshaft_core::drive::{DriveState, error_text, register_texts};
+use std::ops::RangeInclusive;
 
 /// A number of 1 to 4 bytes.
 pub fn number(bytes: &[u8]) -> Option<u32> {
@@ -49,6 +50,14 @@ const MODES: [(i8, &str, &str); 10] = [
     (10, "cst", "cyclic synchronous torque"),
     (11, "cstca", "cyclic synchronous torque with commutation angle"),
 ];
+
+/// Numbers of profiles of CiA; other numbers are of no standard, and in hexadecimal.
+const PROFILES: RangeInclusive<u32> = 401..=460;
+
+/// The number of a profile (lower half of 1000h).
+pub fn profile(number: u32) -> String {
+    if PROFILES.contains(&number) { number.to_string() } else { format!("{number:04X}h") }
+}
 
 /// A mode of operation (6060h, 6061h).
 pub fn mode(number: i8) -> String {
@@ -130,6 +139,8 @@ mod tests {
         assert_eq!(modes(0x0001_0000), "bit 16 of the vendor");
         assert_eq!(modes(0x001F_0080), "csp, bits 16 to 20 of the vendor");
         assert_eq!(modes(0xC005_0000), "bit 16 of the vendor, bit 18 of the vendor, bits 30 to 31 of the vendor");
+        let profiles = [402, 401, 460, 400, 461, 0x811, 0].map(profile);
+        assert_eq!(profiles, ["402", "401", "460", "0190h", "01CDh", "0811h", "0000h"]);
         assert_eq!((mode(8), mode(0)), ("csp (cyclic synchronous position)".to_owned(), "none".to_owned()));
         assert_eq!((mode(-3), mode(5)), ("-3 (of the vendor)".to_owned(), "5 (not known)".to_owned()));
         assert_eq!((register(0), register(0x21)), ("none".to_owned(), "generic, profile".to_owned()));

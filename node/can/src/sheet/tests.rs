@@ -350,11 +350,26 @@ fn mode_that_goes_by_sdo_is_compared_with_the_file() {
 #[test]
 fn device_of_another_profile_is_an_error() {
     let found = |value| compare(&drive(DriveMode::Csp), Needs::default(), &changed(&[("1000", "DefaultValue", value)]));
-    let sentence =
-        "node 3 (x0): 1000h:00 is 00030191h by the file, profile 401; entries of axes need profile 402 (drive)";
-    assert_eq!(found("0x00030191"), of(&[sentence], &[]));
-    for value in ["0x00FF0192", "0", ""] {
+    let of_drive = |device_type, profile| {
+        format!(
+            "node 3 (x0): 1000h:00 is {device_type} by the file, profile {profile}; entries of axes need profile 402 (drive)"
+        )
+    };
+    // The file has the control word and the status word: the device itself says what it is.
+    let asked = "; the file has 6040h and 6041h: the device is asked when it starts";
+    for (value, device_type, profile) in
+        [("0x00030191", "00030191h", "401"), ("0x811", "00000811h", "0811h"), ("0x190", "00000190h", "0190h")]
+    {
+        assert_eq!(found(value), of(&[], &[&(of_drive(device_type, profile) + asked)]));
+    }
+    for value in ["0x00FF0192", "0", "", "0x00020000"] {
         assert_eq!(found(value), Findings::default(), "{value}");
+    }
+    for lacking in ["[6040]", "[6041]"] {
+        let text = OWN.replacen("DefaultValue=0x20192\n", "DefaultValue=0x811\n", 1).replacen(lacking, "[2F40]", 1);
+        let known = eds::parse(text.as_bytes(), Some(3)).expect("a good file");
+        let found = compare(&drive(DriveMode::Csp), Needs::default(), &known);
+        assert_eq!(found.errors, [of_drive("00000811h", "0811h")], "{lacking}");
     }
     let known = |value| file(&(section("1000", 7, "ro", value, false) + &inputs(true) + &pdo_of_inputs()));
     let sentence =
@@ -378,6 +393,28 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
     }
     let warning = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 83300 bit/s";
     assert_eq!(found("83", Some(83_300)), of(&[], &[warning]));
+    // The device does not know the Baudrate that its configuration gives it.
+    let denied = |own: u16| {
+        format!(
+            "node 3 (x0): Baudrate is {own} kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s; \
+             [DeviceInfo] denies that Baudrate"
+        )
+    };
+    assert_eq!(found("20", Some(1_000_000)), of(&[], &[&denied(20)]));
+    let own = |rates: &str| {
+        let sections = section("1000", 7, "ro", "0x00020192", false) + "[DeviceComissioning]\nBaudrate=500\n";
+        let known = file(&(rates.to_owned() + &sections));
+        let device = DeviceConfig { role: Role::Module, ..drive(DriveMode::Csp) };
+        let Findings { errors, warnings } = compare(&device, Needs { bit_rate: Some(1_000_000), homes: false }, &known);
+        let count = |sentences: Vec<String>| sentences.iter().filter(|said| said.contains("Baudrate is 500")).count();
+        (count(errors), count(warnings))
+    };
+    for rates in ["BaudRate_500=0\n", "BaudRate_500=0\nBaudRate_125=0\n", "BaudRate_1000=1\n"] {
+        assert_eq!(own(rates), (0, 1), "{rates}");
+    }
+    for rates in ["", "BaudRate_125=0\n", "BaudRate_500=1\n", "BaudRate_500=x\n"] {
+        assert_eq!(own(rates), (1, 0), "{rates}");
+    }
 }
 
 /// 6081h is UNSIGNED32, 6041h the status word, which is read alone.

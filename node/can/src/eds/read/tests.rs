@@ -303,6 +303,7 @@ fn all_keys_of_a_device_and_of_its_place_are_read() {
         revision_number: Some(0x0170_0000),
         order_code: "c".to_owned(),
         baud_rates: BTreeSet::from([1000]),
+        denied_baud_rates: BTreeSet::from([10]),
         is_boot_up_master: true,
         is_boot_up_slave: true,
         granularity: Some(8),
