@@ -58,7 +58,9 @@ impl Problems {
     }
 
     pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<PassedOver>) {
-        if self.kept.len() < MOST_PROBLEMS {
+        // Half of the room is for what is no value: an object that is left out must not get lost among defaults.
+        let most = if passed_over.is_some() { MOST_PROBLEMS / 2 } else { MOST_PROBLEMS };
+        if self.kept.len() < most {
             self.kept.push(Problem { line, text: text.into(), passed_over });
         } else {
             self.dropped = self.dropped.saturating_add(1);
@@ -139,6 +141,18 @@ mod tests {
         assert_eq!((problems.kept().len(), problems.dropped()), (MOST_PROBLEMS, 3));
         assert!(problems.to_string().starts_with("line 1: a\nline 2: a\n"));
         assert!(problems.to_string().ends_with("line 200: a\nand 3 more"));
+    }
+
+    #[test]
+    fn passed_over_values_leave_room_for_other_problems() {
+        let mut problems = Problems::default();
+        let of_value = Some(PassedOver { index: 0x2000, key: PassedKey::Value });
+        for line in 1..=MOST_PROBLEMS {
+            problems.add_of(Some(line), "a", of_value);
+        }
+        problems.add(Some(MOST_PROBLEMS + 1), "b");
+        assert_eq!((problems.kept().len(), problems.dropped()), (101, 100));
+        assert_eq!(problems.kept()[100].to_string(), "line 201: b");
     }
 
     #[test]
