@@ -45,7 +45,9 @@ fn a_server_that_misbehaves_is_told_once_and_its_drive_configured_once_it_behave
     // A maker's tool has read these as well.
     let target = "[60FF]\n";
     assert!(eds.contains(target));
-    cell.write("x.eds", &eds.replace(target, &format!("{target}ParameterValue=4321\n")));
+    let eds = eds.replace(target, &format!("{target}ParameterValue=4321\n"));
+    // 6041h is read only: the value is passed over, with a warning.
+    cell.write("x.eds", &eds.replace("[6041]\n", "[6041]\nParameterValue=x\n"));
     let (mut steps, mut expect) = (String::new(), String::new());
     for at in 0..SERVERS.len() {
         let (what, after) = recovery(at, "x", "DRIVE_LOST", "SWITCH_ON_DISABLED");
@@ -85,6 +87,7 @@ steps:
         assert_eq!((still.machine, still.is_off()), (back.machine, true), "{begin}: {still:?}");
         assert_eq!(run.told("ERROR x: "), at + 1, "{begin}: {}", run.program.log());
     }
+    assert_eq!((run.told("WARN eds `"), run.told("[6041] ParameterValue=x: ")), (1, 1), "{}", run.program.log());
     assert_eq!(run.told("backend bus0: node 1 (x): left out of its DCF, as setpoints: 60FFh:00"), 1);
     run.passes();
     assert_eq!(drives.shown(2).position, 180_000);

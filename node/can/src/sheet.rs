@@ -11,7 +11,7 @@ mod presence;
 
 use crate::commission::words;
 use crate::config::{DeviceConfig, Role};
-use crate::drive::objects;
+use crate::drive::{DriveMode, objects};
 use crate::eds::Dictionary;
 use crate::sdo::Object;
 use std::collections::BTreeSet;
@@ -79,17 +79,26 @@ impl Sheet<'_> {
         let object = objects::DEVICE_TYPE;
         let Some(device_type) = self.number(object) else { return };
         let (found, (expected, what)) = (device_type & 0xFFFF, self.device.role.profile());
-        if found == expected {
+        // Without a profile a device says nothing of it.
+        if found == expected || found == 0 {
             return;
         }
+        let found = words::profile(found);
         let section = match self.device.role {
             Role::Drive(_) => "axes",
             Role::Module => "io",
             Role::Encoder => "encoders",
         };
-        self.error(&format!(
+        let sentence = format!(
             "{object} is {device_type:08X}h by the file, profile {found}; entries of {section} need profile {expected} ({what})"
-        ));
+        );
+        let exchanged = [objects::CONTROL_WORD, objects::STATUS_WORD];
+        let is_drive = self.device.drive().is_some() && exchanged.iter().all(|word| self.known.entry(*word).is_some());
+        if is_drive {
+            self.warning(&format!("{sentence}; the file has 6040h and 6041h: the device is asked when it starts"));
+        } else {
+            self.error(&sentence);
+        }
     }
 
     /// Compares the bit rate of the bus (bit/s) with those of the file (kbit/s): the one that the device is configured for, those that it
@@ -99,7 +108,12 @@ impl Sheet<'_> {
         let here = format!("bitrate of the backend is {bit_rate} bit/s");
         let own = known.commissioning.as_ref().and_then(|own| own.baud_rate).filter(|own| *own != 0);
         if let Some(own) = own.filter(|own| *own != bit_rate / 1000) {
-            self.error(&format!("Baudrate is {own} kbit/s in [DeviceComissioning] of the file; {here}"));
+            let sentence = format!("Baudrate is {own} kbit/s in [DeviceComissioning] of the file; {here}");
+            if known.device.denies(own) {
+                self.warning(&format!("{sentence}; [DeviceInfo] denies that Baudrate"));
+            } else {
+                self.error(&sentence);
+            }
         }
         let rates = &known.device.baud_rates;
         if !rates.is_empty() && !rates.iter().any(|rate| u32::from(*rate) == bit_rate / 1000) {
@@ -117,11 +131,29 @@ impl Sheet<'_> {
         let offers = |mode: i8| offered >> (mode - 1) & 1 == 1;
         let said = format!("{object} is {offered:08X}h by the file ({})", words::modes(offered));
         let (mode, name) = (drive.mode.number(), drive.mode.name());
+        let is_configured = self.known.entry(object).is_some_and(|entry| entry.parameter.is_some());
         if !offers(mode) {
-            self.error(&format!("{said}: mode {mode} ({name}) is missing; key mode chooses another"));
+            let is_other = |other: DriveMode| other.interface() == drive.mode.interface() && offers(other.number());
+            let others: Vec<_> = DriveMode::NAMES.iter().filter(|row| is_other(row.1)).map(|row| row.0).collect();
+            let cure = match others.as_slice() {
+                [] => "no other mode of its interface is offered".to_owned(),
+                names => format!("offered are, with its interface, mode: {}", names.join(" or ")),
+            };
+            let key = if is_configured { "ParameterValue" } else { "DefaultValue" };
+            self.error(&format!(
+                "{said}: mode {mode} ({name}) is missing; {cure}; if the drive offers it all the same, delete the {key} of 6502h in the \
+                 file: the drive is asked when it starts"
+            ));
         }
         if homes && !offers(HOMING) {
-            self.error(&format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true"));
+            let sentence = format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true");
+            let method = objects::HOMING_METHOD;
+            // Many files have 6502h wrong. A ParameterValue is what the drive itself has said.
+            if !is_configured && self.known.entry(method).is_some_and(|entry| entry.access.is_writable()) {
+                self.warning(&format!("{sentence}; {method} of the file can be written all the same"));
+            } else {
+                self.error(&sentence);
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ use lineshaft_can::acts::{self, LeftOut};
 use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Missed, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::Extras;
-use lineshaft_can::eds::{self, Dictionary};
+use lineshaft_can::eds::{self, Dictionary, PassedKey, Problem};
 use lineshaft_can::load::Load;
 use lineshaft_can::sdo::Object;
 use lineshaft_can::sheet::{self, Findings, Needs};
@@ -25,10 +25,13 @@ use lineshaft_ros::layer::open_file;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Read;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// Longest file of a device (bytes).
 const MAX_BYTES: usize = 8 << 20;
+/// Indices of objects of the manufacturer (CiA 301).
+const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
 
 /// What of a cell makes its buses.
 pub(super) struct Parts<'a> {
@@ -220,7 +223,7 @@ impl Maker<'_> {
                 let path = self.folder.join(name);
                 let file = device_file("eds", &path, node.node);
                 let dictionary = file.map_err(|sentence| self.problems.push(*at, sentence, None)).ok()?;
-                self.warn(passed_over("eds", &path, &dictionary));
+                self.warn(passed_over("eds", &path, &dictionary, &node.startup));
                 Some(dictionary)
             }
             None => None,
@@ -291,12 +294,29 @@ pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dicti
     }
 }
 
-/// What was passed over in the file of a device, in sentences; `what` says who has named it.
-pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary) -> Vec<String> {
+/// Returns the warnings of the file of a device, in sentences; `what` says who has named the file. Values and limits of objects of the
+/// manufacturer that `startup` does not write are counted, a line for each kind.
+pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, startup: &[Write]) -> Vec<String> {
     let name = quote(&path.display().to_string());
     let (problems, dropped) = (dictionary.warnings().kept(), dictionary.warnings().dropped());
-    let more = (dropped > 0).then(|| format!("{what} {name}: and {dropped} more"));
-    problems.iter().map(|problem| format!("{what} {name}: {problem}")).chain(more).collect()
+    let is_unused =
+        |index: u16| MANUFACTURER.contains(&index) && startup.iter().all(|write| write.object.index != index);
+    let counted_as = |problem: &Problem| {
+        let passed_over = problem.passed_over.filter(|passed_over| is_unused(passed_over.index))?;
+        Some(passed_over.key)
+    };
+    let single = problems.iter().filter(|problem| counted_as(problem).is_none()).map(Problem::to_string);
+    let counted = [(PassedKey::Value, "values"), (PassedKey::Limit, "limits")].into_iter().filter_map(|(key, word)| {
+        let of_key: Vec<_> = problems.iter().filter(|problem| counted_as(problem) == Some(key)).collect();
+        let first = of_key.first()?.to_string();
+        if of_key.len() == 1 {
+            return Some(first);
+        }
+        let (count, first) = (of_key.len(), first.trim_end_matches("; passed over"));
+        Some(format!("{count} {word} of objects of the manufacturer passed over, the first in {first}"))
+    });
+    let more = (dropped > 0).then(|| format!("and {dropped} more"));
+    single.chain(counted).chain(more).map(|sentence| format!("{what} {name}: {sentence}")).collect()
 }
 
 /// What the configuration in a file gives objects, apart from those that the master writes; and what is left out of it.

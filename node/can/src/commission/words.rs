@@ -4,6 +4,7 @@
 
 use crate::NmtState;
 use lineshaft_core::drive::{DriveState, error_text, register_texts};
+use std::ops::RangeInclusive;
 
 /// A number of 1 to 4 bytes.
 pub fn number(bytes: &[u8]) -> Option<u32> {
@@ -50,6 +51,14 @@ const MODES: [(i8, &str, &str); 10] = [
     (11, "cstca", "cyclic synchronous torque with commutation angle"),
 ];
 
+/// Numbers of profiles of CiA; other numbers are of no standard, and in hexadecimal.
+const PROFILES: RangeInclusive<u32> = 401..=460;
+
+/// The number of a profile (lower half of 1000h).
+pub fn profile(number: u32) -> String {
+    if PROFILES.contains(&number) { number.to_string() } else { format!("{number:04X}h") }
+}
+
 /// A mode of operation (6060h, 6061h).
 pub fn mode(number: i8) -> String {
     match MODES.iter().find(|row| row.0 == number) {
@@ -64,7 +73,20 @@ pub fn mode(number: i8) -> String {
 pub fn modes(offered: u32) -> String {
     let is_offered = |number: i8| offered >> (number - 1) & 1 == 1;
     let known = MODES.iter().filter(|row| is_offered(row.0)).map(|row| row.1.to_owned());
-    let others = (16..32).filter(|bit| offered >> bit & 1 == 1).map(|bit| format!("bit {bit} of the vendor"));
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for bit in (16..32).filter(|bit| offered >> bit & 1 == 1) {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == bit => *last = bit,
+            _ => runs.push((bit, bit)),
+        }
+    }
+    let others = runs.into_iter().map(|(first, last)| {
+        if first == last {
+            format!("bit {first} of the vendor")
+        } else {
+            format!("bits {first} to {last} of the vendor")
+        }
+    });
     listed(known.chain(others))
 }
 
@@ -115,6 +137,10 @@ mod tests {
     fn numbers_become_words() {
         assert_eq!(modes(0x1A5), "pp, pv, hm, csp, csv");
         assert_eq!(modes(0x0001_0000), "bit 16 of the vendor");
+        assert_eq!(modes(0x001F_0080), "csp, bits 16 to 20 of the vendor");
+        assert_eq!(modes(0xC005_0000), "bit 16 of the vendor, bit 18 of the vendor, bits 30 to 31 of the vendor");
+        let profiles = [402, 401, 460, 400, 461, 0x811, 0].map(profile);
+        assert_eq!(profiles, ["402", "401", "460", "0190h", "01CDh", "0811h", "0000h"]);
         assert_eq!((mode(8), mode(0)), ("csp (cyclic synchronous position)".to_owned(), "none".to_owned()));
         assert_eq!((mode(-3), mode(5)), ("-3 (of the vendor)".to_owned(), "5 (not known)".to_owned()));
         assert_eq!((register(0), register(0x21)), ("none".to_owned(), "generic, profile".to_owned()));

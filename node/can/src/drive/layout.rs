@@ -2,8 +2,8 @@
 //!
 //! Law      what every cycle needs goes with each SYNC; what seldom changes goes when it changes. Objects of a drive stand in the order in
 //!          which they are needed, as many in a PDO as have room, from PDO 1 on; those of modules and encoders where their profiles have them
-//! Reads    the dictionary of the drive, where there is one: an object that it does not map has no place. The mode of operation (6060h, 6061h) goes
-//!          by SDO then
+//! Reads    the dictionary of the drive, where there is one: an object has a place if its PDOMapping is 1, or if a PDO of the file carries it; the
+//!          mode of operation (6060h, 6061h) only if its PDOMapping is 1, else it goes by SDO
 //! Refuses  a drive that cannot map what its interface, or the cell, needs
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 402-2, CiA 406; MACS-CAN-18
 
@@ -11,7 +11,7 @@ use super::mode::DriveMode;
 use super::objects;
 use super::probe::{self, Probes, Slot};
 use crate::config::{Analog, Terminals};
-use crate::eds::{Dictionary, Entry};
+use crate::eds::{Dictionary, Direction, Entry};
 use crate::sdo::Object;
 use crate::{Id, NodeId};
 use lineshaft_core::drive::{Interface, Terminal};
@@ -193,21 +193,57 @@ pub struct Extras {
     pub torque: bool,
 }
 
+/// Why an object has no place in a PDO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unmapped {
+    /// The file lacks it.
+    #[error("is missing in the eds")]
+    Missing,
+    /// Its PDOMapping is not 1, and no PDO of the file carries it.
+    #[error("cannot be mapped to a PDO, by the dictionary of the drive")]
+    NotMappable,
+}
+
+impl Unmapped {
+    /// Why a PDO cannot carry an object; none if it can, or if there is no dictionary.
+    fn of(dictionary: Option<&Dictionary>, direction: Direction, object: Object) -> Option<Self> {
+        let known = dictionary?;
+        match known.entry(object) {
+            None => Some(Self::Missing),
+            Some(entry) if entry.is_mappable || known.carrier(direction, object).is_some() => None,
+            Some(_) => Some(Self::NotMappable),
+        }
+    }
+}
+
 /// Why a drive has no layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
     /// An object that is needed.
-    #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; mode {1} needs it in each cycle")]
-    NotMappable(Object, &'static str),
+    #[error("{0} {1}; mode {2} needs it in each cycle")]
+    NotMappable(Object, Unmapped, &'static str),
     /// What entries of `io` need.
-    #[error("{0} cannot be mapped to a PDO, by the dictionary of the drive; entries of io need it")]
-    NoTerminal(Object),
+    #[error("{0} {1}; entries of io need it")]
+    NoTerminal(Object, Unmapped),
     /// What the effort of the axis needs.
-    #[error("{} cannot be mapped to a PDO, by the dictionary of the drive; rated_effort needs it", objects::TORQUE)]
-    NoTorque,
-    /// What touch probes need.
+    #[error("{object} {0}; rated_effort needs it", object = objects::TORQUE)]
+    NoTorque(Unmapped),
+    /// What touch probes need, and no dictionary is there.
     #[error("probes need {0} in a PDO; the drive has no dictionary (key eds) that maps it")]
     NoProbe(Object),
+    /// What a touch probe needs, and the dictionary lacks.
+    #[error("the eds lacks {index:04X}h ({what}), which {key} needs")]
+    ProbeLacks {
+        /// Its index.
+        index: u16,
+        /// What it is.
+        what: &'static str,
+        /// The key that needs it.
+        key: &'static str,
+    },
+    /// What a touch probe needs, by its key, and no PDO can carry.
+    #[error("{0} {why}; {1} needs it", why = Unmapped::NotMappable)]
+    ProbeNotMappable(Object, &'static str),
     /// Too many objects.
     #[error("what is mapped needs more than {MOST_PDOS} PDOs")]
     TooMany,
@@ -246,30 +282,35 @@ impl Layout {
         ];
         let [inputs, fault] = OPTIONAL;
         let mut seldom = vec![inputs, fault];
-        let maps =
-            |object: Object| dictionary.is_some_and(|known| known.entry(object).is_some_and(|entry| entry.is_mappable));
-        let cannot = |object: &Object| dictionary.is_some() && !maps(*object);
-        let mode_by_sdo = ModeBySdo { writes: cannot(&objects::MODE), reads: cannot(&objects::MODE_DISPLAY) };
+        let goes_by_sdo =
+            |object: Object| dictionary.is_some_and(|known| known.entry(object).is_none_or(|entry| !entry.is_mappable));
+        let mode_by_sdo = ModeBySdo { writes: goes_by_sdo(objects::MODE), reads: goes_by_sdo(objects::MODE_DISPLAY) };
+        let unmapped = |direction, object| Some((object, Unmapped::of(dictionary, direction, object)?));
         asked.retain(|field| field.word != Asked::Mode || !mode_by_sdo.writes);
         each_sync.retain(|field| field.word != Told::Mode || !mode_by_sdo.reads);
-        let needed = asked.iter().map(|field| field.object).chain(each_sync.iter().map(|field| field.object));
-        if let Some(object) = needed.into_iter().find(cannot) {
-            return Err(LayoutError::NotMappable(object, mode.name()));
+        let received = asked.iter().map(|field| (Direction::Receive, field.object));
+        let mut needed = received.chain(each_sync.iter().map(|field| (Direction::Transmit, field.object)));
+        if let Some((object, why)) = needed.find_map(|(direction, object)| unmapped(direction, object)) {
+            return Err(LayoutError::NotMappable(object, why, mode.name()));
         }
         let has_inputs = !terminals.digital_inputs.is_empty();
         if !terminals.digital_outputs.is_empty() {
             asked.push(Field::asked(Asked::Outputs, objects::DIGITAL_OUTPUTS, 32));
         }
-        let outputs = asked.iter().find(|field| field.word == Asked::Outputs).map(|field| field.object);
-        let used = [outputs, has_inputs.then_some(inputs.object)];
-        if let Some(object) = used.into_iter().flatten().find(cannot) {
-            return Err(LayoutError::NoTerminal(object));
+        let outputs = asked.iter().find(|field| field.word == Asked::Outputs);
+        let used = [
+            outputs.map(|field| (Direction::Receive, field.object)),
+            has_inputs.then_some((Direction::Transmit, inputs.object)),
+        ];
+        let lacking = used.into_iter().flatten().find_map(|(direction, object)| unmapped(direction, object));
+        if let Some((object, why)) = lacking {
+            return Err(LayoutError::NoTerminal(object, why));
         }
         let is_for_torque = mode.interface() == Interface::Torque;
         if extras.torque || is_for_torque {
-            if cannot(&objects::TORQUE) {
-                let needed = LayoutError::NotMappable(objects::TORQUE, mode.name());
-                return Err(if is_for_torque { needed } else { LayoutError::NoTorque });
+            if let Some((object, why)) = unmapped(Direction::Transmit, objects::TORQUE) {
+                let needed = LayoutError::NotMappable(object, why, mode.name());
+                return Err(if is_for_torque { needed } else { LayoutError::NoTorque(why) });
             }
             each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
         }
@@ -284,10 +325,8 @@ impl Layout {
         };
         let seldom: Vec<_> = seldom.into_iter().filter(is_sent).collect();
         for slot in probe::slots(extras.probes) {
-            let objects @ [position, count] = probe::objects_of(slot);
-            if let Some(missing) = objects.into_iter().find(|object| !maps(*object)) {
-                return Err(LayoutError::NoProbe(missing));
-            }
+            let [position, count] = probe::objects_of(slot);
+            check_probe(slot, dictionary)?;
             // 6 bytes after 2, 6, 7 or 8: both in one PDO, so of one moment.
             each_sync.push(Field::told(Told::Captured(slot), position, 32));
             each_sync.push(Field::told(Told::Captures(slot), count, 16));
@@ -339,6 +378,23 @@ impl Layout {
         let told = packed(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
         Ok(Self { asked: Vec::new(), told, mode_by_sdo: ModeBySdo::default() })
     }
+}
+
+/// Checks that a PDO can carry what a touch probe fills.
+fn check_probe(slot: Slot, dictionary: Option<&Dictionary>) -> Result<(), LayoutError> {
+    let [position, count] = probe::objects_of(slot);
+    let key = if slot < 2 { "probe_1" } else { "probe_2" };
+    for (object, what) in [(position, "position of an edge"), (count, "number of edges")] {
+        if dictionary.is_none() {
+            return Err(LayoutError::NoProbe(object));
+        }
+        match Unmapped::of(dictionary, Direction::Transmit, object) {
+            Some(Unmapped::Missing) => return Err(LayoutError::ProbeLacks { index: object.index, what, key }),
+            Some(Unmapped::NotMappable) => return Err(LayoutError::ProbeNotMappable(object, key)),
+            None => {}
+        }
+    }
+    Ok(())
 }
 
 /// Fields of a list of objects, from its first one to the one at place `last`.
@@ -446,11 +502,9 @@ mod tests {
             assert_eq!(words, [(0x6040, 16), (0x6071, 16), (0x6060, 8)]);
             let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
             assert_eq!(told(&layout), [cyclic, (2, 0x283, 1, vec![Told::Torque])]);
-            let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
-            let at = text.find("[6077]").unwrap();
-            let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
-            let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
-            assert_eq!(plan(Some(&known)).err(), Some(LayoutError::NotMappable(objects::TORQUE, mode.name())));
+            let known = dictionary_without(&["6077"]);
+            let refused = LayoutError::NotMappable(objects::TORQUE, Unmapped::NotMappable, mode.name());
+            assert_eq!(plan(Some(&known)).err(), Some(refused));
         }
     }
 
@@ -471,10 +525,7 @@ mod tests {
 
     #[test]
     fn a_drive_that_cannot_map_its_target_is_refused() {
-        let text = String::from_utf8(include_bytes!("../../../../launch-configs/can/cia402_sim.eds").to_vec()).unwrap();
-        let at = text.find("[607A]").unwrap();
-        let text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
-        let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+        let known = dictionary_without(&["607A"]);
         let error =
             Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap_err();
         let sentence =
@@ -483,14 +534,103 @@ mod tests {
         assert!(Layout::plan(node(), DriveMode::Csv, Extras::default(), &Terminals::default(), Some(&known)).is_ok());
     }
 
-    /// The dictionary of the simulated drive, as if it could not map these objects.
-    fn dictionary_without(objects: &[&str]) -> Dictionary {
+    /// The file of the simulated drive with PDOMapping=0 of these objects.
+    fn without_mapping(objects: &[&str]) -> String {
         let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
         for object in objects {
             let at = text.find(&format!("[{object}]")).unwrap();
             text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         }
+        text
+    }
+
+    /// The dictionary of the simulated drive, as if it could not map these objects: its PDOs do not carry them either.
+    fn dictionary_without(objects: &[&str]) -> Dictionary {
+        let mut text = without_mapping(objects);
+        for object in objects {
+            for bits in ["08", "10", "20"] {
+                text = text.replace(&format!("DefaultValue=0x{object}00{bits}\n"), "DefaultValue=0\n");
+            }
+        }
         eds::parse(text.as_bytes(), Some(3)).unwrap()
+    }
+
+    /// By default RPDO 3 carries 607Ah, RPDO 2 carries 6060h, TPDO 3 carries 6064h (CiA 402-3). A PDO of the other direction does not count.
+    #[test]
+    fn object_that_a_pdo_of_the_file_carries_needs_no_pdo_mapping() {
+        let plan = |text: &str| {
+            let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
+            Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known))
+        };
+        let text = without_mapping(&["607A", "6060", "6064"]);
+        let layout = plan(&text).unwrap();
+        let objects: Vec<_> = layout.asked[0].fields.iter().map(|field| field.object).collect();
+        // The mode goes by SDO: that needs no mapping at all.
+        assert_eq!(objects, [objects::CONTROL_WORD, objects::TARGET_POSITION]);
+        assert_eq!(layout.mode_by_sdo, ModeBySdo { writes: true, reads: false });
+        let other = text.replace("DefaultValue=0x606C0020\n", "DefaultValue=0x607A0020\n");
+        let other = other.replacen("DefaultValue=0x607A0020\n", "DefaultValue=0\n", 1);
+        let refused = LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp");
+        assert_eq!(plan(&other), Err(refused));
+        // ParameterValue goes before DefaultValue.
+        let configured = other.replacen("[1600sub1]\n", "[1600sub1]\nParameterValue=0x607A0020\n", 1);
+        assert!(plan(&configured).is_ok());
+    }
+
+    /// The dictionary of the simulated drive without an object.
+    fn dictionary_lacking(object: &str) -> Dictionary {
+        let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
+        let (from, to) = (format!("[{object}"), format!("[2F{}", &object[2..]));
+        assert!(text.contains(&from), "{object}");
+        eds::parse(text.replace(&from, &to).as_bytes(), Some(3)).unwrap()
+    }
+
+    #[test]
+    fn object_that_the_file_lacks_is_named_as_missing() {
+        let terminals = Terminals { digital_outputs: vec![terminal(16)], ..Terminals::default() };
+        let torque = Extras { torque: true, ..Extras::default() };
+        let probes = |probes| Extras { probes, ..Extras::default() };
+        let (rising, falling) = (Some(probe::Probe::Rising), Some(probe::Probe::Falling));
+        let none = Terminals::default();
+        for (object, mode, extras, terminals, sentence) in [
+            (
+                "6042",
+                DriveMode::Vl,
+                Extras::default(),
+                &none,
+                "6042h:00 is missing in the eds; mode vl needs it in each cycle",
+            ),
+            (
+                "60FE",
+                DriveMode::Csp,
+                Extras::default(),
+                &terminals,
+                "60FEh:01 is missing in the eds; entries of io need it",
+            ),
+            ("6077", DriveMode::Csp, torque, &none, "6077h:00 is missing in the eds; rated_effort needs it"),
+            (
+                "60D5",
+                DriveMode::Csp,
+                probes([rising, None]),
+                &none,
+                "the eds lacks 60D5h (number of edges), which probe_1 needs",
+            ),
+            (
+                "60BD",
+                DriveMode::Csp,
+                probes([None, falling]),
+                &none,
+                "the eds lacks 60BDh (position of an edge), which probe_2 needs",
+            ),
+        ] {
+            let known = dictionary_lacking(object);
+            let refused = Layout::plan(node(), mode, extras, terminals, Some(&known)).unwrap_err();
+            assert_eq!(refused.to_string(), sentence);
+        }
+        let known = dictionary_without(&["60D5"]);
+        let refused = Layout::plan(node(), DriveMode::Csp, probes([rising, None]), &none, Some(&known)).unwrap_err();
+        let sentence = "60D5h:00 cannot be mapped to a PDO, by the dictionary of the drive; probe_1 needs it";
+        assert_eq!(refused.to_string(), sentence);
     }
 
     /// Mapping of 6060h and 6061h is optional (CiA 402): they go by SDO then. What each cycle needs is refused as before.
@@ -511,7 +651,7 @@ mod tests {
             assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
         }
         let refused = plan(&["6060", "607A"]).unwrap_err();
-        assert_eq!(refused, LayoutError::NotMappable(objects::TARGET_POSITION, "csp"));
+        assert_eq!(refused, LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp"));
     }
 
     /// A position that is caught, and its count, are of one moment only if they are in one PDO.

@@ -112,6 +112,8 @@ pub struct DeviceInfo {
     pub order_code: String,
     /// Bit rates that the device knows (kbit/s).
     pub baud_rates: BTreeSet<u16>,
+    /// Bit rates that the file denies, with `BaudRate_..=0` (kbit/s).
+    pub denied_baud_rates: BTreeSet<u16>,
     /// Can it start other devices, by the simple procedure?
     pub is_boot_up_master: bool,
     /// Is it started by that procedure?
@@ -217,6 +219,12 @@ impl FileInfo {
 }
 
 impl DeviceInfo {
+    /// Whether the file denies a bit rate (kbit/s): with `BaudRate_..=0`, or by a list of others.
+    pub fn denies(&self, rate: u32) -> bool {
+        let is_in = |rates: &BTreeSet<u16>| rates.iter().any(|listed| u32::from(*listed) == rate);
+        is_in(&self.denied_baud_rates) || (!self.baud_rates.is_empty() && !is_in(&self.baud_rates))
+    }
+
     pub(super) fn of(sections: &Sections<'_>, notes: &mut Notes) -> Self {
         let mut info = Self::default();
         let Some(section) = sections.get("deviceinfo") else {
@@ -227,10 +235,15 @@ impl DeviceInfo {
         for (key, item) in &section.items {
             let Some(rate) = key.strip_prefix("baudrate_") else { continue };
             match rate.parse::<u16>() {
-                Ok(rate) if notes.flag(section, key) => {
-                    info.baud_rates.insert(rate);
-                }
-                Ok(_) => {}
+                Ok(rate) => match notes.number(section, key, 0, 1) {
+                    Some(0) => {
+                        info.denied_baud_rates.insert(rate);
+                    }
+                    Some(_) => {
+                        info.baud_rates.insert(rate);
+                    }
+                    None => {}
+                },
                 Err(_) => notes.warning(section, *item, "the key is not BaudRate_ and a number of kbit/s"),
             }
         }
@@ -239,8 +252,10 @@ impl DeviceInfo {
 
     pub(super) fn write_to(&self, to: &mut String) {
         self.clone().write("DeviceInfo", to);
-        for rate in &self.baud_rates {
-            let _ = writeln!(to, "BaudRate_{rate}=1");
+        for (rates, flag) in [(&self.baud_rates, 1), (&self.denied_baud_rates, 0)] {
+            for rate in rates {
+                let _ = writeln!(to, "BaudRate_{rate}={flag}");
+            }
         }
     }
 }

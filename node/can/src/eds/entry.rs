@@ -2,13 +2,14 @@
 //!
 //! Law      a key that is missing has the value that harms least: no access but reading, no mapping, no limit
 //! Reads    sections of one object, and `CompactSubObj`, one section for many of them with their names and values beside it
-//! Refuses  a data type that is no number, an access that is no word of the standard; a value of the configuration that cannot be read
-//!          or belongs to no object; with a warning: no data type at all, a value that is in a file of its own (`DownloadFile`)
+//! Refuses  a value of the configuration that cannot be read or belongs to no object; one of an object whose data type is no number, or whose
+//!          access is no word of the standard; with a warning: such an object without a value, no data type at all, a value that is in a file
+//!          of its own (`DownloadFile`)
 //! Source   CiA 306-1
 
 use super::data_type::DataType;
 use super::ini::{Item, Section, Sections};
-use super::notes::{Notes, given, without_remark};
+use super::notes::{Notes, given, said, without_remark};
 use super::object::{Access, Entry, Given, ObjectType};
 use super::value::Value;
 
@@ -40,18 +41,19 @@ fn shortened(name: &str) -> String {
     name.chars().take(LONGEST_NAME).collect::<String>().trim_end().to_owned()
 }
 
-/// An object without its name; none where it cannot be understood, which is noted.
+/// An object without its name; none where it cannot be understood, which is noted: as an error if the configuration gives it a value.
 pub(super) fn read(
     section: &Section<'_>,
     object_type: ObjectType,
+    is_configured: bool,
     sections: &Sections<'_>,
     notes: &mut Notes,
 ) -> Option<Entry> {
     // A subindex may be a DOMAIN of its own; of VAR and DOMAIN only the missing keys differ.
     let own = section.get("objecttype").and_then(|item| Notes::checked(item, 0, 9).ok()).and_then(ObjectType::of);
     let is_domain = own.unwrap_or(object_type) == ObjectType::Domain;
-    let data_type = data_type(section, is_domain, sections, notes);
-    let access = access(section, is_domain, notes);
+    let data_type = data_type(section, is_domain, is_configured, sections, notes);
+    let access = access(section, is_domain, is_configured, notes);
     let data_type = data_type?;
     let mut entry = Entry {
         name: String::new(),
@@ -95,7 +97,34 @@ fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut N
     }
 }
 
-fn data_type(section: &Section<'_>, is_domain: bool, sections: &Sections<'_>, notes: &mut Notes) -> Option<DataType> {
+/// Notes a key without which an object is not understood. A configuration that gives the object a value makes it an error: the value would be
+/// lost. Without one the object is left out.
+pub(super) fn leave_out(section: &Section<'_>, item: Item<'_>, is_configured: bool, why: &str, notes: &mut Notes) {
+    if is_configured {
+        notes.error(section, item, why);
+    } else {
+        let text = format!("{}: {why}; the object is left out", said(section, item));
+        notes.warnings.add(Some(item.line), text);
+    }
+}
+
+/// Whether a section gives its object a value of the configuration.
+pub(super) fn is_configured(section: &Section<'_>) -> bool {
+    section.get("parametervalue").is_some()
+}
+
+/// Whether a section `[xxxxValue]` has a value.
+pub(super) fn has_values(values: &Section<'_>) -> bool {
+    values.items.iter().any(|(key, item)| key != "nrofentries" && !item.value.is_empty())
+}
+
+fn data_type(
+    section: &Section<'_>,
+    is_domain: bool,
+    is_configured: bool,
+    sections: &Sections<'_>,
+    notes: &mut Notes,
+) -> Option<DataType> {
     let Some(item) = section.get("datatype") else {
         if is_domain {
             return Some(DataType::Domain);
@@ -114,11 +143,8 @@ fn data_type(section: &Section<'_>, is_domain: bool, sections: &Sections<'_>, no
             Some(defined(number, sections).unwrap_or(DataType::of(number)))
         }
         Err(why) => {
-            notes.error(
-                section,
-                item,
-                &format!("{why}; allowed is the number of a data type, like 0x0007 for UNSIGNED32"),
-            );
+            let why = format!("{why}; allowed is the number of a data type, like 0x0007 for UNSIGNED32");
+            leave_out(section, item, is_configured, &why, notes);
             None
         }
     }
@@ -134,7 +160,7 @@ fn defined(number: u16, sections: &Sections<'_>) -> Option<DataType> {
     u16::try_from(behind).ok().map(DataType::of)
 }
 
-fn access(section: &Section<'_>, is_domain: bool, notes: &mut Notes) -> Option<Access> {
+fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &mut Notes) -> Option<Access> {
     let Some(item) = section.get("accesstype") else {
         let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, super::problem::quoted(section.name));
         if let Some(item) = section.get("parametervalue").filter(|_| !is_domain) {
@@ -152,7 +178,8 @@ fn access(section: &Section<'_>, is_domain: bool, notes: &mut Notes) -> Option<A
     };
     let access = Access::of(without_remark(item.value));
     if access.is_none() {
-        notes.error(section, item, "allowed are ro, wo, rw, rwr, rww and const");
+        let why = "allowed are ro, wo, rw, rwr, rww and const";
+        leave_out(section, item, is_configured, why, notes);
     }
     access
 }
@@ -170,7 +197,8 @@ pub(super) fn compact(
         return Vec::new();
     };
     let last = count.min(LAST_SUB) as u8;
-    let Some(mut one) = read(section, ObjectType::Var, sections, notes) else { return Vec::new() };
+    let is_configured = is_configured(section) || values.is_some_and(has_values);
+    let Some(mut one) = read(section, ObjectType::Var, is_configured, sections, notes) else { return Vec::new() };
     if let Some(item) = section.get("defaultvalue").filter(|item| item.value.len() > LONGEST_REPEATED) {
         notes.warning(section, item, &format!("a value for many objects has at most {LONGEST_REPEATED} bytes"));
         one.default = None;

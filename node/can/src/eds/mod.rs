@@ -26,6 +26,6 @@ pub use device::{Commissioning, DeviceInfo, FileInfo};
 pub use dictionary::{ConfigureError, Dictionary, FindError};
 pub use object::{Access, Entry, Given, Head, ObjectType};
 pub use pdo::{CobId, Direction, Mapped, PdoError, PdoMapping};
-pub use problem::{EdsErrors, Problem, Problems};
+pub use problem::{EdsErrors, PassedKey, PassedOver, Problem, Problems};
 pub use read::parse;
 pub use value::{Value, ValueError};

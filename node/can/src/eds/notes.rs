@@ -4,9 +4,11 @@ use super::data_type::{DataType, Kind};
 use super::ini::{Item, Section};
 use super::number::{number, plus_node_id};
 use super::object::Given;
-use super::problem::{Problems, cut};
+use super::problem::{PassedKey, PassedOver, Problems, cut};
 use super::value::Value;
 
+/// The end of the sentence of a key that is passed over.
+const PASSED_OVER: &str = "; passed over";
 /// Greatest node id.
 pub(super) const LAST_NODE: u8 = 127;
 
@@ -27,13 +29,28 @@ pub(super) fn without_remark(value: &str) -> &str {
     value.split(';').next().unwrap_or_default().trim()
 }
 
+/// The value or limit that a key gives an object; none if it gives something else.
+fn passed_over(section: &Section<'_>, item: Item<'_>) -> Option<PassedOver> {
+    let (digits, rest) = section.name.split_at_checked(4)?;
+    let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let index = u16::from_str_radix(digits, 16).ok().filter(|_| is_hex)?;
+    let key = match item.key.to_ascii_lowercase().as_str() {
+        "defaultvalue" | "parametervalue" => PassedKey::Value,
+        "lowlimit" | "highlimit" => PassedKey::Limit,
+        _ if rest.eq_ignore_ascii_case("value") => PassedKey::Value,
+        _ => return None,
+    };
+    Some(PassedOver { index, key })
+}
+
 impl Notes {
     pub(super) fn error(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
         self.errors.add(Some(item.line), format!("{}: {why}", said(section, item)));
     }
 
     pub(super) fn warning(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
-        self.warnings.add(Some(item.line), format!("{}: {why}; passed over", said(section, item)));
+        let text = format!("{}: {why}{PASSED_OVER}", said(section, item));
+        self.warnings.add_of(Some(item.line), text, passed_over(section, item));
     }
 
     /// A number within bounds, or why it is none.

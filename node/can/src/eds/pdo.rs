@@ -125,6 +125,21 @@ impl Dictionary {
             Err(PdoError::Missing(_) | PdoError::NoValue(..)) => None,
             Err(error) => return Err(error),
         };
+        Ok(PdoMapping { cob_id: CobId(cob_id), transmission_type, mapped: self.mapped(mapping)? })
+    }
+
+    /// Returns the number of the first PDO, from 1, whose mapping in the file lists an object.
+    pub fn carrier(&self, direction: Direction, object: Object) -> Option<u16> {
+        let (_, first) = direction.first();
+        let carries = |number: &u16| {
+            let mapped = self.mapped(first.saturating_add(number.saturating_sub(1)));
+            mapped.is_ok_and(|mapped| mapped.iter().any(|mapped| mapped.object == object))
+        };
+        (1..=MOST_PDOS).find(carries)
+    }
+
+    /// Returns the objects that a mapping lists, by its index.
+    fn mapped(&self, mapping: u16) -> Result<Vec<Mapped>, PdoError> {
         let count = Object { index: mapping, sub: 0 };
         let most = self.number_of(count)?;
         // 254 and 255 say that the PDO is multiplexed, which needs another form.
@@ -139,7 +154,7 @@ impl Dictionary {
         if bits > MOST {
             return Err(PdoError::Long(Object { index: mapping, sub: 0 }, bits));
         }
-        Ok(PdoMapping { cob_id: CobId(cob_id), transmission_type, mapped })
+        Ok(mapped)
     }
 
     fn number_of(&self, object: Object) -> Result<u32, PdoError> {

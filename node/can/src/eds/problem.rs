@@ -7,6 +7,24 @@ pub(super) const MOST_PROBLEMS: usize = 200;
 /// Characters of the file that a sentence quotes.
 const MOST_QUOTED: usize = 60;
 
+/// Which key of an object a warning passes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PassedKey {
+    /// DefaultValue, ParameterValue, or a value of `[xxxxValue]`.
+    Value,
+    /// LowLimit, HighLimit.
+    Limit,
+}
+
+/// A value or a limit of an object that a warning passes over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PassedOver {
+    /// The index of the object.
+    pub index: u16,
+    /// Which key.
+    pub key: PassedKey,
+}
+
 /// One problem.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
@@ -14,6 +32,8 @@ pub struct Problem {
     pub line: Option<usize>,
     /// The sentence.
     pub text: String,
+    /// The value or limit that is passed over, if the problem is that.
+    pub passed_over: Option<PassedOver>,
 }
 
 impl fmt::Display for Problem {
@@ -34,8 +54,14 @@ pub struct Problems {
 
 impl Problems {
     pub(super) fn add(&mut self, line: Option<usize>, text: impl Into<String>) {
-        if self.kept.len() < MOST_PROBLEMS {
-            self.kept.push(Problem { line, text: text.into() });
+        self.add_of(line, text, None);
+    }
+
+    pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<PassedOver>) {
+        // Half of the room is for what is no value: an object that is left out must not get lost among defaults.
+        let most = if passed_over.is_some() { MOST_PROBLEMS / 2 } else { MOST_PROBLEMS };
+        if self.kept.len() < most {
+            self.kept.push(Problem { line, text: text.into(), passed_over });
         } else {
             self.dropped = self.dropped.saturating_add(1);
         }
@@ -115,6 +141,18 @@ mod tests {
         assert_eq!((problems.kept().len(), problems.dropped()), (MOST_PROBLEMS, 3));
         assert!(problems.to_string().starts_with("line 1: a\nline 2: a\n"));
         assert!(problems.to_string().ends_with("line 200: a\nand 3 more"));
+    }
+
+    #[test]
+    fn passed_over_values_leave_room_for_other_problems() {
+        let mut problems = Problems::default();
+        let of_value = Some(PassedOver { index: 0x2000, key: PassedKey::Value });
+        for line in 1..=MOST_PROBLEMS {
+            problems.add_of(Some(line), "a", of_value);
+        }
+        problems.add(Some(MOST_PROBLEMS + 1), "b");
+        assert_eq!((problems.kept().len(), problems.dropped()), (101, 100));
+        assert_eq!(problems.kept()[100].to_string(), "line 201: b");
     }
 
     #[test]

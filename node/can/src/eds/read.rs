@@ -1,7 +1,8 @@
 //! From the bytes of a file to a dictionary.
 //!
-//! Law      a wrong default, a list that lies, a missing name cost a warning and themselves; an object whose type or access cannot be
-//!          understood, and a value of the configuration that cannot be read, is an error, and all errors are reported at once
+//! Law      a wrong default, a list that lies, a missing name cost a warning and themselves, and so does an object whose type or access cannot
+//!          be understood; a value of the configuration that cannot be read, or that is for such an object, is an error, and all errors are
+//!          reported at once
 //! Refuses  a file beyond 16 MiB, a node id that is none, more than 100000 objects, a file without objects
 //! Source   CiA 306-1
 
@@ -225,7 +226,9 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
                 entry::refuse_lost(values, &[], notes);
             }
             // Without its only object an index says nothing.
-            let Some(mut read) = entry::read(section, head.object_type, sections, notes) else { return };
+            let is_configured = entry::is_configured(section);
+            let read = entry::read(section, head.object_type, is_configured, sections, notes);
+            let Some(mut read) = read else { return };
             read.name.clone_from(&head.name);
             dictionary.entries.insert(Object { index, sub: 0 }, read);
         }
@@ -244,7 +247,8 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
         entry::refuse_lost(values, &compact, notes);
     }
     for (sub, section) in parts.subs.iter().filter(|_| !head.object_type.is_single()) {
-        if let Some(mut read) = entry::read(section, ObjectType::Var, sections, notes) {
+        let is_configured = entry::is_configured(section);
+        if let Some(mut read) = entry::read(section, ObjectType::Var, is_configured, sections, notes) {
             read.name = entry::name(section, &format!("{sub:02X}h"), notes);
             dictionary.entries.insert(Object { index, sub: *sub }, read);
         }
@@ -263,7 +267,13 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
     dictionary.heads.insert(index, head);
 }
 
-/// What an index is; none, with an error, where that cannot be understood.
+/// Whether a section of an index gives a value of the configuration.
+fn is_configured(parts: &Parts<'_>) -> bool {
+    let mut sections = parts.head.into_iter().chain(parts.subs.values().copied());
+    sections.any(entry::is_configured) || parts.values.is_some_and(entry::has_values)
+}
+
+/// What an index is; none, with an error or a warning, where that cannot be understood.
 fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> Option<ObjectType> {
     let Some(item) = section.get("objecttype") else {
         // CiA 306: without the key it is a VAR; what has subindices is none.
@@ -280,11 +290,8 @@ fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> O
         }
         Ok(Some(found)) => Some(found),
         Ok(None) | Err(_) => {
-            notes.error(
-                section,
-                item,
-                "allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)",
-            );
+            let why = "allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)";
+            entry::leave_out(section, item, is_configured(parts), why, notes);
             None
         }
     }

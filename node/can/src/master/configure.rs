@@ -198,7 +198,7 @@ impl Session<'_> {
         let device = number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
         let (profile, what) = self.device.role.profile();
         if device & 0xFFFF != profile {
-            let found = device & 0xFFFF;
+            let found = words::profile(device & 0xFFFF);
             return Err(Refusal::Wrong(format!(
                 "its device type (1000h) is {device:08X}h, profile {found}; profile {profile} ({what}) is expected"
             )));

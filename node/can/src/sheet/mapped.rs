@@ -1,7 +1,7 @@
 //! Objects that the PDOs of a device carry, compared with its file.
 
 use super::Sheet;
-use crate::drive::layout::{Asked, Field, MOST_PDOS, OPTIONAL, Told, Transmission};
+use crate::drive::layout::{Asked, Field, OPTIONAL, Told, Transmission};
 use crate::eds::{Access, Direction};
 use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
@@ -76,20 +76,11 @@ impl Sheet<'_> {
         if !entry.is_mappable {
             let sentence =
                 format!("{object} cannot be mapped to a PDO by the file: its PDOMapping is not 1 (key {key})");
-            match self.carrier(direction, object) {
+            match known.carrier(direction, object) {
                 Some(number) => self.warning(&format!("{sentence}; PDO {number} of the file carries it all the same")),
                 None => self.error(&sentence),
             }
         }
-    }
-
-    /// The PDO that carries an object by the file itself.
-    fn carrier(&self, direction: Direction, object: Object) -> Option<u16> {
-        let carries = |number: &u16| {
-            let pdo = self.known.pdo_mapping(direction, *number);
-            pdo.is_ok_and(|pdo| pdo.mapped.iter().any(|mapped| mapped.object == object))
-        };
-        (1..=u16::from(MOST_PDOS)).find(carries)
     }
 }
 

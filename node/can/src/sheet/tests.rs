@@ -45,12 +45,43 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
     let known = changed(&[("6502", "DefaultValue", "0x185")]);
     assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), Findings::default());
     let said = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv)";
-    let cst = format!("{said}: mode 10 (cst) is missing; key mode chooses another");
-    assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &known), of(&[&cst], &[]));
-    let homing = format!("{said}: mode 6 (hm) is missing, and homing.in_drive is true");
-    assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &known), of(&[&homing], &[]));
+    let cure = "if the drive offers it all the same, delete the DefaultValue of 6502h in the file: the drive is asked when it starts";
+    for (mode, missing) in [
+        (DriveMode::Cst, "mode 10 (cst) is missing; no other mode of its interface is offered"),
+        (DriveMode::Ip, "mode 7 (ip) is missing; offered are, with its interface, mode: pp or csp"),
+    ] {
+        let sentence = format!("{said}: {missing}; {cure}");
+        assert_eq!(compare(&drive(mode), Needs::default(), &known), of(&[&sentence], &[]));
+    }
+    // As the cure says.
+    let deleted = OWN.replacen("DefaultValue=0x3EF\n", "", 1);
+    assert_ne!(deleted, OWN);
+    let deleted = eds::parse(deleted.as_bytes(), Some(3)).expect("a good file");
+    assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &deleted), Findings::default());
     let with_homing = changed(&[("6502", "DefaultValue", "0x1A5")]);
     assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &with_homing), Findings::default());
+}
+
+/// Bit 5 of 6502h is homing (CiA 402-2). Files have it wrong; a ParameterValue comes from the drive itself.
+#[test]
+fn homing_that_the_file_does_not_offer_is_a_warning_if_its_method_can_be_written() {
+    let modes = ("6502", "DefaultValue", "0x185");
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 6 (hm) is missing, and homing.in_drive is true";
+    let homing = |known: &Dictionary| compare(&drive(DriveMode::Csp), HOMES, known);
+    let warning = format!("{sentence}; 6098h:00 of the file can be written all the same");
+    assert_eq!(homing(&changed(&[modes])), of(&[], &[&warning]));
+    for access in ["ro", "const"] {
+        let read_only =
+            format!("node 3 (x0): 6098h:00 has access {access} by the file; it is written for key homing.in_drive");
+        let known = changed(&[modes, ("6098", "AccessType", access)]);
+        assert_eq!(homing(&known), of(&[sentence, &read_only], &[]));
+    }
+    let parsed = |text: &str| eds::parse(text.as_bytes(), Some(3)).expect("a good file");
+    let lacking = OWN.replacen("[6098]\n", "[2F98]\n", 1).replacen("DefaultValue=0x3EF\n", "DefaultValue=0x185\n", 1);
+    let missing = "node 3 (x0): 6098h:00 is missing in the file; key homing.in_drive needs it";
+    assert_eq!(homing(&parsed(&lacking)), of(&[sentence], &[missing]));
+    let configured = OWN.replacen("[6502]\n", "[6502]\nParameterValue=0x185\n", 1);
+    assert_eq!(homing(&parsed(&configured)), of(&[sentence], &[]));
 }
 
 #[test]
@@ -319,11 +350,26 @@ fn mode_that_goes_by_sdo_is_compared_with_the_file() {
 #[test]
 fn device_of_another_profile_is_an_error() {
     let found = |value| compare(&drive(DriveMode::Csp), Needs::default(), &changed(&[("1000", "DefaultValue", value)]));
-    let sentence =
-        "node 3 (x0): 1000h:00 is 00030191h by the file, profile 401; entries of axes need profile 402 (drive)";
-    assert_eq!(found("0x00030191"), of(&[sentence], &[]));
-    for value in ["0x00FF0192", "0", ""] {
+    let of_drive = |device_type, profile| {
+        format!(
+            "node 3 (x0): 1000h:00 is {device_type} by the file, profile {profile}; entries of axes need profile 402 (drive)"
+        )
+    };
+    // The file has the control word and the status word: the device itself says what it is.
+    let asked = "; the file has 6040h and 6041h: the device is asked when it starts";
+    for (value, device_type, profile) in
+        [("0x00030191", "00030191h", "401"), ("0x811", "00000811h", "0811h"), ("0x190", "00000190h", "0190h")]
+    {
+        assert_eq!(found(value), of(&[], &[&(of_drive(device_type, profile) + asked)]));
+    }
+    for value in ["0x00FF0192", "0", "", "0x00020000"] {
         assert_eq!(found(value), Findings::default(), "{value}");
+    }
+    for lacking in ["[6040]", "[6041]"] {
+        let text = OWN.replacen("DefaultValue=0x20192\n", "DefaultValue=0x811\n", 1).replacen(lacking, "[2F40]", 1);
+        let known = eds::parse(text.as_bytes(), Some(3)).expect("a good file");
+        let found = compare(&drive(DriveMode::Csp), Needs::default(), &known);
+        assert_eq!(found.errors, [of_drive("00000811h", "0811h")], "{lacking}");
     }
     let known = |value| file(&(section("1000", 7, "ro", value, false) + &inputs(true) + &pdo_of_inputs()));
     let sentence =
@@ -347,6 +393,28 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
     }
     let warning = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 83300 bit/s";
     assert_eq!(found("83", Some(83_300)), of(&[], &[warning]));
+    // The device does not know the Baudrate that its configuration gives it.
+    let denied = |own: u16| {
+        format!(
+            "node 3 (x0): Baudrate is {own} kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s; \
+             [DeviceInfo] denies that Baudrate"
+        )
+    };
+    assert_eq!(found("20", Some(1_000_000)), of(&[], &[&denied(20)]));
+    let own = |rates: &str| {
+        let sections = section("1000", 7, "ro", "0x00020192", false) + "[DeviceComissioning]\nBaudrate=500\n";
+        let known = file(&(rates.to_owned() + &sections));
+        let device = DeviceConfig { role: Role::Module, ..drive(DriveMode::Csp) };
+        let Findings { errors, warnings } = compare(&device, Needs { bit_rate: Some(1_000_000), homes: false }, &known);
+        let count = |sentences: Vec<String>| sentences.iter().filter(|said| said.contains("Baudrate is 500")).count();
+        (count(errors), count(warnings))
+    };
+    for rates in ["BaudRate_500=0\n", "BaudRate_500=0\nBaudRate_125=0\n", "BaudRate_1000=1\n"] {
+        assert_eq!(own(rates), (0, 1), "{rates}");
+    }
+    for rates in ["", "BaudRate_125=0\n", "BaudRate_500=1\n", "BaudRate_500=x\n"] {
+        assert_eq!(own(rates), (1, 0), "{rates}");
+    }
 }
 
 /// 6081h is UNSIGNED32, 6041h the status word, which is read alone.

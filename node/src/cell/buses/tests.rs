@@ -463,6 +463,30 @@ fn what_is_passed_over_in_a_file_is_told_once() {
     assert_eq!(warned(&[], BUS, &["node: 3"]), [""; 0]);
 }
 
+/// 2000h to 5FFFh are of the manufacturer (CiA 301). The file has 2000h as UNSIGNED32, 2010h as INTEGER16.
+#[test]
+fn values_of_unused_objects_of_the_manufacturer_are_counted() {
+    let changes = [
+        ("[2000]\n", "[2000]\nLowLimit=x\nHighLimit=y\n"),
+        ("[2010]\n", "[2010]\nParameterValue=70000\n"),
+        ("[6041]\n", "[6041]\nParameterValue=x\n"),
+    ];
+    let said = warned(&changes, BUS, &["node: 3"]);
+    let [status, value, limits] = said.as_slice() else { panic!("{said:?}") };
+    assert!(status.starts_with("line ") && status.contains("[6041] ParameterValue=x: "), "{status}");
+    // Of one there is no sum.
+    let end = "[2010] ParameterValue=70000: 70000 is not within -32768 and 32767, as INTEGER16 is; passed over";
+    assert!(value.starts_with("line ") && value.ends_with(end), "{value}");
+    let (begin, end) = (
+        "2 limits of objects of the manufacturer passed over, the first in line ",
+        ": [2000] LowLimit=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014)",
+    );
+    assert!(limits.starts_with(begin) && limits.ends_with(end), "{limits}");
+    // What `startup` writes is used.
+    let said = warned(&changes, BUS, &["node: 3, startup: [{index: 0x2000, value: 5, type: u32}]"]);
+    assert_eq!(said.iter().filter(|said| said.starts_with("line ")).count(), 4, "{said:?}");
+}
+
 /// 185h is pp, pv, csp, csv. A default of 0 says nothing.
 #[test]
 fn mode_that_the_file_does_not_offer_is_refused() {
@@ -470,7 +494,9 @@ fn mode_that_the_file_does_not_offer_is_refused() {
         "[6502]\nParameterName=Supported drive modes\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=";
     let (from, to) = (format!("{at}0x3EF"), format!("{at}0x185"));
     let said = refused_by_file(&[(from.as_str(), to.as_str())], BUS, "node: 3, mode: ip");
-    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; key mode chooses another";
+    let sentence = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv): mode 7 (ip) is missing; offered are, with its \
+                    interface, mode: pp or csp; if the drive offers it all the same, delete the DefaultValue of 6502h in the file: the drive \
+                    is asked when it starts";
     assert_eq!(said, sentence);
     assert_eq!(warned(&[(from.as_str(), to.as_str())], BUS, &["node: 3"]), [""; 0]);
 }

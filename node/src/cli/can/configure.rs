@@ -12,7 +12,7 @@ use std::time::Duration;
 pub(super) fn configure(args: &ConfigureArgs) -> Result<(), Failure> {
     let (node, path) = (args.node, &args.dcf);
     let dictionary = device_file("--dcf", path, node).map_err(Failure::Usage)?;
-    warn(passed_over("--dcf", path, &dictionary));
+    warn(passed_over("--dcf", path, &dictionary, &[]));
     let file = path.display();
     let values = dictionary.written().map_err(|error| Failure::Usage(format!("--dcf {file}: {error}")))?;
     if values.is_empty() {

@@ -141,7 +141,7 @@ fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, De
     let mut other = Decoder::default();
     if let (Some(node), Some(path)) = (args.node, &args.eds) {
         let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
-        warn(passed_over("--eds", path, &dictionary));
+        warn(passed_over("--eds", path, &dictionary, &[]));
         decoders.values_mut().chain([&mut other]).for_each(|decoder| decoder.know(node, dictionary.clone()));
     }
     Ok((decoders, other))

@@ -46,9 +46,10 @@ fn of_device(device: &Device, heard: Heard) -> Vec<Row> {
     let text = |text: &Option<String>| text.clone().unwrap_or_else(|| "-".to_owned());
     let [vendor, product, revision, serial] = device.identity.map(word);
     let [name, hardware, software] = device.texts.each_ref().map(text);
-    let kind = device
-        .device_type
-        .map_or_else(|| "-".to_owned(), |device_type| format!("{device_type:08X}h, profile {}", device_type & 0xFFFF));
+    let kind = device.device_type.map_or_else(
+        || "-".to_owned(),
+        |device_type| format!("{device_type:08X}h, profile {}", words::profile(device_type & 0xFFFF)),
+    );
     let state = match heard {
         Heard::State(state) => nmt_state(state).to_owned(),
         Heard::None => "not told: it has no heartbeat (1017h is 0)".to_owned(),

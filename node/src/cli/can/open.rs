@@ -75,7 +75,7 @@ impl Known {
     pub(super) fn with_eds(mut self, node: NodeId, eds: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = eds {
             let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
-            warn(passed_over("--eds", path, &dictionary));
+            warn(passed_over("--eds", path, &dictionary, &[]));
             self.dictionaries.insert(node, dictionary);
         }
         Ok(self)

@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::table::{columns, word};
 use crate::cli::say;
 use crate::recording::clean::clean_lines;
-use lineshaft_can::commission::words::nmt_state;
+use lineshaft_can::commission::words::{nmt_state, profile};
 use lineshaft_can::commission::{Found, Scan};
 use std::time::Duration;
 
@@ -50,7 +50,7 @@ fn row(found: &Found) -> Vec<String> {
     let mut row = vec![
         found.node.get().to_string(),
         found.state.map_or_else(none, |state| nmt_state(state).to_owned()),
-        found.device_type.map_or_else(none, |device_type| (device_type & 0xFFFF).to_string()),
+        found.device_type.map_or_else(none, |device_type| profile(device_type & 0xFFFF)),
     ];
     row.extend(found.identity.map(word));
     row.push(match (&found.name, found.answers) {

@@ -149,9 +149,13 @@ impl Hardware {
     }
 }
 
-/// The buses of a cell that runs with real drives.
+/// Returns the buses of a cell that runs with real drives. Warnings of the files of its devices are logged: an object that is left out of the
+/// PDOs may be a limit switch that is not read.
 fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
-    cell.buses(file).map_err(|problems| problems.to_string().trim_end().to_owned())
+    let found = cell.buses_and_warnings(file);
+    let (buses, warnings) = found.map_err(|problems| problems.to_string().trim_end().to_owned())?;
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    Ok(buses)
 }
 
 /// What a machine begins with beside its cell.

@@ -239,17 +239,63 @@ fn a_value_of_the_node_fits_for_every_node_or_not_at_all() {
 fn all_that_cannot_be_understood_is_told_at_once() {
     assert_eq!(
         errors(
-            "[1000]\nParameterName=a\nObjectType=3\nDataType=7\nAccessType=ro\n\
-             [1001]\nParameterName=b\nDataType=five\nAccessType=r\n\
+            "[1000]\nParameterName=a\nObjectType=3\nDataType=7\nAccessType=ro\nParameterValue=1\n\
+             [1001]\nParameterName=b\nDataType=five\nAccessType=r\nParameterValue=1\n\
              [1018\n[1018sub100]\n"
         ),
         "line 4: [1000] ObjectType=3: allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)\n\
-         line 9: [1001] DataType=five: \"five\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); allowed is the number \
+         line 10: [1001] DataType=five: \"five\" is no number: decimal (12), hexadecimal (0x0C) or octal (014); allowed is the number \
          of a data type, like 0x0007 for UNSIGNED32\n\
-         line 10: [1001] AccessType=r: allowed are ro, wo, rw, rwr, rww and const\n\
-         line 11: the section \"[1018\" does not end in ]\n\
-         line 12: the section \"1018sub100\" has no subindex within 0 and FF"
+         line 11: [1001] AccessType=r: allowed are ro, wo, rw, rwr, rww and const\n\
+         line 13: the section \"[1018\" does not end in ]\n\
+         line 14: the section \"1018sub100\" has no subindex within 0 and FF"
     );
+}
+
+/// Files of makers have such keys. Only a value of the configuration would be lost with the object.
+#[test]
+fn an_object_that_cannot_be_understood_and_has_no_value_is_left_out() {
+    let good = "[2000]\nParameterName=a\nDataType=5\nAccessType=rw\n";
+    let dictionary = read(&format!(
+        "{good}[2001]\nParameterName=b\nDataType=5\nAccessType=UNKNOWN\nDefaultValue=1\n\
+         [2002]\nParameterName=c\nDataType=0x0007 # 32 bits\nAccessType=rw\n\
+         [2003]\nParameterName=d\nObjectType=0x7 # one value\nDataType=5\nAccessType=rw\n\
+         [2004]\nParameterName=e\nObjectType=8\nSubNumber=2\n\
+         [2004sub0]\nParameterName=n\nDataType=5\nAccessType=ro # count\n[2004sub1]\nParameterName=f\nDataType=5\nAccessType=rw\n"
+    ));
+    let kinds = "allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)";
+    let accesses = "allowed are ro, wo, rw, rwr, rww and const";
+    let no_number = "is no number: decimal (12), hexadecimal (0x0C) or octal (014)";
+    assert_eq!(
+        warnings(&dictionary),
+        [
+            format!("line 9: [2001] AccessType=UNKNOWN: {accesses}; the object is left out"),
+            format!(
+                "line 13: [2002] DataType=0x0007 # 32 bits: \"0x0007 # 32 bits\" {no_number}; allowed is the number of a data type, \
+                 like 0x0007 for UNSIGNED32; the object is left out"
+            ),
+            format!("line 17: [2003] ObjectType=0x7 # one value: {kinds}; the object is left out"),
+            format!("line 27: [2004sub0] AccessType=ro # count: {accesses}; the object is left out"),
+        ]
+    );
+    let objects: Vec<_> = dictionary.entries().map(|(object, _)| object).collect();
+    assert_eq!(objects, [at(0x2000, 0), at(0x2004, 1)]);
+    // A value in any section of an index is lost with its ObjectType.
+    let odd = "[2003]\nParameterName=d\nObjectType=0x7 # one value\n";
+    for value in
+        ["DataType=5\nAccessType=rw\nParameterValue=1\n", "[2003sub1]\nParameterValue=1\n", "[2003Value]\n1=1\n"]
+    {
+        let expected = format!("line 8: [2003] ObjectType=0x7 # one value: {kinds}");
+        assert_eq!(errors(&format!("{good}{odd}{value}")), expected, "{value}");
+    }
+    let no_values = format!("{good}{odd}[2003Value]\nNrOfEntries=0\n1=\n");
+    assert_eq!(warnings(&read(&no_values)).len(), 1);
+    // Values of a compact array are lost with its access.
+    let compact =
+        "[2003]\nParameterName=d\nObjectType=8\nCompactSubObj=2\nDataType=5\nAccessType=UNKNOWN\n[2003Value]\n1=1\n";
+    let lost = "line 13: [2003Value] 1=1: no object takes the value: CompactSubObj of the index makes none";
+    let expected = format!("line 11: [2003] AccessType=UNKNOWN: {accesses}\n{lost}");
+    assert_eq!(errors(&format!("{good}{compact}")), expected);
 }
 
 #[test]
@@ -303,6 +349,7 @@ fn all_keys_of_a_device_and_of_its_place_are_read() {
         revision_number: Some(0x0170_0000),
         order_code: "c".to_owned(),
         baud_rates: BTreeSet::from([1000]),
+        denied_baud_rates: BTreeSet::from([10]),
         is_boot_up_master: true,
         is_boot_up_slave: true,
         granularity: Some(8),

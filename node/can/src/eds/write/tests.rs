@@ -66,7 +66,7 @@ fn our_own_file_comes_back() {
 #[test]
 fn what_is_compact_or_strange_comes_back() {
     comes_back(
-        b"[DeviceInfo]\nVendorNumber=0xFB\nBaudRate_100=1\nCompactPDO=23\n[DeviceComissioning]\nNodeID=2\nNodeName=x = y;\n\
+        b"[DeviceInfo]\nVendorNumber=0xFB\nBaudRate_100=1\nBaudRate_800=0\nCompactPDO=23\n[DeviceComissioning]\nNodeID=2\nNodeName=x = y;\n\
           [Comments]\nLines=9\nLine3=\nLine1=[a]\n[DummyUsage]\nDummy0005=1\nDummy001B=1\n\
           [3004]\nCompactSubObj=3\nParameterName=S\nObjectType=8\nDataType=0x8\nAccessType=rwr\nDefaultValue=5.2\nObjFlags=3\n\
           [3004Value]\n2=1e-7\n[3005]\nObjectType=0\n[3006]\nParameterName=a\nObjectType=8\n\
