@@ -38,7 +38,7 @@ pub(super) struct Expectation {
 /// What is expected.
 #[derive(Clone, Debug)]
 pub(super) enum Claim {
-    Values { probe: Probe, values: Vec<Number>, within: Option<Number>, every: u64 },
+    Values { probe: Box<Probe>, values: Vec<Number>, within: Option<Number>, every: u64 },
     Condition { predicate: Predicate, mode: Mode },
     Events { filter: Filter, min: u64, max: Option<u64> },
 }
@@ -204,7 +204,7 @@ impl Reader<'_> {
             Some(within) => Some(probe.read_tolerance(&within)?),
             None => None,
         };
-        Some(Claim::Values { probe, values: values?, within, every: every? })
+        Some(Claim::Values { probe: Box::new(probe), values: values?, within, every: every? })
     }
 
     fn condition(&self, map: &mut Map<'_>) -> Option<Claim> {

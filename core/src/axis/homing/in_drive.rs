@@ -127,9 +127,14 @@ impl Axis {
     /// The motion of a cycle in which the drive moves the axis: where it will be when the outputs of this cycle reach it, so
     /// that it can be taken over from there.
     pub(in super::super) fn follow_drive(&mut self) {
-        let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
-        let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
-        self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };
+        // A drive that returns from its zero to the mode of the axis is asked to stay where it is.
+        let is_returning =
+            matches!(self.homing.run, Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
+        if !is_returning {
+            let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
+            let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
+            self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };
+        }
         // The drive answers to itself: what it shows is what was asked, also in the cycles until it answers to the axis again.
         self.judge.follow(self.actual.position.floor(), self.actual.velocity * self.cycle_s());
     }
@@ -174,7 +179,10 @@ impl Axis {
                 Shown::Done if self.setup.interface == Interface::Torque => {
                     return self.take_zero_of_drive(cx, input.count, run.offset);
                 }
-                Shown::Done => drive.returns = Some(cx.cycle),
+                Shown::Done => {
+                    drive.returns = Some(cx.cycle);
+                    self.command = Motion::at_rest(self.command.position);
+                }
                 Shown::Failed => {
                     return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
                 }

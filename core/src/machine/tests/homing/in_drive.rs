@@ -245,13 +245,16 @@ fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     assert_eq!((rig.state("x"), rig.real("x.actual.velocity"), rig.int("x.homed")), ("ERROR_STOP", 0.0, 0));
 }
 
-/// At 200 inc/s, 32,000 inc from the limit switch and without a reference switch.
+/// At 200 inc/s, without a switch that ends its way.
 fn slow(in_drive: bool) -> Rig {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
     assign(p, "homing.in_drive", Value::Int(in_drive.into()));
     assign(p, "homing.velocity", Value::Real(200.0));
+    assign(p, "homing.max_distance", Value::Int(1_000_000));
     let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(START, (5_000, FAR)) };
+    rig.plant.drive(0).unwrap().fit(fixtures);
     rig.plant.drive(0).unwrap().stick(4, 0);
     rig
 }
