@@ -227,7 +227,7 @@ fn a_column_of_a_file_drives_a_signal() {
          in.csv:4:3: the row has no column 2\n\
          in.csv:5:3: `x` is no value here; 0 or 1 is expected\n"
     );
-    let feed = format!("scenario: s\ncycles: 6\ndrive: [{{signal: feed, csv: {{file: in.csv, column: start}}}}]");
+    let feed = "scenario: s\ncycles: 6\ndrive: [{signal: feed, csv: {file: in.csv, column: start}}]".to_owned();
     write("cycle,start\n0,32767\n1,40000\n2,1.5\n");
     let parsed = Scenario::parse(&name.display().to_string(), &feed, &cell()).unwrap_err().to_string();
     assert_eq!(
