@@ -34,8 +34,6 @@ fn drives_of_all_habits_are_enabled_homed_moved_and_reset() {
         axes += &if habit == "unmapped_mode" { text.replace("cia402_sim.eds", "unmapped.eds") } else { text };
     }
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axes);
-    let eds = std::fs::read_to_string(cell.path("cia402_sim.eds")).expect("the file of the drive");
-    cell.write("unmapped.eds", &without_mapping(&eds, &["6060", "6061"]));
     let names = HABITS.map(|(_, axis, _)| axis);
     let each = |verb: &str, keys: &str| {
         let each: Vec<_> = names.iter().map(|axis| format!("{{{verb}: {{axis: {axis}{keys}}}}}")).collect();
@@ -75,16 +73,4 @@ expect:
         let zero = machine - position as f64 - 1_234.0;
         assert_eq!(zero.rem_euclid(10_000.0), 0.0, "{habit}: {machine} is {position}");
     }
-}
-
-/// The file of a device of which these objects cannot be mapped.
-fn without_mapping(eds: &str, objects: &[&str]) -> String {
-    let mut parts: Vec<_> = eds.split('[').map(str::to_owned).collect();
-    for part in &mut parts {
-        if objects.iter().any(|object| part.starts_with(&format!("{object}]"))) {
-            assert!(part.contains("PDOMapping=0x1"), "{part}");
-            *part = part.replace("PDOMapping=0x1", "PDOMapping=0");
-        }
-    }
-    parts.join("[")
 }

@@ -37,6 +37,11 @@ pub(crate) enum Way {
     SocketCan(&'static str),
 }
 
+/// The habit (tests/peers/can/habits.py) that all drives have, where somebody runs the tests with one (.ci/nightly).
+pub(crate) fn habit() -> Option<String> {
+    std::env::var("LINESHAFT_HABIT").ok()
+}
+
 /// The drives of one bus.
 pub(crate) struct CanDrives {
     process: Captured,
@@ -77,6 +82,9 @@ impl CanDrives {
         command.arg(setup::sources().join("can").join(script));
         command.args(["--bus", &bus, "--exit-with-parent", "--nodes", nodes]);
         command.args(others);
+        if let (Some(habit), "cia402_sim.py") = (habit(), script) {
+            command.args(["--habit", &habit]);
+        }
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
         process.prefer();
         let line = process.line(BOOT);

@@ -1,6 +1,6 @@
 //! A cell of CANopen drives in a folder of its own, and the program that runs it.
 
-use super::can::CanDrives;
+use super::can::{CanDrives, habit};
 use super::domain::Domain;
 use super::program::Program;
 use super::setup;
@@ -47,6 +47,18 @@ pub(crate) fn recovery(at: usize, axis: &str, code: &str, state: &str) -> (Strin
     (steps, expect)
 }
 
+/// The file of a device of which these objects cannot be mapped.
+fn without_mapping(eds: &str, objects: &[&str]) -> String {
+    let mut parts: Vec<_> = eds.split('[').map(str::to_owned).collect();
+    for part in &mut parts {
+        if objects.iter().any(|object| part.starts_with(&format!("{object}]"))) {
+            assert!(part.contains("PDOMapping=0x1"), "{part}");
+            *part = part.replace("PDOMapping=0x1", "PDOMapping=0");
+        }
+    }
+    parts.join("[")
+}
+
 /// A folder with a cell and its scenarios.
 pub(crate) struct CanCell {
     folder: tempfile::TempDir,
@@ -78,7 +90,11 @@ impl CanCell {
         }
         cell.write("cell.yaml", &format!("lineshaft: 1\ncycle: {cycle}\nbackends:\n{buses}{sections}axes:\n{axes}"));
         let eds = setup::sources().join("../../launch-configs/can/cia402_sim.eds");
-        fs::copy(eds, cell.folder.path().join("cia402_sim.eds")).expect("the file of the simulated drive is there");
+        let eds = fs::read_to_string(eds).expect("the file of the simulated drive is there");
+        let unmapped = without_mapping(&eds, &["6060", "6061"]);
+        cell.write("unmapped.eds", &unmapped);
+        let is_unmapped = habit().is_some_and(|habit| habit == "unmapped_mode");
+        cell.write("cia402_sim.eds", if is_unmapped { &unmapped } else { &eds });
         cell
     }
 
