@@ -1,7 +1,7 @@
 //! Homing that the drive runs by itself.
 //!
 //! Law      mode 6 is asked for; once the drive has shown it for 50 ms, in which bit 4 is low, bit 4 starts homing with the number of the
-//!          method. Meanwhile the command is where the axis is. With bits 10 and 12 the zero of the drive is the reference; its counts begin
+//!          method. In mode 6 the command is where the axis is, before and after it stays as it is. With bits 10 and 12 the zero of the drive is the reference; its counts begin
 //!          anew (a new epoch). Bits of an earlier homing count once the drive has cleared one of them, which it may do late, or has set its counts
 //!          anew. Methods 35 and 37 alone need no time, and may leave them as they are. The axis is homed once the drive shows the
 //!          mode of the axis again, so that it cannot jump after an axis that moves off at once; with interface torque, which follows where the
@@ -127,10 +127,12 @@ impl Axis {
     /// The motion of a cycle in which the drive moves the axis: where it will be when the outputs of this cycle reach it, so
     /// that it can be taken over from there.
     pub(in super::super) fn follow_drive(&mut self) {
-        // A drive that returns from its zero to the mode of the axis is asked to stay where it is.
         let is_returning =
             matches!(self.homing.run, Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
-        if !is_returning {
+        if is_returning || self.shown.mode() != MODE_HOMING {
+            // In the mode of the axis the drive goes where it is asked to: a command that followed it would drive it on.
+            self.command = Motion::at_rest(self.command.position);
+        } else {
             let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
             let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
             self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };

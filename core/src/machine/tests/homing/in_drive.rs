@@ -164,6 +164,23 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
 }
 
+/// A drive that is to home and is still in mode 8 goes where it is asked to, and trembles: a command that followed it would drive it away.
+#[test]
+fn command_stays_until_the_drive_is_in_mode_homing() {
+    let mut rig = in_drive(0, 0);
+    rig.tamper = |inputs| {
+        inputs.drive[0].mode = MODE_CSP;
+        inputs.drive[0].count += (inputs.cycle % 7) as i64;
+    };
+    rig.run(1);
+    let asked = rig.outputs().drive[0].position;
+    home(&mut rig, 3);
+    for cycle in 0..300 {
+        rig.run(1);
+        assert_eq!((rig.outputs().drive[0].position, rig.state("x")), (asked, "HOMING"), "{cycle}");
+    }
+}
+
 /// The drive has its zero and shows mode 6 for 300 ms more: the axis is homed after that, and moves off in the mode of the axis only.
 #[test]
 fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
