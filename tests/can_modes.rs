@@ -1,9 +1,23 @@
 //! CANopen drives that somebody else has written, commanded in modes that are not cyclic, and as the numbers of MACS say.
 
 use crate::support::can::{Bus, CanDrives};
-use crate::support::can_cell::{CanCell, Shown, axis};
+use crate::support::can_cell::{CanCell, PATIENCE, Shown, axis};
 use lineshaft_can::sdo::Object;
 use std::fs;
+use std::time::Instant;
+
+/// Waits until a drive shows that mode.
+#[track_caller]
+fn until_mode(drives: &mut CanDrives, node: u8, mode: i64) {
+    let begin = Instant::now();
+    loop {
+        let shown = drives.tell(&format!("get {node} 0x6061 0"))["value"].clone();
+        if shown == mode {
+            return;
+        }
+        assert!(begin.elapsed() < PATIENCE, "node {node} is in mode {shown} instead of {mode}");
+    }
+}
 
 /// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those that the drive positions end to the increment, those of the core within its
 /// window. No setpoint goes before the axis is enabled, and each drive is in its own mode.
@@ -48,7 +62,7 @@ expect:
     ));
     for (node, mode) in [(1, 1), (2, 7), (3, 3)] {
         run.until(&mut drives, node, "enabled", Shown::is_enabled);
-        assert_eq!(drives.tell(&format!("get {node} 0x6061 0"))["value"], mode, "node {node}");
+        until_mode(&mut drives, node, mode);
     }
     run.passes();
     let shown = [1, 2, 3].map(|node| drives.shown(node));
@@ -143,7 +157,7 @@ expect:
 ",
     );
     run.until(&mut drives, 1, "enabled", Shown::is_enabled);
-    assert_eq!(drives.tell("get 1 0x6061 0")["value"], 10);
+    until_mode(&mut drives, 1, 10);
     run.passes();
     assert_eq!(drives.tell("get 1 0x6071 0")["value"], 0);
     let shown = drives.shown(1);

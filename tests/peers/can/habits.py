@@ -2,7 +2,7 @@
 
 `habit NODE NAME` on the control socket gives a drive one of them, before anybody configures it:
 
-  slow_words      looks at its control word in every 4th SYNC alone
+  slow_words      looks at its control word in every 4th cycle alone
   late_homing     shows bits 10 and 12 of the homing before for 200 ms after bit 4 rises
   late_mode       shows a new mode of operation (6061h) after 300 ms
   ack_at_enable   shows the setpoint acknowledge (bit 12) in mode 1 from the moment it is enabled, until a setpoint is given
@@ -20,7 +20,7 @@ BOTH = 0x1400                                                # bits 10 and 12
 class HabitualDrive(Drive):
     def __init__(self, *args):
         self.habits = set()
-        self.old_bits = self.old_for = self.mode_wait = 0
+        self.old_bits = self.old_for = self.mode_wait = self.cycles = 0
         super().__init__(*args)
 
     def take_habit(self, name):
@@ -35,7 +35,7 @@ class HabitualDrive(Drive):
             self._load_pdos()
 
     def _controlword(self):
-        if "slow_words" not in self.habits or self.counters["sync"] % 4 == 0:
+        if "slow_words" not in self.habits:
             super()._controlword()
 
     def _check_pdo_write(self, index, sub, val):
@@ -45,6 +45,9 @@ class HabitualDrive(Drive):
 
     def advance(self, dt):
         v = self.v
+        self.cycles += 1
+        if "slow_words" in self.habits and self.cycles % 4 == 0:
+            super()._controlword()
         asked = v[MODE]
         if "late_mode" in self.habits and asked != v[MODE_D] and self.mode_wait < 0.3:
             self.mode_wait += dt
