@@ -34,6 +34,8 @@ fn set_moving(bus: &mut Bus) {
     write(0x60FF, &20_000_i32.to_le_bytes());
     for control in [6_u16, 7, 15] {
         write(0x6040, &control.to_le_bytes());
+        // Some drives look at it seldom.
+        thread::sleep(Duration::from_millis(50));
     }
 }
 
