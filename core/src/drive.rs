@@ -372,6 +372,12 @@ impl Interface {
     }
 }
 
+/// Returns how many cycles a bit of the control word keeps each level, so that a drive sees its edge: 50 ms, and 5 at least. Some
+/// drives read their control word in every fourth cycle only.
+pub fn level_cycles(cycle_ns: u64) -> u64 {
+    50_000_000_u64.div_ceil(cycle_ns.max(1)).max(5)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

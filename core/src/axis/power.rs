@@ -3,7 +3,7 @@
 use super::reaction::{Failure, closes_brake};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::{Class, Code};
-use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, NotEnabled, control};
+use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, NotEnabled, control, level_cycles};
 use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
@@ -12,11 +12,6 @@ use serde::{Deserialize, Serialize};
 pub const ENABLE_TIMEOUT_NS: u64 = 5_000_000_000;
 /// How long a drive may take to leave its fault, and an axis to come to rest before its power goes (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
-/// How long each level of a bit stands whose edge a drive has to see: at least so long (ns), and so many cycles. Some drives look at their
-/// control word in every fourth cycle alone.
-const LEVEL_NS: u64 = 50_000_000;
-const LEVEL_CYCLES: u64 = 5;
-
 /// What the axis wants of its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Power {
@@ -326,16 +321,11 @@ impl Axis {
     }
 }
 
-/// How long each level of a bit stands whose edge a drive has to see (cycles; never 0).
-pub(super) fn level_of(cycle_ns: u64) -> u64 {
-    LEVEL_NS.div_ceil(cycle_ns.max(1)).max(LEVEL_CYCLES)
-}
-
 /// The control word of a reset, so many cycles after it began. The reset needs a rising edge: bit 7 was low before, is low in the first cycle,
 /// and then is high and low in turn until the drive leaves its fault, or the time has passed.
 fn reset_word(elapsed: u64, cycle_ns: u64) -> u16 {
     match elapsed.checked_sub(1) {
-        Some(passed) if (passed / level_of(cycle_ns)).is_multiple_of(2) => control::FAULT_RESET,
+        Some(passed) if (passed / level_cycles(cycle_ns)).is_multiple_of(2) => control::FAULT_RESET,
         _ => control::DISABLE_VOLTAGE,
     }
 }

@@ -11,13 +11,12 @@
 //!          homing takes the axis over from its motion, in its own mode, and brakes it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
 
-use super::super::power::level_of;
 use super::super::{Axis, Context};
 use super::{Run, Stage};
 use crate::code::Code;
 use crate::drive::{
     DriveOutput, HomingOrder, Interface, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR,
-    STATUS_TARGET_REACHED, control,
+    STATUS_TARGET_REACHED, control, level_cycles,
 };
 use crate::event::Number;
 use crate::position::Position;
@@ -193,7 +192,7 @@ impl Axis {
                 }
                 Shown::NoBegin | Shown::UnderWay => {}
             }
-        } else if cx.cycle.saturating_sub(shown_since) >= level_of(self.setup.cycle_ns) {
+        } else if cx.cycle.saturating_sub(shown_since) >= level_cycles(self.setup.cycle_ns) {
             // In mode 6 the drive has seen bit 4 low, whatever that was in the mode before.
             drive = drive.start(cx.cycle, told);
         }

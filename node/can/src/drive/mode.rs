@@ -8,7 +8,7 @@
 
 use super::layout::{Asked, Field};
 use super::objects;
-use lineshaft_core::drive::{DriveState, Interface, control};
+use lineshaft_core::drive::{DriveState, Interface, control, level_cycles};
 
 /// Status word bit 12 in mode pp: the setpoint is acknowledged.
 const STATUS_ACKNOWLEDGED: u16 = 0x1000;
@@ -156,20 +156,12 @@ impl Commander {
     }
 }
 
-/// How long bit 4 keeps a level where bit 12 stands from before: at least so long (ns), and so many cycles.
-const LEVEL_NS: u64 = 50_000_000;
-const LEVEL_CYCLES: u64 = 5;
 /// How long a drive may take to acknowledge a setpoint: at least so long (ns), and so many cycles.
 const ACKNOWLEDGE_NS: u64 = 500_000_000;
 const ACKNOWLEDGE_CYCLES: u64 = 25;
 
 fn cycles_of(ns: u64, cycle_ns: u64, least: u64) -> u32 {
     u32::try_from(ns.div_ceil(cycle_ns.max(1)).max(least)).unwrap_or(u32::MAX)
-}
-
-/// Returns how many cycles a bit keeps each level, so that a slow drive sees its edges: 50 ms, 5 at least.
-pub(crate) fn level_cycles(cycle_ns: u64) -> u32 {
-    cycles_of(LEVEL_NS, cycle_ns, LEVEL_CYCLES)
 }
 
 /// The handshake of mode pp: bit 4 hands a setpoint over, bit 12 acknowledges it.
@@ -199,7 +191,7 @@ struct Handshake {
 impl Handshake {
     fn new(cycle_ns: u64) -> Self {
         Self {
-            level_cycles: level_cycles(cycle_ns),
+            level_cycles: u32::try_from(level_cycles(cycle_ns)).unwrap_or(u32::MAX),
             most_cycles: cycles_of(ACKNOWLEDGE_NS, cycle_ns, ACKNOWLEDGE_CYCLES),
             setpoint: 0,
             is_given: false,

@@ -8,13 +8,12 @@
 
 use crate::config::{DriveConfig, Missed, VelocityFactor};
 use crate::drive::layout::{Asked, Layout, Told};
-use crate::drive::mode::level_cycles;
 use crate::drive::probe::{self, Catch, Caught, Probes};
 use crate::drive::{Commander, Counter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
 use crate::sdo::{SdoError, Transfer};
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
-    STATUS_HOMING_ATTAINED, control,
+    STATUS_HOMING_ATTAINED, control, level_cycles,
 };
 use lineshaft_core::object::Object;
 
@@ -122,7 +121,7 @@ impl Drive {
                 layout.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
                 // Saturates.
                 (RETURN_S * 1e9 / cycle_ns as f64) as u32,
-                level_cycles(cycle_ns),
+                u32::try_from(level_cycles(cycle_ns)).unwrap_or(u32::MAX),
             ),
             modes: ModeExchange::new(layout.mode_by_sdo),
             is_enabling: false,
