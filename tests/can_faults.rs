@@ -306,7 +306,7 @@ expect:
     );
     run.until(&mut drives, 1, "it has moved", |shown| shown.position == 5000);
     thread::sleep(ms(4000));
-    for node in ["node 2 (y)", "node 3 (z)"] {
+    for node in ["WARN backend bus0: node 2 (y)", "WARN backend bus0: node 3 (z)"] {
         assert_eq!(run.told(node), 1, "{node}: {}", run.program.log());
     }
     for command in ["dead 2 0", "sdo_mute 3 0"] {
