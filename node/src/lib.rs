@@ -1,5 +1,7 @@
 //! The Lineshaft program: cells, scenarios, the cycle thread and the command line.
 #![forbid(unsafe_code)]
+// Output goes through `output`, which checks every write.
+#![cfg_attr(not(test), deny(clippy::print_stdout))]
 
 pub mod cell;
 pub mod cell_file;
@@ -9,7 +11,9 @@ pub mod errors;
 pub mod functions;
 pub mod graph;
 pub mod interfaces;
+pub mod interrupt;
 pub mod limits;
+mod output;
 #[cfg(test)]
 mod page;
 pub mod parameters;
