@@ -94,7 +94,7 @@ fn send(child: &Child, signal: Signal) {
     kill_process(Pid::from_child(child), signal).expect("it runs");
 }
 
-/// How a process ended, and what it wrote to standard error.
+/// Exit status of a process, and the text that it wrote to standard error.
 #[track_caller]
 fn ended(mut child: Child) -> (ExitStatus, String) {
     until("the end of the program", || child.try_wait().expect("a child of ours").is_some());
@@ -136,7 +136,7 @@ fn interrupted_sim_completes_bag_and_csv_and_reports_how_far_it_came() {
     }
 }
 
-/// A pipe that is full and that nobody empties holds the simulation up: the first signal cannot end it.
+/// A full pipe blocks the simulation, so that the first signal cannot end it.
 #[test]
 fn second_signal_ends_sim_at_once() {
     /// O_NONBLOCK: opening a named pipe for reading does not wait for a writer.

@@ -23,5 +23,6 @@ pub mod run;
 pub mod scenario;
 pub mod store;
 pub mod table;
+mod terminal;
 pub mod tune;
 mod whole_file;

@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod file_hint;
 mod functions;
 mod interfaces;
 mod limits;
@@ -595,12 +596,16 @@ fn command(arguments: Vec<String>) -> Exit {
         }
     };
     let logging = Logging::start(ros.stdout_logs);
+    let first = rest.get(1).cloned();
     let line = match Line::try_parse_from(rest) {
         Ok(line) => line,
         Err(error) => {
             // --help and --version are no errors, and go to standard output.
             let printed = error.print();
             if error.use_stderr() {
+                if let Some(hint) = file_hint::file_hint(&error, first.as_deref()) {
+                    eprintln!("hint: {hint}");
+                }
                 return Exit::Usage;
             }
             let _ = output::kept(printed);

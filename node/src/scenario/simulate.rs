@@ -8,6 +8,7 @@ use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
+use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::command::{Action, Commands};
 use lineshaft_core::config::{ConfigError, MachineConfig};
@@ -18,7 +19,7 @@ use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImag
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -253,7 +254,7 @@ fn failed(path: &Path, error: io::Error) -> SimulateError {
 }
 
 fn progress_bar(cycles: u64, is_wanted: bool) -> ProgressBar {
-    if !is_wanted || !io::stderr().is_terminal() {
+    if !is_wanted || !terminal::has_bars() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(cycles);

@@ -80,7 +80,7 @@ pub(super) fn severity(target: &str, text: &str, severity: u8) -> u8 {
 mod tests {
     use super::*;
 
-    /// Lines as rustdds 0.15.1 writes them, the first three as seen at calls of `ros2`; by its source each tells of an ordinary event.
+    /// Lines as rustdds 0.15.1 writes them; the first three appear at calls of `ros2`. Each reports an ordinary event.
     const HARMLESS: [(&str, &str, u8); 16] = [
         (
             "rustdds::rtps::writer",
