@@ -147,6 +147,20 @@ fn failed_command_keeps_its_exit_code_on_a_full_disk() {
     assert!(said.contains("unknown key `unknown`") && said.contains("cannot write standard output: "), "{said}");
 }
 
+/// As in `lineshaft check bad.yaml 2>&1 | head -1`.
+#[test]
+fn closed_standard_error_keeps_the_exit_code() {
+    let _machine = share();
+    let folder = tempfile::tempdir().expect("a folder");
+    for line in ["check none.yaml", "signals none.yaml", "params --name velmx", "replay none.mcap", "chekc"] {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        command.args(line.split(' ')).current_dir(folder.path()).stdout(Stdio::null()).stderr(writer);
+        assert_eq!(command.status().expect("the program starts").code(), Some(2), "{line}");
+    }
+}
+
 /// A new command has to be added to [`PRINT`], or here with the reason.
 #[test]
 fn every_command_of_the_help_is_tried() {

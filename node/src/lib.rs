@@ -3,6 +3,10 @@
 // Output goes through `output`, which checks every write.
 #![cfg_attr(not(test), deny(clippy::print_stdout))]
 
+// First, as its macros are used by the others.
+#[macro_use]
+mod output;
+
 pub mod cell;
 pub mod cell_file;
 pub mod cli;
@@ -13,7 +17,6 @@ pub mod graph;
 pub mod interfaces;
 pub mod interrupt;
 pub mod limits;
-mod output;
 #[cfg(test)]
 mod page;
 pub mod parameters;

@@ -1,12 +1,27 @@
-//! Standard output of the program: the one place through which every command prints.
+//! Standard output and standard error of the program: the one place through which every command prints.
 //!
 //! A write that fails, as on a full disk, is kept until the command ends: [`finish`] returns it, and the command line reports it. A closed
-//! pipe (`lineshaft signals cell.yaml | head`) is no failure: the reader has seen enough.
+//! pipe (`lineshaft signals cell.yaml | head`) is no failure: the reader has seen enough. Errors of standard error are ignored, as they
+//! cannot be reported; the macros of the standard library panic there.
 #![expect(clippy::disallowed_methods, reason = "no other module writes to standard output")]
 
 use rustix::termios::tcgetwinsize;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
+
+macro_rules! eprint {
+    ($($text:tt)*) => { $crate::output::complain(format_args!($($text)*)) };
+}
+
+macro_rules! eprintln {
+    ($($text:tt)*) => { $crate::output::complain(format_args!("{}\n", format_args!($($text)*))) };
+}
+
+/// Prints to standard error, if it can be written.
+pub(crate) fn complain(text: std::fmt::Arguments<'_>) {
+    // Nothing is left to which this error could be reported.
+    let _ = io::stderr().write_fmt(text);
+}
 
 /// The first write that failed.
 static FAILURE: Mutex<Option<io::Error>> = Mutex::new(None);
