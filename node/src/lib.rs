@@ -1,5 +1,11 @@
 //! The Lineshaft program: cells, scenarios, the cycle thread and the command line.
 #![forbid(unsafe_code)]
+// Output goes through `output`, which checks every write.
+#![cfg_attr(not(test), deny(clippy::print_stdout))]
+
+// First, as its macros are used by the others.
+#[macro_use]
+mod output;
 
 pub mod cell;
 pub mod cell_file;
@@ -9,6 +15,7 @@ pub mod errors;
 pub mod functions;
 pub mod graph;
 pub mod interfaces;
+pub mod interrupt;
 pub mod limits;
 #[cfg(test)]
 mod page;
@@ -19,5 +26,6 @@ pub mod run;
 pub mod scenario;
 pub mod store;
 pub mod table;
+mod terminal;
 pub mod tune;
 mod whole_file;

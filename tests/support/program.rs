@@ -32,6 +32,12 @@ impl Program {
         Self(Captured::start("lineshaft", command, domain, Stdio::null()))
     }
 
+    /// Sends a signal.
+    #[track_caller]
+    pub(crate) fn signal(&self, signal: Signal) {
+        self.0.signal(signal);
+    }
+
     /// Sends the signal of Ctrl-C.
     #[track_caller]
     pub(crate) fn interrupt(&self) {

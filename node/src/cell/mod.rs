@@ -295,6 +295,13 @@ impl Cell {
 /// The cell as far as it could be read; good only when no problem was noted.
 fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> Option<Cell> {
     let mut map = root.map("the cell")?;
+    if ["scenario", "steps", "expect"].iter().any(|key| map.has(key))
+        && !["lineshaft", "cycle", "axes"].iter().any(|key| map.has(key))
+    {
+        let hint = "check it with `lineshaft check CELL --scenario FILE`";
+        map.refuse("this looks like a scenario; a cell is expected", Some(hint.to_owned()));
+        return None;
+    }
     map.required("lineshaft").iter().for_each(check_format);
     let cycle_at = map.required("cycle");
     let cycle_ns = cycle_at.as_ref().and_then(cycle);

@@ -1,9 +1,9 @@
 //! The log: to standard error, and to `/rosout` while there is a node.
 
+use crate::terminal;
 use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, TOLD, log_filter};
 use lineshaft_ros::line_limit::LineLimit;
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::sync::{Arc, PoisonError, RwLock};
 use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
@@ -37,7 +37,7 @@ impl Logging {
         let (writer, guard) = writer.finish(std::io::stderr());
         let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(writer);
         // With nobody left to read it, a line is lost; the machine goes on.
-        let lines = lines.with_ansi(std::io::stderr().is_terminal()).log_internal_errors(false);
+        let lines = lines.with_ansi(terminal::has_colors()).log_internal_errors(false);
         let rosout = Arc::new(Lines::default());
         let layers = tracing_subscriber::registry().with(filter).with(to_stderr.then_some(lines));
         // A second start within one process keeps the first.

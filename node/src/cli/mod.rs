@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod file_hint;
 mod functions;
 mod interfaces;
 mod limits;
@@ -21,6 +22,8 @@ mod validate;
 
 use self::logging::Logging;
 use crate::cell::Preset;
+use crate::interrupt::EndSignal;
+use crate::output;
 use crate::recording::bag::BagOptions;
 use crate::recording::clean::{clean, clean_lines};
 use crate::recording::plot::{HEIGHTS, WIDTHS};
@@ -31,7 +34,6 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use lineshaft_core::parameter::System;
 use lineshaft_ros::layer::{RosArguments, Side};
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -46,6 +48,8 @@ pub enum Exit {
     Usage,
     /// A replay does not do what was recorded.
     Differs,
+    /// A signal has ended it before its result.
+    Signal(EndSignal),
 }
 
 impl From<Exit> for ExitCode {
@@ -55,6 +59,7 @@ impl From<Exit> for ExitCode {
             Exit::Failed => Self::from(1),
             Exit::Usage => Self::from(2),
             Exit::Differs => Self::from(3),
+            Exit::Signal(signal) => Self::from(signal.exit_code()),
         }
     }
 }
@@ -67,7 +72,7 @@ impl From<Exit> for ExitCode {
     long_about = "The electronic line shaft for ROS 2: runs servo axes in a fixed cycle and shows them as topics, services and \
                   actions.\n\nWithout a command it runs the built-in demo cell in simulation.",
     after_help = "Exit codes: 0 good, 1 an expectation or the machine failed, 2 bad usage or a file with errors, \
-                  3 a replay differs from its recording."
+                  3 a replay differs from its recording, 128 and the number of a signal that ended it before its result."
 )]
 struct Line {
     #[command(subcommand)]
@@ -84,7 +89,7 @@ enum Command {
                             qos_overrides.TOPIC.publisher.depth and the like.\n\
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
-                            Ctrl-C halts and disables all axes and ends the node; a second one ends it at once."
+                            Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once."
     )]
     Run(RunArgs),
     /// Play a scenario on a simulated cell, as fast as it goes, without ROS
@@ -578,24 +583,36 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
     if arguments.get(1).is_some_and(|command| command == Side::COMMAND) {
         return lineshaft_ros::side::main();
     }
+    written(command(arguments)).into()
+}
+
+/// Runs the command that the arguments give.
+fn command(arguments: Vec<String>) -> Exit {
     let (ros, rest) = match RosArguments::take(arguments) {
         Ok(taken) => taken,
         Err(error) => {
             complain(&error);
-            return Exit::Usage.into();
+            return Exit::Usage;
         }
     };
     let logging = Logging::start(ros.stdout_logs);
+    let first = rest.get(1).cloned();
     let line = match Line::try_parse_from(rest) {
         Ok(line) => line,
         Err(error) => {
             // --help and --version are no errors, and go to standard output.
-            let exit = if error.use_stderr() { Exit::Usage } else { Exit::Good };
-            let _ = error.print();
-            return exit.into();
+            let printed = error.print();
+            if error.use_stderr() {
+                if let Some(hint) = file_hint::file_hint(&error, first.as_deref()) {
+                    eprintln!("hint: {hint}");
+                }
+                return Exit::Usage;
+            }
+            let _ = output::kept(printed);
+            return Exit::Good;
         }
     };
-    let exit = match line.command {
+    match line.command {
         None => run::run(&RunArgs::default(), &ros, &logging),
         Some(Command::Run(args)) => run::run(&args, &ros, &logging),
         Some(_) if ros != RosArguments::default() => {
@@ -617,8 +634,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
-    };
-    exit.into()
+    }
 }
 
 /// Tells an error, in which foreign text may stand.
@@ -633,12 +649,19 @@ fn warn(warnings: impl IntoIterator<Item = String>) {
     }
 }
 
-/// Prints to standard output; a reader that has seen enough is no failure.
+/// Prints a line to standard output. An error is reported when the command ends.
 fn say(text: &dyn std::fmt::Display) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    output::print_line(text);
 }
 
-/// Prints a text that ends its lines itself; likewise.
+/// Prints a text that contains its line feeds; likewise.
 fn say_all(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    output::print(text);
+}
+
+/// The exit of a command, once all of its output is written. A command that has failed already keeps its own exit.
+fn written(exit: Exit) -> Exit {
+    let Err(error) = output::finish() else { return exit };
+    complain(&format_args!("cannot write standard output: {error}"));
+    if exit == Exit::Good { Exit::Failed } else { exit }
 }

@@ -3,12 +3,11 @@
 use super::{Exit, ParamsArgs, say_all};
 use crate::cell::Cell;
 use crate::document::Document;
+use crate::output;
 use crate::parameters::{Filter, check_import, details, differences, export_text, listing, markdown, meant, values};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_ros::surface::host::Listing;
-use rustix::termios::tcgetwinsize;
-use std::io::{IsTerminal, stdout};
 use std::path::Path;
 
 /// Width of what does not go to a terminal.
@@ -99,7 +98,5 @@ fn fail(sentence: &str) -> Exit {
 
 /// How wide a line may be.
 pub(super) fn width() -> usize {
-    let out = stdout();
-    let columns = out.is_terminal().then(|| tcgetwinsize(&out).ok()).flatten().map(|size| usize::from(size.ws_col));
-    columns.filter(|columns| *columns > 0).map_or(WIDTH, |columns| columns.max(NARROWEST))
+    output::columns().filter(|columns| *columns > 0).map_or(WIDTH, |columns| columns.max(NARROWEST))
 }

@@ -3,8 +3,8 @@
 use super::{Exit, ReplayArgs, complain, say};
 use crate::recording::replay::{ReplayError, Report, Verdict, replay};
 use crate::recording::run::Run;
+use crate::terminal;
 use indicatif::ProgressBar;
-use std::io::IsTerminal;
 
 /// Cycles between two looks at the progress.
 const PROGRESS_CYCLES: u64 = 1024;
@@ -32,7 +32,7 @@ pub(super) fn run(args: &ReplayArgs) -> Exit {
 
 fn play(args: &ReplayArgs) -> Result<Report, ReplayError> {
     let mut run = Run::open(&args.run)?;
-    let bar = match std::io::stderr().is_terminal() {
+    let bar = match terminal::has_bars() {
         true => ProgressBar::new_spinner().with_message("cycles replayed"),
         false => ProgressBar::hidden(),
     };

@@ -10,6 +10,7 @@ use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
+use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::run::bridge::Handle;
 use crate::scenario::{Report, Scenario};
 use lineshaft_core::command::{Action, Command, Commands, Source};
@@ -27,10 +28,6 @@ use lineshaft_ros::surface::{Surface, check_names, start_commands};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
-
-/// Within this time another signal is the first one, passed on twice.
-pub(super) const SAME_SIGNAL: Duration = Duration::from_millis(500);
 
 pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit {
     let (cell, title) = match &args.cell {
@@ -282,31 +279,6 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
     })
 }
 
-/// The signals that end the program.
-pub(super) struct Signals([UnixSignal; 3]);
-
-impl Signals {
-    /// # Errors
-    /// The system does not give them.
-    pub(super) fn new() -> std::io::Result<Self> {
-        Ok(Self([
-            signal(SignalKind::interrupt())?,
-            signal(SignalKind::terminate())?,
-            // A terminal that is closed.
-            signal(SignalKind::hangup())?,
-        ]))
-    }
-
-    pub(super) async fn recv(&mut self) {
-        let [interrupt, terminate, hangup] = &mut self.0;
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-            _ = hangup.recv() => {}
-        }
-    }
-}
-
 /// Why the program ends.
 enum Ended {
     BySignal,
@@ -324,7 +296,7 @@ async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Sur
     let mut records = true;
     loop {
         tokio::select! {
-            () = signals.recv() => break,
+            _ = signals.recv() => break,
             _ = look.tick() => {
                 if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
                     return Ended::ScenarioOver(Box::new(report));

@@ -2,9 +2,9 @@
 
 use super::Exit;
 use crate::cell::Cell;
+use crate::output;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::{Entry, Type};
-use std::io::Write;
 use std::path::Path;
 
 pub(super) fn signals(path: &Path) -> Exit {
@@ -24,10 +24,9 @@ pub(super) fn signals(path: &Path) -> Exit {
     };
     let directory = machine.directory();
     let width = directory.iter().map(|(_, entry)| entry.name.len()).max().unwrap_or(0);
-    let mut out = std::io::stdout().lock();
     for (_, entry) in directory.iter() {
-        // A reader that has seen enough, as `head`, is no failure.
-        if writeln!(out, "{:width$}  {}", entry.name, describe(entry)).is_err() {
+        // Nothing is printed any more: the reader has seen enough, or the disk is full.
+        if !output::print_line(&format_args!("{:width$}  {}", entry.name, describe(entry))) {
             break;
         }
     }

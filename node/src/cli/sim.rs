@@ -1,7 +1,8 @@
 //! `lineshaft sim`.
 
-use super::{Exit, SimArgs, say, store};
+use super::{Exit, SimArgs, complain, say, store};
 use crate::cell::Cell;
+use crate::interrupt::Interrupt;
 use crate::scenario::{Options, Scenario, SimulateError, simulate_with};
 
 pub(super) fn sim(args: &SimArgs) -> Exit {
@@ -15,7 +16,14 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     };
     let Ok(store) = store::open(&args.store, &mut cell) else { return Exit::Usage };
     let (csv, record) = (args.csv.clone(), args.record.options());
-    let options = Options { csv, record, events: args.events, progress: true };
+    let interrupt = match Interrupt::listen() {
+        Ok(interrupt) => interrupt,
+        Err(error) => {
+            complain(&format_args!("signals of the system cannot be received: {error}"));
+            return Exit::Failed;
+        }
+    };
+    let options = Options { csv, record, events: args.events, progress: true, interrupt };
     match simulate_with(&cell, &scenario, &options, store) {
         Ok(report) => {
             say(&report);
@@ -26,6 +34,7 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
             match error {
                 // Neither the files nor the usage were bad: the disk was.
                 SimulateError::Record(_) | SimulateError::Store(_) => Exit::Failed,
+                SimulateError::Interrupted { signal, .. } => Exit::Signal(signal),
                 _ => Exit::Usage,
             }
         }

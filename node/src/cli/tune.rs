@@ -7,8 +7,9 @@ use super::{Exit, TuneArgs, complain, say, store};
 use crate::cell::{Cell, CellBackend};
 use crate::cell_file::EditError;
 use crate::document::Problems;
+use crate::interrupt::Interrupt;
 use crate::recording::plot::{Problem, Target};
-use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_simulated, write_plot};
+use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_until, write_plot};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::unit::{Quantity, Scale};
 use lineshaft_ros::layer::NodeName;
@@ -48,6 +49,7 @@ impl TuneError {
             | Self::Refused { .. }
             | Self::Real(RealError::Run(_))
             | Self::Run(TrialError::Record(_)) => Exit::Failed,
+            Self::Run(TrialError::Interrupted(signal)) => Exit::Signal(*signal),
             _ => Exit::Usage,
         }
     }
@@ -139,7 +141,9 @@ fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
 /// What the axis did.
 fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Result<Record, TuneError> {
     let (ended, record) = if is_simulated {
-        try_simulated(cell, setting, args.record.options().as_ref(), |_| {})?
+        let interrupt = Interrupt::listen()
+            .map_err(|error| RealError::Run(format!("signals of the system cannot be received: {error}")))?;
+        try_until(cell, setting, args.record.options().as_ref(), |_| {}, &interrupt)?
     } else {
         try_real(args, cell, setting)?
     };

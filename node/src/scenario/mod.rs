@@ -162,6 +162,11 @@ impl Scenario {
 
 fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document) -> Option<Plan> {
     let mut map = root.map("the scenario")?;
+    if ["lineshaft", "axes"].iter().any(|key| map.has(key)) && !map.has("scenario") {
+        let hint = "check it with `lineshaft check FILE`".to_owned();
+        map.refuse("this looks like a cell; a scenario is expected", Some(hint));
+        return None;
+    }
     let cycle_ns = names.config.cycle_ns;
     let name = map.required("scenario").and_then(|value| value.text());
     let length = length(&mut map, cycle_ns);

@@ -2,10 +2,13 @@
 
 use super::{Player, Report, Scenario, Trace, moment};
 use crate::cell::Cell;
+use crate::interrupt::{EndSignal, Interrupt};
+use crate::output::StandardOutput;
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
+use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::command::{Action, Commands};
 use lineshaft_core::config::{ConfigError, MachineConfig};
@@ -16,7 +19,7 @@ use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImag
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -35,6 +38,8 @@ pub struct Options {
     pub events: bool,
     /// Show a progress bar, if standard error is a terminal.
     pub progress: bool,
+    /// Ends the simulation before its next cycle.
+    pub interrupt: Interrupt,
 }
 
 /// Why a simulation could not be run to its end. What the scenario finds wrong is in its [`Report`].
@@ -60,12 +65,29 @@ pub enum SimulateError {
     /// The cell makes no machine.
     #[error("the cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
+    /// It was interrupted. What it was to write is complete up to there.
+    #[error("interrupted by {signal} after {} of {}; no expectation was judged", span(.ran, .cycle_ns), span(.cycles, .cycle_ns))]
+    Interrupted {
+        /// By what.
+        signal: EndSignal,
+        /// Cycles that have run.
+        ran: u64,
+        /// Cycles of the scenario.
+        cycles: u64,
+        /// Length of a cycle (ns).
+        cycle_ns: u64,
+    },
+}
+
+/// So many cycles, and their time.
+fn span(cycles: &u64, cycle_ns: &u64) -> String {
+    format!("{cycles} cycles ({} s)", moment::seconds(*cycles, *cycle_ns))
 }
 
 /// Runs a scenario on the cell that it was read for, with a simulation in place of every backend.
 ///
 /// # Errors
-/// The trace or the recording cannot be written, or the cell makes no machine.
+/// The trace or the recording cannot be written, the cell makes no machine, or it was interrupted.
 pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<Report, SimulateError> {
     simulate_with(cell, scenario, options, None)
 }
@@ -97,8 +119,13 @@ pub fn simulate_with(
     let mut sequence = 0;
     // A bar between the lines of the events would tear them.
     let bar = progress_bar(scenario.cycles(), options.progress && !options.events);
-    let mut lines = options.events.then(|| BufWriter::new(io::stdout().lock()));
+    let mut lines = options.events.then(|| BufWriter::new(StandardOutput));
+    let mut ended_by = None;
     for cycle in 0..scenario.cycles() {
+        ended_by = options.interrupt.requested().map(|signal| (signal, cycle));
+        if ended_by.is_some() {
+            break;
+        }
         player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
         inputs.begin(cycle, 0);
         plant.read(&mut inputs);
@@ -116,7 +143,7 @@ pub fn simulate_with(
         }
         if let Some(lines) = &mut lines {
             for event in machine.events() {
-                // Whoever reads may have gone; the simulation goes on.
+                // The reader may have gone; the simulation goes on. Another error is reported at the end of the program.
                 let _ = writeln!(lines, "{}", line(cycle, event, player.commands(), machine.config()));
             }
         }
@@ -135,6 +162,10 @@ pub fn simulate_with(
     }
     if let Some(recorder) = recorder {
         recorder.finish()?;
+    }
+    if let Some((signal, ran)) = ended_by {
+        let (cycles, cycle_ns) = (scenario.cycles(), machine.config().cycle_ns);
+        return Err(SimulateError::Interrupted { signal, ran, cycles, cycle_ns });
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
 }
@@ -223,7 +254,7 @@ fn failed(path: &Path, error: io::Error) -> SimulateError {
 }
 
 fn progress_bar(cycles: u64, is_wanted: bool) -> ProgressBar {
-    if !is_wanted || !io::stderr().is_terminal() {
+    if !is_wanted || !terminal::has_bars() {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(cycles);

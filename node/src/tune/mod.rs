@@ -22,5 +22,6 @@ pub use apply::{apply, by_hand, settings};
 pub use findings::{Answer, Findings, Gain, Subject};
 pub use plot::{draw_plot, write_plot};
 pub use setting::{Bounds, Setting, Unfit};
+pub(crate) use simulated::try_until;
 pub use simulated::{TrialError, try_simulated};
 pub use trial::{Doing, Ended, Stop, Trial};

@@ -3,6 +3,7 @@
 use super::setting::{Setting, Unfit};
 use super::trial::{Ended, Trial};
 use crate::cell::Cell;
+use crate::interrupt::{EndSignal, Interrupt};
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::simulation::SimulationRecorder;
 use lineshaft_core::command::{Command, Commands, Source};
@@ -24,6 +25,9 @@ pub enum TrialError {
     /// The run could not be recorded.
     #[error(transparent)]
     Record(#[from] BagError),
+    /// It was interrupted; the recording is complete up to there.
+    #[error("interrupted by {0}")]
+    Interrupted(EndSignal),
 }
 
 /// Tries the axis on a simulation of all backends, and records the run if it is asked to. `prepare` may change the plant.
@@ -36,6 +40,20 @@ pub fn try_simulated(
     record: Option<&BagOptions>,
     prepare: impl FnOnce(&mut Plant),
 ) -> Result<(Ended, Record), TrialError> {
+    try_until(cell, setting, record, prepare, &Interrupt::default())
+}
+
+/// The same, until it is interrupted.
+///
+/// # Errors
+/// Likewise, or that it was interrupted.
+pub(crate) fn try_until(
+    cell: &Cell,
+    setting: Setting,
+    record: Option<&BagOptions>,
+    prepare: impl FnOnce(&mut Plant),
+    interrupt: &Interrupt,
+) -> Result<(Ended, Record), TrialError> {
     let mut machine = Machine::new(cell.machine.clone())?;
     let mut plant = cell.plant();
     prepare(&mut plant);
@@ -44,7 +62,7 @@ pub fn try_simulated(
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut commands: Vec<Command> = Vec::new();
     let mut number = 0;
-    while trial.ended().is_none() {
+    while trial.ended().is_none() && interrupt.requested().is_none() {
         commands.clear();
         // Drives begin to speak with their first cycle.
         if machine.next_cycle() > 1 {
@@ -64,6 +82,11 @@ pub fn try_simulated(
     }
     if let Some(recorder) = recorder {
         recorder.finish()?;
+    }
+    if trial.ended().is_none()
+        && let Some(signal) = interrupt.requested()
+    {
+        return Err(TrialError::Interrupted(signal));
     }
     Ok((trial.ended().unwrap_or(Ended::Late), trial.record().clone()))
 }

@@ -10,6 +10,7 @@ use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer};
 
+use super::library_lines;
 use crate::layer::log_filter;
 use crate::line_limit::LineLimit;
 use crate::link::protocol::{Line, Report};
@@ -46,6 +47,7 @@ impl<S: Subscriber> Layer<S> for Lines {
             Level::INFO => Line::INFO,
             _ => Line::DEBUG,
         };
+        let severity = library_lines::severity(&text.target, &text.text, severity);
         self.limit.say(place.clone(), |more| {
             // Our own messages need no prefix with their target.
             let is_own = text.target.starts_with(env!("CARGO_CRATE_NAME"));
@@ -93,5 +95,31 @@ impl Visit for Text {
             "message" => write!(self.text, "{value:?}"),
             name => write!(self.text, " {name}={value:?}"),
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    /// The program shows a line at debug only where `RUST_LOG` or `--log-level` asks for it.
+    #[test]
+    fn lines_of_the_library_are_sent_with_their_severity_for_users() {
+        let (reports, sent) = channel();
+        let lines = Lines { reports: Mutex::new(reports), limit: LineLimit::default() };
+        tracing::subscriber::with_default(tracing_subscriber::registry().with(lines), || {
+            let text = "Participant was updated, but DB does not have it. Strange.";
+            tracing::error!(target: "rustdds::rtps::dp_event_loop", "{text}");
+            tracing::error!(target: "rustdds::rtps::dp_event_loop", "dp_event_loop poll failed: {:?}", "no memory");
+        });
+        let line = || match sent.try_recv() {
+            Ok(Report::Line(line)) => (line.severity, line.text),
+            other => panic!("a line is expected, not {other:?}"),
+        };
+        let strange = "rustdds::rtps::dp_event_loop: Participant was updated, but DB does not have it. Strange.";
+        assert_eq!(line(), (Line::DEBUG, strange.to_owned()));
+        let failed = "rustdds::rtps::dp_event_loop: dp_event_loop poll failed: \"no memory\"";
+        assert_eq!(line(), (Line::ERROR, failed.to_owned()));
     }
 }

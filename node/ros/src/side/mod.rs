@@ -13,6 +13,7 @@ mod dispose;
 mod graph;
 mod keeper;
 mod latched;
+mod library_lines;
 mod lines;
 mod listeners;
 mod long_reply;

@@ -39,6 +39,16 @@ fn contacts_are_digital_inputs_by_their_place_among_them() {
 }
 
 #[test]
+fn scenario_instead_of_a_cell_is_reported_in_one_sentence() {
+    let sentence =
+        "this looks like a scenario; a cell is expected, check it with `lineshaft check CELL --scenario FILE`";
+    assert_eq!(said("# first\nscenario: s\nfor: 1 s\nexpect: []\n"), format!("2:1: {sentence}"));
+    assert_eq!(said("steps: []\n"), format!("1:1: {sentence}"));
+    // A cell with a key of a scenario stays a cell.
+    assert!(said("lineshaft: 1\nscenario: s\n").contains("unknown key `scenario` in the cell"));
+}
+
+#[test]
 fn format_and_cycle() {
     for (format, cycle, sentence) in [
         ("^0", "1 ms", "lineshaft is `0`; format version 1 is allowed"),

@@ -9,6 +9,7 @@ use super::args::DumpArgs;
 use super::monitor::{carry, told};
 use crate::cell::{Cell, device_file, passed_over};
 use crate::cli::warn;
+use crate::output;
 use crate::recording::clean::clean;
 use crate::recording::run::{Message, Run, RunError};
 use crate::recording::{Way, attached_files};
@@ -18,7 +19,6 @@ use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::Message as _;
 use lineshaft_msgs::foreign::can_msgs::msg::Frame as Told;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 /// Most names in a sentence.
@@ -50,7 +50,6 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
     let mut run = Run::open(&args.bag)?;
     let (mut decoders, other) = decoders(args, &run)?;
     let (mut topics, mut buses, mut begin) = (BTreeSet::new(), BTreeSet::new(), None);
-    let mut out = std::io::stdout().lock();
     while let Some(message) = run.next_message()? {
         let begin = *begin.get_or_insert(message.log_time);
         let topic = Topic::of(message.topic).filter(|_| message.kind == Told::NAME);
@@ -75,11 +74,8 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
         }
         let since_s = (i128::from(stamp_ns) - i128::from(begin)) as f64 * 1e-9;
         let (bus, way, told) = (clean(bus), way.name(), told(&frame, &words));
-        match writeln!(out, "{since_s:12.6}  {bus}  {way:8}  {told}") {
-            Ok(()) => {}
-            // Whoever reads has seen enough.
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-            Err(error) => return Err(Failure::Bus(format!("the frames cannot be printed: {error}"))),
+        if !output::print_line(&format_args!("{since_s:12.6}  {bus}  {way:8}  {told}")) {
+            return Ok(());
         }
     }
     // A file of which nothing more is whole ends before its time.

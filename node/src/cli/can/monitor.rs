@@ -3,6 +3,8 @@
 use super::Failure;
 use super::args::MonitorArgs;
 use super::open::Known;
+use crate::interrupt::Interrupt;
+use crate::output;
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
 use lineshaft_can::commission::{Carried, Decoder};
@@ -10,9 +12,6 @@ use lineshaft_can::config::DeviceConfig;
 use lineshaft_can::drive::layout::Pdo;
 use lineshaft_can::eds::{Direction, Mapped};
 use lineshaft_can::{Frame, NodeId};
-use std::io::Write;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
     let mut known = Known::of(&args.bus)?;
@@ -26,13 +25,12 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
     for (node, dictionary) in known.dictionaries() {
         decoder.know(node, dictionary.clone());
     }
-    let is_over = until_signal().map_err(|error| Failure::Bus(format!("Ctrl-C cannot be heard: {error}")))?;
+    let interrupt = Interrupt::listen().map_err(|error| Failure::Bus(format!("Ctrl-C cannot be heard: {error}")))?;
     let mut session = known.open()?;
     let begin = session.elapsed();
-    let mut out = std::io::stdout().lock();
     session.listen(|now, frame| {
         let since = now.saturating_sub(begin);
-        if args.time.is_some_and(|time| since >= time) || is_over.load(Ordering::Relaxed) {
+        if args.time.is_some_and(|time| since >= time) || interrupt.requested().is_some() {
             return false;
         }
         let Some(frame) = frame else { return true };
@@ -42,8 +40,7 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
             return true;
         }
         let (since_s, told) = (since.as_secs_f64(), told(frame, &words));
-        // Whoever reads has seen enough.
-        writeln!(out, "{since_s:12.6}  {told}").and_then(|()| out.flush()).is_ok()
+        output::print_line(&format_args!("{since_s:12.6}  {told}"))
     })?;
     Ok(())
 }
@@ -67,26 +64,4 @@ pub(super) fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
 fn carried<W>(node: NodeId, direction: Direction, pdo: &Pdo<W>) -> Carried {
     let mapped = pdo.fields.iter().map(|field| Mapped { object: field.object, bits: field.bits as u8 }).collect();
     Carried { node, direction, number: pdo.number.into(), mapped }
-}
-
-/// Becomes true with Ctrl-C, or the signal that ends a service.
-fn until_signal() -> std::io::Result<Arc<AtomicBool>> {
-    use tokio::signal::unix::{SignalKind, signal};
-    let is_over = Arc::new(AtomicBool::new(false));
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    let told = Arc::clone(&is_over);
-    // From here on, not from when the thread has its turn.
-    let inside = runtime.enter();
-    let (mut interrupt, mut terminate) = (signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?);
-    drop(inside);
-    std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
-        runtime.block_on(async {
-            tokio::select! {
-                _ = interrupt.recv() => {}
-                _ = terminate.recv() => {}
-            }
-        });
-        told.store(true, Ordering::Relaxed);
-    })?;
-    Ok(is_over)
 }

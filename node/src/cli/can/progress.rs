@@ -1,7 +1,7 @@
 //! A bar for what takes longer than a moment, on a terminal.
 
+use crate::terminal;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
 /// A moment: what takes no longer needs no bar.
@@ -18,7 +18,7 @@ pub(super) struct Progress {
 impl Progress {
     /// A bar that is shown once so much time has passed; it counts `unit`.
     pub(super) fn new(unit: &'static str, after: Duration) -> Self {
-        Self { unit, begins: Instant::now() + after, bar: None, is_wanted: std::io::stderr().is_terminal() }
+        Self { unit, begins: Instant::now() + after, bar: None, is_wanted: terminal::has_bars() }
     }
 
     /// So many of so many are done.

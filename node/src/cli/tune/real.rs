@@ -7,8 +7,9 @@
 //! Refuses  backends that do not start
 
 use crate::cell::Cell;
-use crate::cli::run::{Given, Hardware, Prepared, Recording, Running, SAME_SIGNAL, Signals, stop_machine};
+use crate::cli::run::{Given, Hardware, Prepared, Recording, Running, stop_machine};
 use crate::cli::{Exit, TuneArgs};
+use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::run::bridge::Handle;
 use crate::tune::{Ended, Setting, Trial};
 use lineshaft_core::command::Source;
@@ -89,7 +90,7 @@ async fn attend(
         ready = until_ready(&running.handle, setting.axis) => if let Err(why) = ready {
             return (Err(why), None);
         },
-        () = signals.recv() => return (Err("stopped before anything moved".to_owned()), Some(Instant::now())),
+        _ = signals.recv() => return (Err("stopped before anything moved".to_owned()), Some(Instant::now())),
     }
     let (watch, mut back) = match running.handle.begin_trial(setting, Source::Cli) {
         Ok(begun) => begun,
@@ -100,7 +101,7 @@ async fn attend(
     loop {
         tokio::select! {
             trial = &mut back => return (trial.map_err(|_| "the machine has stopped".to_owned()), first),
-            () = signals.recv() => {
+            _ = signals.recv() => {
                 let begun = *first.get_or_insert_with(Instant::now);
                 // A terminal and a wrapper may both pass the same Ctrl-C on.
                 if begun.elapsed() >= SAME_SIGNAL {

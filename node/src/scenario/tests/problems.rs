@@ -63,6 +63,10 @@ fn what_is_no_scenario_is_told() {
     );
     assert_eq!(problems("[1, 2]"), "1:1: the scenario is a list; a mapping is expected\n");
     assert!(problems("scenario: [").contains(": this is not YAML: "), "{}", problems("scenario: ["));
+    assert_eq!(
+        problems("# a cell\nlineshaft: 1\ncycle: 1 ms\naxes: {}\n"),
+        "2:1: this looks like a cell; a scenario is expected, check it with `lineshaft check FILE`\n"
+    );
     let missing = Scenario::load(Path::new("no/such.yaml"), &cell()).unwrap_err().to_string();
     assert!(missing.starts_with("no/such.yaml:1:1: cannot read the file: "), "{missing}");
     let broken = Cell { machine: Default::default(), ..cell() };

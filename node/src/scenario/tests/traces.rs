@@ -1,6 +1,7 @@
 //! Traces as CSV, byte for byte.
 
 use super::*;
+use crate::interrupt::{EndSignal, Interrupt};
 
 #[test]
 fn a_trace_is_exact_to_the_byte() {
@@ -94,6 +95,22 @@ fn a_trace_that_cannot_be_written_is_a_clear_error() {
         let full = error("/dev/full");
         assert!(full.starts_with("cannot write the trace /dev/full: No space left"), "{full}");
     }
+}
+
+/// A request that came before the first cycle: none runs, and the file has its line of names.
+#[test]
+fn interrupted_simulation_ends_before_its_next_cycle_and_completes_the_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trace.csv");
+    let interrupt = Interrupt::default();
+    interrupt.request(EndSignal::Terminate);
+    let options = Options { csv: Some(path.clone()), interrupt, ..Options::default() };
+    let text = "scenario: s\ncycles: 1000\ntrace: [line.state]";
+    let error = simulate(&cell(), &scenario(text), &options).unwrap_err().to_string();
+    let expected =
+        "interrupted by SIGTERM after 0 cycles (0 s) of 1000 cycles (1 s); no expectation was judged".to_owned();
+    assert_eq!(error, expected);
+    assert_eq!(std::fs::read_to_string(path).unwrap(), "cycle,time_s,line.state\n");
 }
 
 #[test]
