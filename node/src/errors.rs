@@ -98,7 +98,7 @@ homing.
 
 ## Contacts of the cell
 
-```
+```yaml
 safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
 ```
 
