@@ -123,7 +123,8 @@ fn files_that_a_page_names_exist() {
     let folders = ["launch-configs", "docs", "tests", "node", "core"];
     for quote in pages::read().iter().flat_map(Page::code) {
         for word in words(&quote.text) {
-            let path = word.split("::").next().unwrap_or_default().trim_end_matches(['.', ',', ':', ';']);
+            let path =
+                word.split("::").next().unwrap_or_default().trim_end_matches(['.', ',', ':', ';', '}', ')', ']']);
             let Some((folder, file)) = path.split_once('/') else { continue };
             // `node/ros/side` is a module; a pattern or a placeholder is no path.
             if !folders.contains(&folder) || !file.contains('.') || path.contains(['*', '{', '<', '(', '$']) {
