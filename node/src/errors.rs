@@ -74,7 +74,7 @@ stops instead of losing it, and a brake that it has closes once it stands. The e
 
 Column *reaction* of the tables below says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
 end of a goal, a warning or a notice. (With `saia.command_error` motor_off whatever refuses a command of `saia` switches the drive
-off as an error, also where the code is one of ours. Nothing raises 89 yet.) Where an axis says `following_error_stops_all: 1`, its following error
+off as an error, also where the code is one of ours.) Where an axis says `following_error_stops_all: 1`, its following error
 stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
 
 `~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. Bit 7 of the control word is high and low in turn then, each for 50 ms
@@ -98,7 +98,7 @@ homing.
 
 ## Contacts of the cell
 
-```
+```yaml
 safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
 ```
 

@@ -18,7 +18,10 @@ mod sim;
 mod store;
 mod table;
 mod tune;
+mod usage;
 mod validate;
+
+pub use self::usage::{UsageError, parses};
 
 use self::logging::Logging;
 use crate::cell::Preset;
