@@ -34,6 +34,7 @@ mod lifecycle;
 mod loops;
 mod motion;
 mod moveit;
+mod new;
 mod on_cam;
 mod outputs;
 mod packages;

@@ -17,6 +17,7 @@ mod program;
 pub mod recording;
 pub mod run;
 pub mod scenario;
+mod starter;
 pub mod store;
 pub mod table;
 pub mod tune;
