@@ -24,6 +24,7 @@ mod can_transports;
 mod cli;
 mod controller_manager;
 mod couplings;
+mod explain;
 mod function_types;
 mod functions;
 mod gripper;

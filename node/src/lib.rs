@@ -6,6 +6,7 @@ pub mod cell_file;
 pub mod cli;
 pub mod document;
 pub mod errors;
+mod explain;
 pub mod functions;
 pub mod graph;
 pub mod interfaces;

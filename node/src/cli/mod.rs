@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod explain;
 mod functions;
 mod interfaces;
 mod limits;
@@ -97,6 +98,9 @@ enum Command {
     New(new::NewArgs),
     /// Print the built-in demo cell
     Demo(new::DemoArgs),
+    /// Explain a code, a parameter, a signal, a function type or field, a verb, or a ROS interface
+    #[command(after_help = explain::HELP)]
+    Explain(explain::ExplainArgs),
     /// List the signals of a cell that can be traced
     Signals(CellArgs),
     /// List the parameters there are, or those of a cell
@@ -613,6 +617,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::New(args)) => new::new(&args),
         Some(Command::Demo(args)) => new::print_demo(&args),
+        Some(Command::Explain(args)) => explain::explain(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
         Some(Command::Limits(args)) => limits::limits(&args),

@@ -65,7 +65,7 @@ pub(super) fn new(args: &NewArgs) -> Exit {
     }
 }
 
-/// Writes the files; what was written, and what to type next.
+/// Writes the files, and returns the report: the files, and the commands to type next.
 fn write(args: &NewArgs) -> Result<String, String> {
     let (kind, file) = wanted(args)?;
     let starter = Starter::new(kind, file)?;

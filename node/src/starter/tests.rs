@@ -1,4 +1,4 @@
-//! What is written, and what is left alone.
+//! The files of starters: they pass alone, and no other file is touched.
 
 use super::*;
 use crate::cell::Cell;
