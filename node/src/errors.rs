@@ -119,6 +119,12 @@ const PARTS: [(&str, u32, u32); 7] = [
     ("Lineshaft: failed", 10_200, 65_535),
 ];
 
+/// Where a code comes from: the heading of its table; empty for 0, which is no code.
+pub(crate) fn part(code: Code) -> &'static str {
+    let is_in = |(_, low, high): &&(&str, u32, u32)| (*low..=*high).contains(&code.0);
+    if code.is_none() { "" } else { PARTS.iter().find(is_in).map_or("Drives", |(name, ..)| *name) }
+}
+
 /// The whole page.
 pub fn markdown() -> String {
     let mut page = INTRODUCTION.to_owned();

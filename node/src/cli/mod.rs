@@ -3,11 +3,13 @@
 mod bag;
 mod can;
 mod check;
+mod explain;
 mod file_hint;
 mod functions;
 mod interfaces;
 mod limits;
 mod logging;
+mod new;
 mod params;
 mod plot;
 mod program;
@@ -99,6 +101,14 @@ enum Command {
     Sim(SimArgs),
     /// Check a cell, and a scenario for it, and report all errors at once
     Check(CheckArgs),
+    /// Write a new cell and a scenario for it, to start from
+    #[command(override_usage = new::USAGE, after_help = new::HELP)]
+    New(new::NewArgs),
+    /// Print the built-in demo cell
+    Demo(new::DemoArgs),
+    /// Explain a code, a parameter, a signal, a function type or field, a verb, or a ROS interface
+    #[command(after_help = explain::HELP)]
+    Explain(explain::ExplainArgs),
     /// List the signals of a cell that can be traced
     Signals(CellArgs),
     /// List the parameters there are, or those of a cell
@@ -625,6 +635,9 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Sim(args)) => sim::sim(&args),
         Some(Command::Tune(args)) => tune::tune(&args),
         Some(Command::Check(args)) => check::check(&args),
+        Some(Command::New(args)) => new::new(&args),
+        Some(Command::Demo(args)) => new::print_demo(&args),
+        Some(Command::Explain(args)) => explain::explain(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
         Some(Command::Limits(args)) => limits::limits(&args),
