@@ -443,5 +443,5 @@ fn there_is_room_for_512_axes() {
         format!("{HEAD}axes:\n{}", (0..count).map(axis).collect::<String>())
     };
     assert_eq!(good(&cell(512)).machine.axes.len(), 512);
-    assert_eq!(said(&cell(513)), "519:3: 513 names stand in this section; at most 512 are possible");
+    assert_eq!(said(&cell(513)), "519:3: 513 entries exceed the maximum of this section, 512");
 }
