@@ -267,6 +267,9 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
+    if let Some(why) = Interface::of_host().ok().and_then(|existing| environment.unreachable(&existing)) {
+        tracing::warn!("{why}");
+    }
     let why = wait_for_end(&running, &is_lost, &mut surface, signals).await;
     stop_machine(&running.handle, || running.cycle.is_finished()).await;
     logging.show_on(None);
