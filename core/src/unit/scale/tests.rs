@@ -254,7 +254,7 @@ fn position_is_shown_as_it_was_given() {
     assert_eq!(x().with_unit(Unit::INCREMENT).unwrap().format_with_increments(largest), format!("{largest} inc"));
 }
 
-/// Whatever the scale: what is shown reads as the increments that it stands for.
+/// For any scale the shown position reads as its increments.
 #[test]
 fn shown_position_reads_as_its_increments() {
     for (increments, per) in [(1_048_576, "10 mm"), (131_072, "20 mm"), (3, "1 m"), (7, "3 mm"), (1, "1 um")] {

@@ -141,7 +141,7 @@ impl Environment {
             Networks::Only(addresses) => addresses.contains(&interface.address),
         };
         let is_any_up = existing.iter().filter(is_used).any(|interface| interface.is_up);
-        // Bridges without a port are down on many hosts; what is named, and the loopback, is meant to be up.
+        // Bridges without a port are down on many hosts. Named interfaces and the loopback should be up.
         let matters =
             |interface: &&Interface| !is_any_up || self.networks != Networks::All || interface.address.is_loopback();
         let down: Vec<_> =

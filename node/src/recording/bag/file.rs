@@ -92,7 +92,7 @@ impl BagFile {
         Ok(Self { path, writer, flushed, channels, first_published, counts, safe, chunk_bytes: 0, chunk_start_ns: 0 })
     }
 
-    /// Writes what stands before the first cycle. Of `topics` the last `published` are those that the node publishes.
+    /// Writes the beginning of the file, before its first cycle. Of `topics` the last `published` are those that the node publishes.
     pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered], published: usize) -> io::Result<()> {
         let time = opening.log_ns;
         for (name, media_type, data) in opening.attachments {

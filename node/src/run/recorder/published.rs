@@ -3,7 +3,7 @@
 //! Law      a message is written with the cycle that it came before, by the system time of both; a bag that begins later
 //!          begins with the latched messages so far
 //!
-//! No publisher waits for this: what finds no room is left out, counted and told.
+//! No publisher waits for this. A message without room is left out and counted, and a line of the log says so.
 
 use crate::recording::Encoded;
 use crate::recording::bag::Retained;
