@@ -202,8 +202,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
                 let taken = board.take(message.log_time, &signals, &mut budget);
                 taken.map_err(|refusal| refusal.into_error(&message, file))?;
             }
-            (Event::NAME, _) if repeats_events(message.topic) => {}
-            (Event::NAME, _) => {
+            (Event::NAME, _) if !repeats_events(message.topic) => {
                 let event: Event = decode(&message, file)?;
                 let time = match by_log_time {
                     true => message.log_time.saturating_sub(event.age_ns.into()),
