@@ -160,7 +160,8 @@ const TUNE_HELP: &str = "\
 Runs the cell without ROS, simulated drives as fast as it goes, real ones only with --real: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
 random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
 a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
-written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc.
+written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc. A number without a unit is in SI (m, rad, m/s, rad/s), and \
+the first line of the output says so.
 
 Examples:
   lineshaft tune cell.yaml x
