@@ -22,6 +22,7 @@ mod can_recovery;
 mod can_terminals;
 mod can_transports;
 mod cli;
+mod compat;
 mod controller_manager;
 mod couplings;
 mod function_types;
