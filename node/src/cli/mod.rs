@@ -3,10 +3,12 @@
 mod bag;
 mod can;
 mod check;
+mod completions;
 mod functions;
 mod interfaces;
 mod limits;
 mod logging;
+mod man;
 mod params;
 mod plot;
 mod program;
@@ -136,6 +138,11 @@ enum Command {
     /// Commission the devices of a CAN bus, without ROS
     #[command(subcommand)]
     Can(can::CanCommand),
+    /// Print the script that completes commands and options in a shell
+    #[command(after_help = "bash: source <(lineshaft completions bash)")]
+    Completions(completions::CompletionsArgs),
+    /// Write a man page of each command
+    Man(man::ManArgs),
 }
 
 const TUNE_HELP: &str = "\
@@ -617,6 +624,8 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
+        Some(Command::Completions(args)) => completions::completions(&args),
+        Some(Command::Man(args)) => man::man(&args),
     };
     exit.into()
 }
