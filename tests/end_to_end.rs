@@ -25,6 +25,7 @@ mod cli;
 mod compat;
 mod controller_manager;
 mod couplings;
+mod deployment;
 mod function_types;
 mod functions;
 mod gripper;
