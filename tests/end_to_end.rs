@@ -19,6 +19,7 @@ mod can_habits;
 mod can_modes;
 mod can_objects;
 mod can_recovery;
+mod can_simulate;
 mod can_terminals;
 mod can_transports;
 mod cli;

@@ -70,7 +70,7 @@ fn carried<W>(node: NodeId, direction: Direction, pdo: &Pdo<W>) -> Carried {
 }
 
 /// Becomes true with Ctrl-C, or the signal that ends a service.
-fn until_signal() -> std::io::Result<Arc<AtomicBool>> {
+pub(super) fn until_signal() -> std::io::Result<Arc<AtomicBool>> {
     use tokio::signal::unix::{SignalKind, signal};
     let is_over = Arc::new(AtomicBool::new(false));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
