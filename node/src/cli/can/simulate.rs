@@ -21,9 +21,7 @@ A bus of datagrams (udp:GROUP:PORT) or an interface vcanN is used as the cell na
 --transport must name it.
 
 Example:
-  sudo ip link add vcan0 type vcan && sudo ip link set vcan0 up
   lineshaft can simulate cell.yaml --transport socketcan:vcan0
-  lineshaft can scan --bus socketcan:vcan0
 
 Exit codes: 0 ended by Ctrl-C, 1 the bus is lost or not there, or a node is there already, 2 bad usage or file.";
 
