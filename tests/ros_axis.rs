@@ -242,9 +242,9 @@ fn sigterm_stops_all_axes_before_the_program_ends() {
     demo.cyclone.run("move /lineshaft --axis turret --mode relative --units increments --position 400000000");
     demo.program.terminate();
     let status = demo.program.wait_exit(EXIT);
-    let log = demo.program.log();
-    assert_eq!(status.code(), Some(0), "{log}");
-    assert!(log.contains("halting all axes") && !log.contains("not all axes"), "{log}");
+    assert_eq!(status.code(), Some(0), "{}", demo.program.log());
+    demo.program.until_log("halting all axes");
+    assert!(!demo.program.log().contains("not all axes"), "{}", demo.program.log());
 }
 
 #[test]
