@@ -3,12 +3,14 @@
 mod bag;
 mod can;
 mod check;
+mod completions;
 mod explain;
 mod file_hint;
 mod functions;
 mod interfaces;
 mod limits;
 mod logging;
+mod man;
 mod new;
 mod params;
 mod plot;
@@ -154,6 +156,11 @@ enum Command {
     /// Commission the devices of a CAN bus, without ROS
     #[command(subcommand)]
     Can(can::CanCommand),
+    /// Print the script that completes commands and options in a shell
+    #[command(after_help = "bash: source <(lineshaft completions bash)")]
+    Completions(completions::CompletionsArgs),
+    /// Write a man page of each command
+    Man(man::ManArgs),
 }
 
 const TUNE_HELP: &str = "\
@@ -651,6 +658,8 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
+        Some(Command::Completions(args)) => completions::completions(&args),
+        Some(Command::Man(args)) => man::man(&args),
     }
 }
 
