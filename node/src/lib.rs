@@ -4,6 +4,7 @@
 pub mod cell;
 pub mod cell_file;
 pub mod cli;
+mod client;
 pub mod document;
 pub mod errors;
 pub mod functions;

@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod client;
 mod functions;
 mod interfaces;
 mod limits;
@@ -84,7 +85,8 @@ enum Command {
                             qos_overrides.TOPIC.publisher.depth and the like.\n\
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
-                            Ctrl-C halts and disables all axes and ends the node; a second one ends it at once."
+                            Ctrl-C halts and disables all axes and ends the node; a second one ends it at once.\n\
+                            From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset."
     )]
     Run(RunArgs),
     /// Play a scenario on a simulated cell, as fast as it goes, without ROS
@@ -136,6 +138,8 @@ enum Command {
     /// Commission the devices of a CAN bus, without ROS
     #[command(subcommand)]
     Can(can::CanCommand),
+    #[command(flatten)]
+    Client(client::ClientCommand),
 }
 
 const TUNE_HELP: &str = "\
@@ -617,6 +621,7 @@ pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
+        Some(Command::Client(command)) => client::client(&command, &logging),
     };
     exit.into()
 }
