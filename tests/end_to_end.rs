@@ -22,6 +22,7 @@ mod can_recovery;
 mod can_terminals;
 mod can_transports;
 mod cli;
+mod client_cli;
 mod controller_manager;
 mod couplings;
 mod function_types;

@@ -82,7 +82,7 @@ pub(super) enum ClientCommand {
 /// Which node.
 #[derive(Clone, Debug, Args)]
 pub(super) struct NodeArgs {
-    /// Full name of the node; without it /lineshaft, or the only Lineshaft node of the domain
+    /// Full name of the node; without it /lineshaft (`state`: or the only Lineshaft node of the domain)
     #[arg(long, value_name = "NAME")]
     node: Option<String>,
     /// How long the node may take to be found and to give a first answer (100 ms to 600 s)
@@ -92,7 +92,7 @@ pub(super) struct NodeArgs {
 
 impl NodeArgs {
     fn options(&self) -> Options {
-        Options { node: self.node.clone(), timeout: self.timeout }
+        Options { node: self.node.clone(), timeout: self.timeout, is_reading: false }
     }
 }
 
@@ -222,7 +222,7 @@ fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, 
 }
 
 pub(super) fn client(command: &ClientCommand, logging: &Logging) -> Exit {
-    // The output is for a person or a script: what fails is reported by the command itself.
+    // The output is for a person or a script, and the command itself reports failures.
     logging.show_errors_only();
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
     let done = match runtime {
@@ -244,7 +244,8 @@ pub(super) fn client(command: &ClientCommand, logging: &Logging) -> Exit {
 async fn run(command: &ClientCommand) -> Result<(), Failure> {
     match command {
         ClientCommand::State(args) => {
-            state(&args.node.options(), StateForm { is_watch: args.watch, is_json: args.json }).await
+            let options = Options { is_reading: true, ..args.node.options() };
+            state(&options, StateForm { is_watch: args.watch, is_json: args.json }).await
         }
         ClientCommand::Enable(args) => axes_command(AxesService::Enable, args).await,
         ClientCommand::Disable(args) => axes_command(AxesService::Disable, args).await,

@@ -1,8 +1,8 @@
 //! Finds the Lineshaft node of a command.
 //!
 //! Law      a node is a Lineshaft node if its service `~/halt` has the type AxesCommand. The name that was given counts; without one it is
-//!          `/lineshaft`. If that is not there after 2 s, the only other Lineshaft node counts
-//! Refuses  to choose one of several
+//!          `/lineshaft`. If that is missing after 2 s, a command that only reads uses the only other Lineshaft node
+//! Refuses  to choose one of several, and to choose for a command that acts: discovery may be slow, and another machine would move
 
 use super::Failure;
 use super::session::{LOOK, Options};
@@ -42,7 +42,7 @@ pub(super) async fn find(node: &Node, environment: &Environment, options: &Optio
         }
         others.ask(node, &wanted);
         let found = others.found();
-        if options.node.is_none() && begun.elapsed() >= COMPLETE {
+        if options.is_reading && options.node.is_none() && begun.elapsed() >= COMPLETE {
             match found.as_slice() {
                 [] => {}
                 [only] => {

@@ -2,7 +2,7 @@
 //!
 //! Law      the goals are sent one after the other and run side by side. Their results are waited for without limit, because a motion may
 //!          take long. A signal cancels all of them, and their ends are still waited for; another one ends the command
-//! Refuses  to go on when the node has ended: what its axes do is not known then
+//! Refuses  to go on when the node has ended, because it is not known what its axes do then
 
 use super::Failure;
 use super::node_log::NodeLog;

@@ -1,4 +1,4 @@
-//! What the node reports of an axis apart from its state: whether it is linear, and the unit in which people read it.
+//! Kind of an axis (linear or rotary), and the unit in which people read it.
 //!
 //! Source   descriptions of parameters, which end in `Unit: mm.`: `max_velocity` is in SI, `amc.position_reference` in the unit of
 //!          the axis
@@ -13,7 +13,7 @@ use lineshaft_ros::layer::{Qos, ServiceClient};
 const IN_SI: &str = "max_velocity";
 const IN_AXIS_UNIT: &str = "amc.position_reference";
 
-/// What is known of an axis.
+/// Kind and unit of an axis, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct AxisInfo {
     /// Linear or rotary.

@@ -10,6 +10,7 @@ use super::info::{AxisInfos, no_axis};
 use super::node_log::NodeLog;
 use super::output::{Progress, position_text, print, short, si_unit};
 use super::session::{Session, axis_states, own_end};
+use super::state::error_line;
 use super::stop::Stop;
 use super::{Failure, Options};
 use crate::recording::clean::clean;
@@ -17,7 +18,7 @@ use lineshaft_core::unit::{ScaleKind, Unit};
 use lineshaft_msgs::msg::{AxisState, AxisStates, Setpoints};
 use lineshaft_ros::layer::{Publisher, Qos, Subscription};
 use std::time::Duration;
-use tokio::time::{Instant, Interval, MissedTickBehavior, interval, sleep_until};
+use tokio::time::{Instant, Interval, MissedTickBehavior, interval, sleep_until, timeout};
 
 /// Time between two messages.
 const PERIOD: Duration = Duration::from_millis(20);
@@ -70,6 +71,9 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let stopped = stream.stop().await;
     end?;
     let state = stopped?;
+    if let Some(error) = error_line(&state) {
+        return Err(Failure::Failed(error));
+    }
     print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)))?;
     Ok(())
 }
@@ -104,7 +108,7 @@ struct Stream<'a> {
 }
 
 impl Stream<'_> {
-    /// Publishes the velocity until the time is over or a signal comes.
+    /// Publishes the velocity until the time has passed or a signal comes.
     async fn run(&mut self, velocity: f64, time: Option<Duration>) -> Result<(), Failure> {
         let session = self.session;
         let gone = session.gone();
@@ -165,6 +169,8 @@ impl Stream<'_> {
             self.ticks.tick().await;
             self.setpoints.publish(&message(self.axis, 0.0)).map_err(Failure::failed)?;
         }
+        // States from before that do not show whether it rests now.
+        while matches!(timeout(Duration::ZERO, self.states.next()).await, Ok(Some(_))) {}
         let session = self.session;
         let gone = session.gone();
         tokio::pin!(gone);
@@ -175,7 +181,7 @@ impl Stream<'_> {
                     let states = states.ok_or_else(own_end)?;
                     let Some(state) = of_axis(&states, self.axis) else { return Err(no_axis(session, self.axis)) };
                     self.show(state);
-                    if state.state != AxisState::CONTINUOUS_MOTION {
+                    if state.state != AxisState::CONTINUOUS_MOTION && state.command_velocity == 0.0 {
                         return Ok(state.clone());
                     }
                 }

@@ -25,10 +25,12 @@ const GONE: Duration = Duration::from_secs(1);
 /// Which node, and how long it may take to be found.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Its name; `None`: `/lineshaft`, or the only Lineshaft node.
+    /// Its name; `None`: `/lineshaft`, or for a command that only reads, the only Lineshaft node.
     pub(crate) node: Option<String>,
     /// Maximum time to find it and for a first answer.
     pub(crate) timeout: Duration,
+    /// Whether the command only reads, so that a wrong node does no harm.
+    pub(crate) is_reading: bool,
 }
 
 /// Connection to one Lineshaft node.

@@ -130,7 +130,7 @@ fn row(axis: &AxisState, AxisInfo { kind, unit }: AxisInfo) -> [String; 7] {
 }
 
 /// The error of an axis with its cause and remedy, if it has one.
-fn error_line(axis: &AxisState) -> Option<String> {
+pub(super) fn error_line(axis: &AxisState) -> Option<String> {
     if axis.error_code == 0 {
         return None;
     }

@@ -3,7 +3,7 @@
 //! Law      a request is plain CDR without a mark. The server identifies it by its writer and its sequence number (OMG DDS-RPC 1.0,
 //!          basic mapping), and repeats both in the `related_sample_identity` of the reply. The library numbers the samples of a
 //!          writer from 1 on, so the number of a request is the number of requests so far
-//! Refuses  replies without that identity, and replies to requests that this client has not sent; both are ignored
+//! Refuses  replies without that identity, and replies to requests of other clients; both are ignored
 
 use std::collections::HashMap;
 
@@ -30,7 +30,7 @@ pub enum ClientError {
     Unreadable {
         /// Full name of the service.
         service: FullName,
-        /// What is wrong with it.
+        /// The error of the decoder.
         reason: String,
     },
     /// The node of the client has ended.
