@@ -59,7 +59,8 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
         return Err(Failure::Failed(format!("{name}: the axis is not enabled; `lineshaft enable {name}` enables it")));
     }
     let (log, setpoints) = (NodeLog::open(&session)?, session.publisher::<Setpoints>("setpoints", Qos::STREAM)?);
-    session.matched(&setpoints.topic().to_string(), || setpoints.subscriptions()).await?;
+    // Recorders and other tools may read the topic as well.
+    session.matched(&setpoints.topic().to_string(), || setpoints.subscriptions().min(1)).await?;
     let mut ticks = interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let shown = Shown { kind, unit, progress: Progress::new() };
