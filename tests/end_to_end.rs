@@ -23,6 +23,7 @@ mod can_simulate;
 mod can_terminals;
 mod can_transports;
 mod cli;
+mod client_cli;
 mod compat;
 mod controller_manager;
 mod couplings;

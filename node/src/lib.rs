@@ -10,6 +10,7 @@ mod output;
 pub mod cell;
 pub mod cell_file;
 pub mod cli;
+mod client;
 pub mod document;
 pub mod errors;
 mod explain;

@@ -3,6 +3,7 @@
 mod bag;
 mod can;
 mod check;
+mod client;
 mod completions;
 mod explain;
 mod file_hint;
@@ -96,7 +97,8 @@ enum Command {
                             qos_overrides.TOPIC.publisher.depth and the like.\n\
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
-                            Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once."
+                            Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once.\n\
+                            From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset."
     )]
     Run(RunArgs),
     /// Play a scenario on a simulated cell, as fast as it goes, without ROS
@@ -161,6 +163,8 @@ enum Command {
     Completions(completions::CompletionsArgs),
     /// Write a man page of each command
     Man(man::ManArgs),
+    #[command(flatten)]
+    Client(client::ClientCommand),
 }
 
 const TUNE_HELP: &str = "\
@@ -660,6 +664,7 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Can(command)) => can::can(&command),
         Some(Command::Completions(args)) => completions::completions(&args),
         Some(Command::Man(args)) => man::man(&args),
+        Some(Command::Client(command)) => client::client(&command, &logging),
     }
 }
 

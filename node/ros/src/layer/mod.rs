@@ -4,6 +4,7 @@
 
 mod action;
 mod arguments;
+mod client;
 mod clock;
 mod endpoint;
 mod environment;
@@ -24,6 +25,7 @@ pub use self::action::{
     ActionEvent, ActionOptions, ActionServer, CancelRequest, Cancels, GoalHandle, GoalId, GoalRequest, Status,
 };
 pub use self::arguments::{ArgumentError, Given, Names, Overrides, RosArguments};
+pub use self::client::{ActionClient, ClientError, NodeNames, Progress, RequestNumber, ServiceClient};
 pub use self::clock::{Clock, HostClock, now};
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};

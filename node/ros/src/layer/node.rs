@@ -12,6 +12,7 @@ use tokio::sync::watch;
 
 use super::action::{ActionOptions, ActionServer};
 use super::arguments::{Names, Overrides};
+use super::client::{ActionClient, NodeNames, ServiceClient};
 use super::clock::{Clock, HostClock};
 use super::endpoint::{Context, CreateError};
 use super::environment::Environment;
@@ -227,6 +228,27 @@ impl NodeHandle {
     /// Likewise.
     pub fn action<A: Action>(&self, name: &str, options: ActionOptions) -> Result<ActionServer<A>, CreateError> {
         Ok(ActionServer::new(&self.context, self.context.names.action(name)?, options))
+    }
+
+    /// Calls the service `name` of another node, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
+    ///
+    /// # Errors
+    /// The name.
+    pub fn client<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceClient<S>, CreateError> {
+        Ok(ServiceClient::new(&self.context, self.context.names.service(name)?, qos))
+    }
+
+    /// Sends goals to the action `name` of another node.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn action_client<A: Action>(&self, name: &str) -> Result<ActionClient<A>, CreateError> {
+        Ok(ActionClient::new(&self.context, self.context.names.action(name)?))
+    }
+
+    /// Collects the names of the nodes in the ROS graph from now on.
+    pub fn node_names(&self) -> NodeNames {
+        NodeNames::new(&self.context)
     }
 
     /// What sets the clock by the topic `name`, once it is switched on.
