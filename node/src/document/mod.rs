@@ -28,12 +28,16 @@
 
 mod edit;
 mod map;
+#[cfg(test)]
+mod observer;
 mod parse;
 mod problem;
 mod value;
 
 pub use edit::{Fixed, Source};
 pub use map::Map;
+#[cfg(test)]
+pub(crate) use observer::{Asked, Observer, Seen};
 pub use problem::{Place, Problem, Problems};
 pub use value::{Allowed, Value};
 

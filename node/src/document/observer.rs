@@ -1,0 +1,160 @@
+//! What readers ask of a document, noted while they read. Only tests have it.
+//!
+//! Law      a reader tells its keys by asking for them: [`Map::optional`](super::Map::optional) and the like note the key whether it
+//!          stands in the file or not, and every reader of a value notes its kind and range. No table of keys is kept beside the
+//!          readers, so that none can be out of date
+//! Reads    the places of the values, by which a note becomes a pattern: `axes.*.drive.node`, `groups.*[]`. A key is `*` where nobody
+//!          asked for it by its name: the name is the user's own
+
+use super::{Document, Kind, Node};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::{Arc, Mutex};
+
+/// What a reader takes a value for.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Asked {
+    Text,
+    Boolean,
+    /// Lowest and highest.
+    Integer(i128, i128),
+    Number,
+    Quantity,
+    Choice(Vec<String>),
+    List,
+    Map,
+}
+
+/// What is known of the keys of one pattern.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Seen {
+    /// Mappings that were read to their end and asked for the key as a required one.
+    pub required: usize,
+    /// Mappings that were read to their end and could have the key.
+    pub maps: usize,
+    pub kinds: BTreeSet<Asked>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Note {
+    Key { key: String, is_required: bool },
+    Value(Asked),
+    Finished,
+}
+
+#[derive(Debug)]
+enum Step {
+    Item,
+    Key(String),
+}
+
+/// The root, whose address changes with that of the document.
+const ROOT: usize = 0;
+
+/// The notes of the readers of one document.
+#[derive(Debug, Default)]
+pub(crate) struct Observer {
+    /// By the address of a value: that of the one that holds it, and how it is found there.
+    steps: HashMap<usize, (usize, Step)>,
+    /// Addresses of keys, of which nothing is noted.
+    keys: BTreeSet<usize>,
+    notes: Mutex<Vec<(usize, Note)>>,
+}
+
+impl Document {
+    /// Notes from now on what readers ask for.
+    pub(crate) fn observe(&mut self) -> Arc<Observer> {
+        let mut observer = Observer::default();
+        if let Some(root) = &self.root {
+            observer.add(root, ROOT);
+        }
+        let observer = Arc::new(observer);
+        self.problems.observer = Some(Arc::clone(&observer));
+        observer
+    }
+}
+
+fn address(node: &Node) -> usize {
+    std::ptr::from_ref(node).addr()
+}
+
+impl Observer {
+    fn add(&mut self, node: &Node, own: usize) {
+        match &node.kind {
+            Kind::Scalar { .. } => {}
+            Kind::List(items) => {
+                for item in items {
+                    self.steps.insert(address(item), (own, Step::Item));
+                    self.add(item, address(item));
+                }
+            }
+            Kind::Map(entries) => {
+                for (key, value) in entries {
+                    self.keys.insert(address(key));
+                    self.steps.insert(address(value), (own, Step::Key(key.text().to_owned())));
+                    self.add(value, address(value));
+                }
+            }
+        }
+    }
+
+    pub(super) fn note(&self, node: &Node, note: Note) {
+        let at = address(node);
+        if self.keys.contains(&at) {
+            return;
+        }
+        let at = if self.steps.contains_key(&at) { at } else { ROOT };
+        self.notes.lock().expect("no reader panics while it notes").push((at, note));
+    }
+
+    /// What was asked for so far, by pattern.
+    pub(crate) fn seen(&self) -> BTreeMap<String, Seen> {
+        let notes = self.notes.lock().expect("no reader panics while it notes");
+        let (mut asked, mut finished) = (BTreeMap::<usize, BTreeMap<&str, bool>>::new(), BTreeSet::new());
+        for (at, note) in notes.iter() {
+            match note {
+                Note::Key { key, is_required } => {
+                    *asked.entry(*at).or_default().entry(key).or_default() |= is_required;
+                }
+                Note::Finished => {
+                    finished.insert(*at);
+                }
+                Note::Value(_) => {}
+            }
+        }
+        let mut maps = BTreeMap::<String, usize>::new();
+        for at in &finished {
+            *maps.entry(self.pattern(*at, &asked)).or_default() += 1;
+        }
+        let mut seen = BTreeMap::<String, Seen>::new();
+        for (at, keys) in &asked {
+            let parent = self.pattern(*at, &asked);
+            for (key, is_required) in keys {
+                let entry = seen.entry(join(&parent, key)).or_default();
+                entry.required += usize::from(*is_required && finished.contains(at));
+                entry.maps = maps.get(&parent).copied().unwrap_or_default();
+            }
+        }
+        for (at, note) in notes.iter().filter(|(at, _)| *at != ROOT) {
+            if let Note::Value(kind) = note {
+                seen.entry(self.pattern(*at, &asked)).or_default().kinds.insert(kind.clone());
+            }
+        }
+        seen
+    }
+
+    fn pattern(&self, at: usize, asked: &BTreeMap<usize, BTreeMap<&str, bool>>) -> String {
+        let Some((parent, step)) = self.steps.get(&at) else { return String::new() };
+        let path = self.pattern(*parent, asked);
+        match step {
+            Step::Item => path + "[]",
+            Step::Key(key) => {
+                let is_known = asked.get(parent).is_some_and(|keys| keys.contains_key(key.as_str()));
+                join(&path, if is_known { key.as_str() } else { "*" })
+            }
+        }
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
