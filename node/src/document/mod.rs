@@ -165,6 +165,12 @@ impl Document {
         self.root.as_ref().map(|node| Value::new(node, label.to_owned(), &self.problems))
     }
 
+    /// The document as an editor sees it: numbers, `true` and `null` by the core schema of YAML 1.2.
+    #[cfg(test)]
+    pub(crate) fn json(&self) -> serde_json::Value {
+        self.root.as_ref().map_or(serde_json::Value::Null, observer::json)
+    }
+
     /// The text as it was read.
     pub fn text(&self) -> &str {
         &self.text

@@ -7,6 +7,7 @@
 //!          asked for it by its name: the name is the user's own
 
 use super::{Document, Kind, Node};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 
@@ -157,4 +158,34 @@ impl Observer {
 
 fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// A value by the core schema of YAML 1.2.
+pub(super) fn json(node: &Node) -> Value {
+    match &node.kind {
+        Kind::List(items) => Value::Array(items.iter().map(json).collect()),
+        Kind::Map(entries) => {
+            Value::Object(entries.iter().map(|(key, value)| (key.text().to_owned(), json(value))).collect())
+        }
+        _ if node.is_null() => Value::Null,
+        Kind::Scalar { text, quoted: true } => Value::from(text.as_str()),
+        Kind::Scalar { text, quoted: false } => plain(text),
+    }
+}
+
+fn plain(text: &str) -> Value {
+    let unsigned = |digits: &str, radix| u64::from_str_radix(digits, radix).ok().map(Value::from);
+    let is_number = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte))
+        && text.bytes().any(|byte| byte.is_ascii_digit());
+    match text {
+        "true" | "True" | "TRUE" => Value::from(true),
+        "false" | "False" | "FALSE" => Value::from(false),
+        _ if text.starts_with("0x") => unsigned(&text[2..], 16).unwrap_or_else(|| Value::from(text)),
+        _ if text.starts_with("0o") => unsigned(&text[2..], 8).unwrap_or_else(|| Value::from(text)),
+        _ if is_number => {
+            let whole = text.parse::<i64>().ok().map(Value::from).or_else(|| unsigned(text, 10));
+            whole.or_else(|| text.parse::<f64>().ok().map(Value::from)).unwrap_or_else(|| Value::from(text))
+        }
+        _ => Value::from(text),
+    }
 }

@@ -1,0 +1,166 @@
+//! The reference of the keys of cells, scenarios and descriptions of tables: docs/keys.md, JSON Schema, and `explain`.
+//!
+//! The readers of the files are code, not a table, so that a table beside them could be out of date. Two things prevent that:
+//!
+//! - [`KEYS`] says of each key what it is for, and of which kind and range its value is.
+//! - A test reads all example files and a few cells of its own with an observer (`document/observer.rs`), which notes each key that a
+//!   reader asks for, whether it is in the file or not, and what each value is taken for. The keys that were asked for must be the
+//!   keys of the table, and their kinds, ranges, names and whether they are required must agree with it.
+//!
+//! Parameters of axes and of the machine, and fields of function types, have tables of their own in the core; they are taken from there.
+//!
+//! A key is a path: `axes.*.drive.node` is key `node` in key `drive` of each axis. `*` is a name of the user's own, `[]` an entry of a
+//! list, `condition` an entry of a list `all` or `any`.
+
+mod catalogue;
+mod cell;
+mod description;
+mod markdown;
+mod scenario;
+mod schema;
+
+pub use markdown::markdown;
+pub use schema::schema;
+
+/// Files with keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum File {
+    /// A cell.
+    Cell,
+    /// A scenario.
+    Scenario,
+    /// The description of a table, which `lineshaft table make` reads.
+    Table,
+}
+
+impl File {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Cell, Self::Scenario, Self::Table];
+
+    /// Its name in sentences.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cell => "cell",
+            Self::Scenario => "scenario",
+            Self::Table => "description of a table",
+        }
+    }
+
+    /// Its keys, in the order of the reference.
+    pub fn keys(self) -> impl Iterator<Item = &'static Key> {
+        KEYS.iter().copied().flatten().filter(move |key| key.file == self)
+    }
+}
+
+/// What a value may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A text; numbers and `true` are texts, too.
+    Text,
+    /// `true` or `false`.
+    Boolean,
+    /// A whole number between these, both included.
+    Integer(i128, i128),
+    /// A number.
+    Number,
+    /// A number with a unit of what is named; a number without one is SI.
+    Quantity(&'static str),
+    /// One of these names.
+    Choice(&'static [&'static str]),
+    /// A list; its entries are `[]`.
+    List,
+    /// A mapping with keys of this reference.
+    Map,
+    /// A mapping whose keys are names of the user's own.
+    Names,
+}
+
+/// One key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// The file.
+    pub file: File,
+    /// Where it is: `axes.*.drive.node`.
+    pub path: &'static str,
+    /// What its value may be: one of these.
+    pub shapes: &'static [Shape],
+    /// Every mapping that can have the key must have it.
+    pub required: bool,
+    /// Allowed values, where the shapes do not say it; else empty.
+    pub range: &'static str,
+    /// What holds without the key; empty where nothing does.
+    pub default: &'static str,
+    /// What it is for.
+    pub meaning: &'static str,
+    /// An entry of a file; empty for the entries of lists and of mappings of names.
+    pub example: &'static str,
+    /// The version that it came with.
+    pub since: &'static str,
+}
+
+impl Key {
+    const fn new(
+        file: File,
+        path: &'static str,
+        shapes: &'static [Shape],
+        [range, default, meaning, example]: [&'static str; 4],
+    ) -> Self {
+        Self { file, path, shapes, required: false, range, default, meaning, example, since: "0.1.0" }
+    }
+
+    const fn required(self) -> Self {
+        Self { required: true, ..self }
+    }
+
+    /// The last part of its path: the key as it is written.
+    pub fn name(&self) -> &'static str {
+        self.path.rsplit('.').next().unwrap_or(self.path)
+    }
+}
+
+/// All keys that no other table has.
+pub const KEYS: &[&[Key]] = &[
+    cell::GENERAL,
+    cell::ROS,
+    cell::BACKENDS,
+    cell::NODES,
+    cell::IO,
+    cell::MEMORY,
+    cell::ENCODERS,
+    cell::ENCODER_FORM,
+    cell::AXES,
+    cell::DRIVE,
+    cell::DRIVE_DEVICE,
+    cell::ANALOG,
+    cell::DRIVES,
+    cell::DRIVES_DEVICE,
+    cell::FEEDBACK,
+    cell::FEEDBACK_FORM,
+    cell::SIM,
+    cell::FIXTURES,
+    cell::SECOND,
+    cell::SECTIONS,
+    cell::TABLES,
+    cell::PROGRAMS,
+    cell::FUNCTIONS,
+    cell::MASTERS,
+    cell::GROUPS,
+    scenario::GENERAL,
+    scenario::DRIVE,
+    scenario::STEPS,
+    scenario::WHEN_CONDITION,
+    scenario::WHEN_BOUNDS,
+    scenario::EXPECT,
+    scenario::EXPECT_CONDITION,
+    scenario::CONDITION,
+    scenario::CONDITION_BOUNDS,
+    description::KEYS,
+];
+
+/// The keys of that name: a whole path, or its last part.
+pub fn find(name: &str) -> impl Iterator<Item = &'static Key> {
+    KEYS.iter().copied().flatten().filter(move |key| key.path == name || key.name() == name)
+}
+
+#[cfg(test)]
+mod tests;
