@@ -129,7 +129,12 @@ macro_rules! drive {
             key(
                 concat!($at, ".backend"),
                 TEXT,
-                ["a name of `backends`", "required", "Backend on which the drive is.", "backend: plant"],
+                [
+                    "a name of `backends`",
+                    "required without `reference`",
+                    "Backend on which the drive is.",
+                    "backend: plant",
+                ],
             ),
             key(
                 concat!($at, ".address"),
