@@ -1,17 +1,17 @@
-//! What readers ask of a document, noted while they read. Only tests have it.
+//! Notes which keys the readers of a document ask for. Only tests use it.
 //!
-//! Law      a reader tells its keys by asking for them: [`Map::optional`](super::Map::optional) and the like note the key whether it
-//!          stands in the file or not, and every reader of a value notes its kind and range. No table of keys is kept beside the
-//!          readers, so that none can be out of date
-//! Reads    the places of the values, by which a note becomes a pattern: `axes.*.drive.node`, `groups.*[]`. A key is `*` where nobody
-//!          asked for it by its name: the name is the user's own
+//! Law      a reader asks for each of its keys by name: [`Map::optional`](super::Map::optional), `required` and `allow` note the key,
+//!          whether the file has it or not, and each reader of a value notes its kind and range. The readers themselves are the
+//!          source, so the notes cannot be out of date
+//! Reads    the addresses of the values, by which a note becomes a pattern: `axes.*.drive.node`, `groups.*[]`. A key is `*` if no reader
+//!          asked for it by name: the user chose the name
 
 use super::{Document, Kind, Node};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 
-/// What a reader takes a value for.
+/// The kind of value that a reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Asked {
     Text,
@@ -25,7 +25,7 @@ pub(crate) enum Asked {
     Map,
 }
 
-/// What is known of the keys of one pattern.
+/// The notes on the keys of one pattern.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Seen {
     /// Mappings that were read to their end and asked for the key as a required one.
@@ -107,7 +107,7 @@ impl Observer {
         self.notes.lock().expect("no reader panics while it notes").push((at, note));
     }
 
-    /// What was asked for so far, by pattern.
+    /// Returns all notes so far, by pattern.
     pub(crate) fn seen(&self) -> BTreeMap<String, Seen> {
         let notes = self.notes.lock().expect("no reader panics while it notes");
         let (mut asked, mut finished) = (BTreeMap::<usize, BTreeMap<&str, bool>>::new(), BTreeSet::new());
@@ -160,7 +160,7 @@ fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
 
-/// A value by the core schema of YAML 1.2.
+/// Converts a value by the core schema of YAML 1.2.
 pub(super) fn json(node: &Node) -> Value {
     match &node.kind {
         Kind::List(items) => Value::Array(items.iter().map(json).collect()),

@@ -79,7 +79,7 @@ fn of_row(row: &'static Row) -> Vec<Entry> {
     entries
 }
 
-/// What the value of a parameter may be.
+/// The kinds of value of a parameter.
 fn shapes(row: &Row) -> Vec<Shape> {
     const WHOLE: Shape = Shape::Integer(i64::MIN as i128, i64::MAX as i128);
     match row.measure {

@@ -34,7 +34,7 @@ const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str;
     Key::new(File::Cell, path, shapes, texts)
 }
 
-/// The keys of a device on CAN beside `node`: of a drive, and of an entry of `nodes`.
+/// The keys of a device on CAN in addition to `node`: of a drive, and of an entry of `nodes`.
 macro_rules! device {
     ($at:literal) => {
         [
@@ -185,12 +185,12 @@ macro_rules! drive {
             key(
                 concat!($at, ".probe_1"),
                 &[Choice(&["rising", "falling", "both", "index"])],
-                ["", "not used", "What touch probe 1 of the drive captures.", "probe_1: rising"],
+                ["", "not used", "Edge that touch probe 1 of the drive captures.", "probe_1: rising"],
             ),
             key(
                 concat!($at, ".probe_2"),
                 &[Choice(&["rising", "falling", "both", "index"])],
-                ["", "not used", "What touch probe 2 of the drive captures.", "probe_2: index"],
+                ["", "not used", "Edge that touch probe 2 of the drive captures.", "probe_2: index"],
             ),
             key(
                 concat!($at, ".feed"),
@@ -306,7 +306,7 @@ macro_rules! form {
     };
 }
 
-/// What is along the travel of a simulated drive: of `sim`, and of `sim.second`.
+/// The keys of switches and index pulses of a simulated drive: of `sim`, and of `sim.second`.
 macro_rules! fixtures {
     ($at:literal) => {
         [
@@ -335,13 +335,13 @@ macro_rules! fixtures {
             key(
                 concat!($at, ".home_switch.from"),
                 LENGTH,
-                [ANY, "required", "Where the reference switch begins.", "from: 245 mm"],
+                [ANY, "required", "Lower end of the reference switch.", "from: 245 mm"],
             )
             .required(),
             key(
                 concat!($at, ".home_switch.to"),
                 LENGTH,
-                ["`from` and above", "required", "Where the reference switch ends.", "to: 260 mm"],
+                ["`from` and above", "required", "Upper end of the reference switch.", "to: 260 mm"],
             )
             .required(),
             key(
@@ -483,7 +483,7 @@ pub(super) const ROS: &[Key] = &[
     key(
         "ros.on_loss",
         &[Choice(&["halt", "none"])],
-        ["", "halt", "What happens when the ROS side is lost: all axes halt, or nothing.", "on_loss: none"],
+        ["", "halt", "Reaction to a lost ROS side: all axes halt, or none does.", "on_loss: none"],
     ),
     key(
         "ros.loss_timeout",
@@ -501,7 +501,12 @@ pub(super) const BACKENDS: &[Key] = &[
     key(
         "backends",
         NAMES,
-        ["", "none", "What drives, inputs, outputs and encoders are connected to.", "backends: {plant: {type: sim}}"],
+        [
+            "",
+            "none",
+            "Simulations and buses that drives, inputs, outputs and encoders are connected to.",
+            "backends: {plant: {type: sim}}",
+        ],
     ),
     key("backends.*", MAP, ["", "", "One backend.", ""]),
     key("backends.*.type", &[Choice(&["sim", "can"])], ["", "required", "A simulation, or a CAN bus.", "type: sim"])
@@ -634,11 +639,7 @@ pub(super) const IO: &[Key] = &[
         TIME,
         [TO_10_S, "0 s", "Time for which a new level of the di must last before it counts.", "filter: 5 ms"],
     ),
-    key(
-        "io.*.sim",
-        MAP,
-        ["", "none", "What a latching di sees in the simulation.", "sim: {marks: {of: belt, every: 100 mm}}"],
-    ),
+    key("io.*.sim", MAP, ["", "none", "Simulated marks for a latching di.", "sim: {marks: {of: belt, every: 100 mm}}"]),
     key(
         "io.*.sim.marks",
         MAP,
@@ -648,7 +649,7 @@ pub(super) const IO: &[Key] = &[
     key(
         "io.*.sim.marks.of",
         TEXT,
-        ["an encoder, or an axis with a drive", "required", "What carries the marks.", "of: belt"],
+        ["an encoder, or an axis with a drive", "required", "Encoder or axis that carries the marks.", "of: belt"],
     )
     .required(),
     key(
@@ -892,12 +893,12 @@ pub(super) const FEEDBACK: &[Key] = &[
     key(
         "axes.*.feedback",
         MAP,
-        ["", "the drive, 64 bits", "Where the actual position comes from.", "feedback: {encoder: belt}"],
+        ["", "the drive, 64 bits", "Source of the actual position.", "feedback: {encoder: belt}"],
     ),
     key(
         "axes.*.feedback.encoder",
         TEXT,
-        ["a name of `encoders`", "the drive", "Encoder that the axis reads in place of its drive.", "encoder: belt"],
+        ["a name of `encoders`", "the drive", "Encoder that the axis reads instead of its drive.", "encoder: belt"],
     ),
 ];
 pub(super) const FEEDBACK_FORM: &[Key] = &form!("axes.*.feedback");
@@ -1078,7 +1079,7 @@ pub(super) const SIM: &[Key] = &[
     key(
         "axes.*.sim.encoder_at",
         &[Choice(&["motor", "load"])],
-        ["", "motor", "Where the encoder is that the axis reads from `encoders`.", "encoder_at: load"],
+        ["", "motor", "Place of the encoder that the axis reads from `encoders`.", "encoder_at: load"],
     ),
     key(
         "axes.*.sim.hanging_load",
@@ -1090,7 +1091,7 @@ pub(super) const SIM: &[Key] = &[
     key(
         "axes.*.sim.second",
         MAP,
-        ["", "as the first drive", "What is along the travel of the second of two drives.", "second: {start: 1 mm}"],
+        ["", "as the first drive", "Switches and index pulses of the second of two drives.", "second: {start: 1 mm}"],
     ),
 ];
 
@@ -1134,7 +1135,7 @@ pub(super) const SECTIONS: &[Key] = &[
     key(
         "axes.*.amc.master",
         TEXT,
-        ["an axis, an encoder or a master", "none", "What the reference selector follows.", "master: line"],
+        ["an axis, an encoder or a master", "none", "Master of the reference selector.", "master: line"],
     ),
     key(
         "axes.*.amc.freeze",
@@ -1244,17 +1245,27 @@ pub(super) const FUNCTIONS: &[Key] = &[
     key(
         "functions.*.source",
         TEXT,
-        ["a leader, a signal or none", "required, by the type", "What the function reads.", "source: belt.position"],
+        [
+            "a leader, a signal or none",
+            "required, by the type",
+            "Input value of the function.",
+            "source: belt.position",
+        ],
     ),
     key(
         "functions.*.sink",
         TEXT,
-        ["an axis, a memory cell, an ao or none", "required, by the type", "What the function writes.", "sink: turret"],
+        [
+            "an axis, a memory cell, an ao or none",
+            "required, by the type",
+            "Object that the function writes.",
+            "sink: turret",
+        ],
     ),
     key(
         "functions.*.quantity",
         &[Choice(&["position", "speed"])],
-        ["", "by the type", "What the sink carries.", "quantity: speed"],
+        ["", "by the type", "Quantity of the sink.", "quantity: speed"],
     ),
     key("functions.*.source_bits", &[Integer(16, 64)], ["16, 32, 64", "64", "Width of the source.", "source_bits: 16"]),
     key("functions.*.sink_bits", &[Integer(16, 64)], ["16, 32, 64", "64", "Width of the sink.", "sink_bits: 16"]),
@@ -1276,7 +1287,7 @@ pub(super) const FUNCTIONS: &[Key] = &[
     key(
         "functions.*.on_axis_error",
         &[Choice(&["run", "reset"])],
-        ["", "run", "What an error of the axis that it moves does to the function.", "on_axis_error: reset"],
+        ["", "run", "Reaction of the function to an error of the axis that it moves.", "on_axis_error: reset"],
     ),
     key(
         "functions.*.program",
@@ -1327,7 +1338,7 @@ pub(super) const GROUPS: &[Key] = &[
         [
             "",
             "defaults",
-            "What a trajectory beyond the limits of its axes does.",
+            "Reaction to a trajectory that exceeds the limits of its axes.",
             "trajectory_limits: {on_excess: refuse}",
         ],
     ),

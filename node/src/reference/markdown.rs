@@ -1,6 +1,6 @@
 //! docs/keys.md: the reference as a page.
 
-use super::{File, Key, Shape};
+use super::{FIRST, File, Key, Shape};
 use crate::parameters::{default_text, range_words, unit_text};
 use lineshaft_core::function::TYPES;
 use lineshaft_core::parameter::{Applies, ROWS, Row, Storage};
@@ -13,7 +13,8 @@ const INTRODUCTION: &str = "\
 This page is generated: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib reference`. A test compares it with what the
 program asks of its files.
 
-Keys of cells, of scenarios, and of descriptions of tables (`lineshaft table make`). All keys exist since version 0.1.0.
+Keys of cells, of scenarios, and of descriptions of tables (`lineshaft table make`). A key that names no version
+exists since 0.1.0.
 
 - `axes.*.drive.node` is key `node` in key `drive` of each axis. `*` is a name of your own, `[]` an entry of a list.
 - A quantity is a number and a unit with a blank between, such as `10 mm`. A number without a unit is SI.
@@ -78,14 +79,11 @@ fn heading(file: File, section: &str) -> String {
 fn line(key: &Key) -> String {
     let kinds: Vec<String> = key.shapes.iter().map(|shape| kind(*shape)).collect();
     let example = if key.example.is_empty() { String::new() } else { format!("`{}`", key.example) };
-    cells(&[
-        format!("`{}`", key.path),
-        kinds.join(" or "),
-        range(key),
-        key.default.to_owned(),
-        key.meaning.to_owned(),
-        example,
-    ])
+    let meaning = match key.since {
+        FIRST => key.meaning.to_owned(),
+        since => format!("{} Since {since}.", key.meaning),
+    };
+    cells(&[format!("`{}`", key.path), kinds.join(" or "), range(key), key.default.to_owned(), meaning, example])
 }
 
 fn kind(shape: Shape) -> String {
@@ -103,7 +101,7 @@ fn kind(shape: Shape) -> String {
     .to_owned()
 }
 
-/// What a value may be: its own words, or those of its shapes.
+/// Allowed values: the words of the key, or those of its shapes.
 fn range(key: &Key) -> String {
     if !key.range.is_empty() {
         return key.range.to_owned();

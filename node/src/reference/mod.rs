@@ -1,10 +1,10 @@
 //! The reference of the keys of cells, scenarios and descriptions of tables: docs/keys.md, JSON Schema, and `explain`.
 //!
-//! The readers of the files are code, not a table, so that a table beside them could be out of date. Two things prevent that:
+//! The readers of the files are code, not a table, so a separate table could be out of date. Two things prevent that:
 //!
 //! - [`KEYS`] says of each key what it is for, and of which kind and range its value is.
 //! - A test reads all example files and a few cells of its own with an observer (`document/observer.rs`), which notes each key that a
-//!   reader asks for, whether it is in the file or not, and what each value is taken for. The keys that were asked for must be the
+//!   reader asks for, whether it is in the file or not, and the kind of each value. The keys that were asked for must be the
 //!   keys of the table, and their kinds, ranges, names and whether they are required must agree with it.
 //!
 //! Parameters of axes and of the machine, and fields of function types, have tables of their own in the core; they are taken from there.
@@ -21,6 +21,9 @@ mod schema;
 
 pub use markdown::markdown;
 pub use schema::schema;
+
+/// The version that the first keys came with.
+const FIRST: &str = "0.1.0";
 
 /// Files with keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,7 +55,7 @@ impl File {
     }
 }
 
-/// What a value may be.
+/// The kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A text; numbers and `true` are texts, too.
@@ -80,17 +83,17 @@ pub enum Shape {
 pub struct Key {
     /// The file.
     pub file: File,
-    /// Where it is: `axes.*.drive.node`.
+    /// Its path: `axes.*.drive.node`.
     pub path: &'static str,
-    /// What its value may be: one of these.
+    /// Kinds of its value: one of these.
     pub shapes: &'static [Shape],
     /// Every mapping that can have the key must have it.
     pub required: bool,
-    /// Allowed values, where the shapes do not say it; else empty.
+    /// Allowed values, if the shapes do not say it; else empty.
     pub range: &'static str,
-    /// What holds without the key; empty where nothing does.
+    /// The value without the key; empty if there is none.
     pub default: &'static str,
-    /// What it is for.
+    /// Its purpose, in one sentence.
     pub meaning: &'static str,
     /// An entry of a file; empty for the entries of lists and of mappings of names.
     pub example: &'static str,
@@ -105,7 +108,7 @@ impl Key {
         shapes: &'static [Shape],
         [range, default, meaning, example]: [&'static str; 4],
     ) -> Self {
-        Self { file, path, shapes, required: false, range, default, meaning, example, since: "0.1.0" }
+        Self { file, path, shapes, required: false, range, default, meaning, example, since: FIRST }
     }
 
     const fn required(self) -> Self {

@@ -1,4 +1,4 @@
-//! Keys of scenarios. Verbs, and what stands in them, are those of docs/interfaces.md.
+//! Keys of scenarios. docs/interfaces.md has the verbs and their arguments.
 
 use super::Shape::{Boolean, Choice, Integer, List, Map, Number, Quantity, Text};
 use super::{File, Key, Shape};
@@ -24,7 +24,7 @@ const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str;
     Key::new(File::Scenario, path, shapes, texts)
 }
 
-/// The keys of a condition; those of an expectation may have others beside them.
+/// The keys of a condition; an expectation has further ones.
 macro_rules! condition {
     ($at:literal) => {
         [
@@ -151,14 +151,14 @@ pub(super) const DRIVE: &[Key] = &[
     key(
         "drive[].then",
         &[Choice(&["hold", "repeat", "release"]), Map],
-        ["", "hold", "What comes after the last value; a mapping holds it for a time.", "then: repeat"],
+        ["", "hold", "Behaviour after the last value; a mapping holds it for a time.", "then: repeat"],
     ),
     key("drive[].then.hold", SPAN, [AT_LEAST_1, "required", "How long the last value is held.", "hold: 10 ms"])
         .required(),
 ];
 
 pub(super) const STEPS: &[Key] = &[
-    key("steps", LIST, ["", "none", "What happens when.", "steps: [{at: 0, do: {enable: {}}}]"]),
+    key("steps", LIST, ["", "none", "Steps of the scenario.", "steps: [{at: 0, do: {enable: {}}}]"]),
     key("steps[]", MAP, ["", "", "One step, with `at` or `when`.", ""]),
     key("steps[].name", TEXT, ["any text, once", "none", "Name for `since` of an expectation.", "name: go"]),
     key(
@@ -213,7 +213,7 @@ pub(super) const WHEN_CONDITION: &[Key] = &condition!("steps[].when");
 pub(super) const WHEN_BOUNDS: &[Key] = &bounds!("steps[].when");
 
 pub(super) const EXPECT: &[Key] = &[
-    key("expect", LIST, ["", "none", "What must be true of the run.", "expect: [{signal: x.error, is: 0}]"]),
+    key("expect", LIST, ["", "none", "Expectations on the run.", "expect: [{signal: x.error, is: 0}]"]),
     key("expect[]", MAP, ["", "", "One expectation: a condition, a list of values, or events.", ""]),
     key("expect[].since", TEXT, ["the name of a step", "cycle 0", "Step from which times are counted.", "since: go"]),
     key("expect[].from", RELATIVE, [WHEN, "0", "First cycle; after `since` it may be negative.", "from: 0.1 s"]),

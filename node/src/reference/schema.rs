@@ -1,7 +1,7 @@
 //! JSON Schema (draft-07) of the files, for editors.
 //!
 //! Law      a file that the program takes fits its schema; one that does not fit has an unknown key, misses one that all must have, or
-//!          has a value of another kind. What depends on other keys, and names of objects, only the program checks
+//!          has a value of another kind. Only the program checks names of objects and keys that depend on other keys
 //! Writes   draft-07, which yaml-language-server reads. A value that YAML may read as a number, the program reads as it is written:
 //!          a text with a number in it is taken, too
 
@@ -57,7 +57,7 @@ pub fn schema(file: File) -> Value {
     Value::Object(schema)
 }
 
-/// What is at `path`.
+/// The schema of a key.
 fn of_node(node: &Node, path: &str) -> Value {
     let mut shapes: Vec<Value> = match path {
         "functions.*.type" => vec![json!({ "enum": TYPES.iter().map(|row| row.name).collect::<Vec<_>>() })],

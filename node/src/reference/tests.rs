@@ -14,7 +14,7 @@ use lineshaft_core::parameter::{Applies, ROWS};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What was asked for, by pattern.
+/// Notes on keys, by pattern.
 type Patterns = BTreeMap<String, Seen>;
 
 /// The example files of a kind, with their texts.
@@ -67,7 +67,7 @@ fn cells() -> Vec<(PathBuf, Cell)> {
     examples(File::Cell).into_iter().map(read).collect()
 }
 
-/// What the readers of a kind of file ask for.
+/// The keys that the readers of a kind of file ask for.
 fn asked(file: File) -> Patterns {
     let mut seen = Patterns::new();
     match file {
@@ -210,7 +210,21 @@ fn every_example_file_fits_its_schema() {
     }
 }
 
-/// The same for files that no example is like.
+/// The parts that an editor shows and uses, by the definition of draft-07.
+#[test]
+fn schema_of_a_cell_has_required_keys_names_and_descriptions() {
+    let schema = schema(File::Cell);
+    assert_eq!(schema["$schema"], "http://json-schema.org/draft-07/schema#");
+    assert_eq!(schema["required"], serde_json::json!(["cycle", "lineshaft"]));
+    assert_eq!(schema["additionalProperties"], false);
+    let backend = &schema["properties"]["backends"]["additionalProperties"];
+    assert_eq!(backend["properties"]["type"]["enum"], serde_json::json!(["sim", "can"]));
+    let node =
+        &schema["properties"]["axes"]["additionalProperties"]["properties"]["drive"]["anyOf"][0]["properties"]["node"];
+    assert_eq!(node["description"], "Node ID of the drive.");
+    assert_eq!(node["anyOf"][0], serde_json::json!({"type": "integer", "minimum": 1, "maximum": 127}));
+}
+
 #[test]
 fn files_with_rare_keys_fit_their_schemas() {
     let cells = extra::CELLS.iter().chain([&extra::SCENARIO_CELL]).map(|text| (File::Cell, *text));

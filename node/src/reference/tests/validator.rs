@@ -3,7 +3,7 @@
 use crate::reference::schema::{NUMBER, QUANTITY, WHOLE};
 use serde_json::Value;
 
-/// What does not fit, with its place; nothing of a value that fits.
+/// Returns each mismatch with its place.
 pub(super) fn problems(value: &Value, schema: &Value) -> Vec<String> {
     let mut problems = Vec::new();
     check(value, schema, schema, "", &mut problems);
@@ -91,7 +91,7 @@ fn is_of(value: &Value, kind: &Value) -> bool {
     }
 }
 
-/// What is no number has no order, which is no problem.
+/// Returns true if a value is no number, too.
 fn is_ordered(low: &Value, high: &Value) -> bool {
     low.as_f64().zip(high.as_f64()).is_none_or(|(low, high)| low <= high)
 }
