@@ -12,7 +12,8 @@ const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str;
     Key::new(File::Table, path, shapes, texts)
 }
 
-pub(super) const KEYS: &[Key] = &[
+/// All of them, in the order of the reference.
+pub(super) const KEYS: &[&[Key]] = &[&[
     key(
         "form",
         &[Choice(&["y", "xy"])],
@@ -52,4 +53,4 @@ pub(super) const KEYS: &[Key] = &[
         ["", "required", "Law of motion of the segment; docs/cams.md shows them.", "law: polynomial_5"],
     )
     .required(),
-];
+]];

@@ -2,7 +2,7 @@
 //!
 //! The readers of the files are code, not a table, so a separate table could be out of date. Two things prevent that:
 //!
-//! - [`KEYS`] says of each key what it is for, and of which kind and range its value is.
+//! - The table ([`keys`]) says of each key what it is for, and of which kind and range its value is.
 //! - A test reads all example files and a few cells of its own with an observer (`document/observer.rs`), which notes each key that a
 //!   reader asks for, whether it is in the file or not, and the kind of each value. The keys that were asked for must be the
 //!   keys of the table, and their kinds, ranges, names and whether they are required must agree with it.
@@ -51,7 +51,7 @@ impl File {
 
     /// Its keys, in the order of the reference.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
-        KEYS.iter().copied().flatten().filter(move |key| key.file == self)
+        keys().filter(move |key| key.file == self)
     }
 }
 
@@ -122,47 +122,16 @@ impl Key {
 }
 
 /// All keys that no other table has.
-pub const KEYS: &[&[Key]] = &[
-    cell::GENERAL,
-    cell::ROS,
-    cell::BACKENDS,
-    cell::NODES,
-    cell::IO,
-    cell::MEMORY,
-    cell::ENCODERS,
-    cell::ENCODER_FORM,
-    cell::AXES,
-    cell::DRIVE,
-    cell::DRIVE_DEVICE,
-    cell::ANALOG,
-    cell::DRIVES,
-    cell::DRIVES_DEVICE,
-    cell::FEEDBACK,
-    cell::FEEDBACK_FORM,
-    cell::SIM,
-    cell::FIXTURES,
-    cell::SECOND,
-    cell::SECTIONS,
-    cell::TABLES,
-    cell::PROGRAMS,
-    cell::FUNCTIONS,
-    cell::MASTERS,
-    cell::GROUPS,
-    scenario::GENERAL,
-    scenario::DRIVE,
-    scenario::STEPS,
-    scenario::WHEN_CONDITION,
-    scenario::WHEN_BOUNDS,
-    scenario::EXPECT,
-    scenario::EXPECT_CONDITION,
-    scenario::CONDITION,
-    scenario::CONDITION_BOUNDS,
-    description::KEYS,
-];
+const KEYS: [&[&[Key]]; 3] = [cell::KEYS, scenario::KEYS, description::KEYS];
+
+/// All keys that no other table has, in the order of the reference.
+pub fn keys() -> impl Iterator<Item = &'static Key> {
+    KEYS.into_iter().flatten().copied().flatten()
+}
 
 /// The keys of that name: a whole path, or its last part.
 pub fn find(name: &str) -> impl Iterator<Item = &'static Key> {
-    KEYS.iter().copied().flatten().filter(move |key| key.path == name || key.name() == name)
+    keys().filter(move |key| key.path == name || key.name() == name)
 }
 
 #[cfg(test)]

@@ -20,6 +20,10 @@ const OF_SIGNAL: &str = "a value in the unit of the signal";
 const AMOUNT: &str = "cycles, or a time with its unit";
 const WHEN: &str = "a cycle, a time with its unit, or end";
 
+/// All of them, in the order of the reference.
+pub(super) const KEYS: &[&[Key]] =
+    &[GENERAL, DRIVE, STEPS, WHEN_CONDITION, WHEN_BOUNDS, EXPECT, EXPECT_CONDITION, CONDITION, CONDITION_BOUNDS];
+
 const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str; 4]) -> Key {
     Key::new(File::Scenario, path, shapes, texts)
 }
@@ -97,7 +101,7 @@ macro_rules! bounds {
     };
 }
 
-pub(super) const GENERAL: &[Key] = &[
+const GENERAL: &[Key] = &[
     key("scenario", TEXT, ["any text", "required", "Name of the scenario.", "scenario: x moves"]).required(),
     key("for", SPAN, [AT_LEAST_1, "required, or `cycles`", "Length of the scenario.", "for: 3 s"]),
     key("cycles", &[Integer(1, CYCLES)], ["", "required, or `for`", "Length of the scenario.", "cycles: 3000"]),
@@ -106,7 +110,7 @@ pub(super) const GENERAL: &[Key] = &[
     key("every", SPAN, [AT_LEAST_1, "1", "Cycles from one recorded row to the next.", "every: 10 ms"]),
 ];
 
-pub(super) const DRIVE: &[Key] = &[
+const DRIVE: &[Key] = &[
     key(
         "drive",
         LIST,
@@ -157,7 +161,7 @@ pub(super) const DRIVE: &[Key] = &[
         .required(),
 ];
 
-pub(super) const STEPS: &[Key] = &[
+const STEPS: &[Key] = &[
     key("steps", LIST, ["", "none", "Steps of the scenario.", "steps: [{at: 0, do: {enable: {}}}]"]),
     key("steps[]", MAP, ["", "", "One step, with `at` or `when`.", ""]),
     key("steps[].name", TEXT, ["any text, once", "none", "Name for `since` of an expectation.", "name: go"]),
@@ -209,10 +213,10 @@ pub(super) const STEPS: &[Key] = &[
     key("steps[].optional", &[Boolean], ["", "false", "Whether the step may never act.", "optional: true"]),
 ];
 
-pub(super) const WHEN_CONDITION: &[Key] = &condition!("steps[].when");
-pub(super) const WHEN_BOUNDS: &[Key] = &bounds!("steps[].when");
+const WHEN_CONDITION: &[Key] = &condition!("steps[].when");
+const WHEN_BOUNDS: &[Key] = &bounds!("steps[].when");
 
-pub(super) const EXPECT: &[Key] = &[
+const EXPECT: &[Key] = &[
     key("expect", LIST, ["", "none", "Expectations on the run.", "expect: [{signal: x.error, is: 0}]"]),
     key("expect[]", MAP, ["", "", "One expectation: a condition, a list of values, or events.", ""]),
     key("expect[].since", TEXT, ["the name of a step", "cycle 0", "Step from which times are counted.", "since: go"]),
@@ -294,10 +298,10 @@ pub(super) const EXPECT: &[Key] = &[
     ),
 ];
 
-pub(super) const EXPECT_CONDITION: &[Key] = &condition!("expect[]");
+const EXPECT_CONDITION: &[Key] = &condition!("expect[]");
 /// An entry of `all` and `any`, however deep.
-pub(super) const CONDITION: &[Key] = &condition!("condition");
-pub(super) const CONDITION_BOUNDS: &[Key] = &bounds!("condition");
+const CONDITION: &[Key] = &condition!("condition");
+const CONDITION_BOUNDS: &[Key] = &bounds!("condition");
 
 /// Cycles from a step may be negative.
 const RELATIVE: &[Shape] = &[Quantity("time"), Integer(-CYCLES, CYCLES), Choice(&["end"])];
