@@ -24,6 +24,7 @@ mod page;
 pub mod parameters;
 mod program;
 pub mod recording;
+pub mod reference;
 pub mod run;
 pub mod scenario;
 mod starter;

@@ -52,6 +52,8 @@ mod terminals;
 mod times;
 mod wiring;
 
+#[cfg(test)]
+use crate::document::Observer;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
@@ -79,6 +81,8 @@ pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
 use std::path::Path;
+#[cfg(test)]
+use std::sync::Arc;
 pub(crate) use tables::{Files, listed, table};
 pub use terminals::CellTerminal;
 
@@ -283,6 +287,14 @@ impl Cell {
         let Self { machine, on_can, terminals_on_can, backends, .. } = self;
         let hardware = self.drives().collect();
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
+    }
+
+    /// As [`Cell::parse_beside`], and what its readers asked for.
+    #[cfg(test)]
+    pub(crate) fn parse_observed(path: &Path, text: &str) -> (Result<Self, Problems>, Arc<Observer>) {
+        let mut document = Document::parse(&path.display().to_string(), text);
+        let observer = document.observe();
+        (Self::of(document, &Files::beside(path), None), observer)
     }
 
     fn of(document: Document, files: &Files, preset: Option<Preset>) -> Result<Self, Problems> {

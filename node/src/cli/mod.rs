@@ -18,6 +18,7 @@ mod plot;
 mod program;
 mod replay;
 mod run;
+mod schema;
 mod signals;
 mod sim;
 mod store;
@@ -146,6 +147,8 @@ enum Command {
     /// Find gains for the loops of an axis that are closed here
     #[command(after_help = TUNE_HELP)]
     Tune(TuneArgs),
+    /// Print the JSON Schema of cells or scenarios, for editors
+    Schema(schema::SchemaArgs),
     /// Make, check, draw and convert tables of cams
     #[command(subcommand)]
     Table(table::TableCommand),
@@ -658,6 +661,7 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
+        Some(Command::Schema(args)) => schema::run(&args),
         Some(Command::Table(command)) => table::table(&command),
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),

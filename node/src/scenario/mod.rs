@@ -46,6 +46,8 @@ pub use trace::Trace;
 pub(crate) use verb::{VERBS, parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
 
 use crate::cell::Cell;
+#[cfg(test)]
+use crate::document::Observer;
 use crate::document::{Document, Map, Place, Problems, Value};
 use drive::Drive;
 use expect::Expectation;
@@ -108,6 +110,14 @@ impl Scenario {
     /// All that is wrong with it.
     pub fn parse(name: &str, text: &str, cell: &Cell) -> Result<Self, Problems> {
         Self::read(Document::parse(name, text), Path::new(name), cell)
+    }
+
+    /// As [`Scenario::parse`], and what its readers asked for.
+    #[cfg(test)]
+    pub(crate) fn parse_observed(path: &Path, text: &str, cell: &Cell) -> (Result<Self, Problems>, Arc<Observer>) {
+        let mut document = Document::parse(&path.display().to_string(), text);
+        let observer = document.observe();
+        (Self::read(document, path, cell), observer)
     }
 
     fn read(document: Document, path: &Path, cell: &Cell) -> Result<Self, Problems> {
