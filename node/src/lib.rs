@@ -14,6 +14,7 @@ pub mod limits;
 mod page;
 pub mod parameters;
 mod program;
+mod progress;
 pub mod recording;
 pub mod run;
 pub mod scenario;

@@ -5,8 +5,10 @@ mod can;
 mod check;
 mod functions;
 mod interfaces;
+mod junit;
 mod limits;
 mod logging;
+mod output;
 mod params;
 mod plot;
 mod program;
@@ -48,14 +50,21 @@ pub enum Exit {
     Differs,
 }
 
+impl Exit {
+    /// The exit code.
+    fn code(self) -> u8 {
+        match self {
+            Self::Good => 0,
+            Self::Failed => 1,
+            Self::Usage => 2,
+            Self::Differs => 3,
+        }
+    }
+}
+
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        match exit {
-            Exit::Good => Self::from(0),
-            Exit::Failed => Self::from(1),
-            Exit::Usage => Self::from(2),
-            Exit::Differs => Self::from(3),
-        }
+        Self::from(exit.code())
     }
 }
 
@@ -87,7 +96,8 @@ enum Command {
                             Ctrl-C halts and disables all axes and ends the node; a second one ends it at once."
     )]
     Run(RunArgs),
-    /// Play a scenario on a simulated cell, as fast as it goes, without ROS
+    /// Play a scenario on a simulated cell, as fast as it goes, without ROS; or all scenarios of a folder
+    #[command(after_help = sim::HELP)]
     Sim(SimArgs),
     /// Check a cell, and a scenario for it, and report all errors at once
     Check(CheckArgs),
@@ -288,6 +298,12 @@ struct ValidateArgs {
     /// From where the times of both count
     #[arg(long, value_enum, default_value_t)]
     align: AlignArg,
+    /// Write a JUnit report, one test case for each signal; a file that exists is replaced
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -318,6 +334,9 @@ enum BagCommand {
     Info {
         /// The run: an .mcap file, a folder, or a metadata.yaml
         run: PathBuf,
+        /// Print one JSON object (docs/json.md) instead of the lines
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -398,11 +417,23 @@ struct StoreArgs {
 
 #[derive(Debug, Args)]
 struct SimArgs {
-    /// The cell
-    cell: PathBuf,
+    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml
+    cell: Option<PathBuf>,
     /// The scenario
+    #[arg(long, value_name = "FILE", required_unless_present = "all")]
+    scenario: Option<PathBuf>,
+    /// Play each NAME.scenario.yaml in this folder and in those below it
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["cell", "scenario", "csv", "events", "record", "store"])]
+    all: Option<PathBuf>,
+    /// How many scenarios are played at the same time (1 to 256); left out: one on each processor
+    #[arg(long, value_name = "N", requires = "all", value_parser = value_parser!(u16).range(1..=256))]
+    jobs: Option<u16>,
+    /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
     #[arg(long, value_name = "FILE")]
-    scenario: PathBuf,
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long, conflicts_with = "events")]
+    json: bool,
     /// Write the traced signals to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -419,6 +450,9 @@ struct SimArgs {
 struct ReplayArgs {
     /// The run: an .mcap file, a folder, or a metadata.yaml
     run: PathBuf,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -434,6 +468,9 @@ struct CheckArgs {
     /// Hold it to the bounds of a source that are narrower
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
+    /// Print one JSON object (docs/json.md) instead of the lines
+    #[arg(long)]
+    json: bool,
 }
 
 /// A source to whose bounds a cell is held.

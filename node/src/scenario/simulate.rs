@@ -2,11 +2,11 @@
 
 use super::{Player, Report, Scenario, Trace, moment};
 use crate::cell::Cell;
+use crate::progress::{MOMENT, Progress};
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
-use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::command::{Action, Commands};
 use lineshaft_core::config::{ConfigError, MachineConfig};
 use lineshaft_core::drive::Backend;
@@ -16,12 +16,12 @@ use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImag
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Cycles between two looks at the progress bar.
+/// Cycles from one look at the clock for the progress bar to the next.
 const PROGRESS_CYCLES: u64 = 1024;
 
 /// How a simulation runs.
@@ -96,7 +96,7 @@ pub fn simulate_with(
     let mut player = Player::new(scenario);
     let mut sequence = 0;
     // A bar between the lines of the events would tear them.
-    let bar = progress_bar(scenario.cycles(), options.progress && !options.events);
+    let mut bar = Progress::wanted("cycles", MOMENT, options.progress && !options.events);
     let mut lines = options.events.then(|| BufWriter::new(io::stdout().lock()));
     for cycle in 0..scenario.cycles() {
         player.before(cycle, &mut sequence, Some(&mut plant), MAX_COMMANDS);
@@ -125,10 +125,10 @@ pub fn simulate_with(
             trace.write(cycle, &machine)?;
         }
         if cycle % PROGRESS_CYCLES == 0 {
-            bar.set_position(cycle);
+            bar.set_with(cycle, Some(scenario.cycles()), || doing(&player, cycle, cell.machine.cycle_ns));
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     drop(lines);
     if let Some(trace) = trace {
         trace.finish()?;
@@ -137,6 +137,13 @@ pub fn simulate_with(
         recorder.finish()?;
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
+}
+
+/// How far a simulation is, and the step that fired last.
+fn doing(player: &Player, cycle: u64, cycle_ns: u64) -> String {
+    let seconds = cycle as f64 * cycle_ns as f64 / 1e9;
+    let step = player.last_step().map_or_else(String::new, |step| format!(", {step}"));
+    format!("{seconds:.1} s simulated{step}")
 }
 
 /// An event for people: when, how bad, of what kind, what it says and its code.
@@ -220,15 +227,4 @@ fn create(path: &Path) -> io::Result<File> {
 
 fn failed(path: &Path, error: io::Error) -> SimulateError {
     SimulateError::Csv { path: path.to_owned(), error }
-}
-
-fn progress_bar(cycles: u64, is_wanted: bool) -> ProgressBar {
-    if !is_wanted || !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(cycles);
-    match ProgressStyle::with_template("{bar:40} {percent} %, {pos} of {len} cycles, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

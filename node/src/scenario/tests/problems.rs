@@ -33,7 +33,7 @@ expcet: []
 11:47: x.command.position: `5 deg` is an angle; a length such as `5 m` is expected
 12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, mark, limit, homed, parameter, overrun, warning is allowed
 12:35: count is `many`; a whole number 0..9223372036854775807 is allowed
-13:1: unknown key `expcet` in the scenario, known are scenario, for, cycles, trace, every, drive, steps, expect
+13:1: unknown key `expcet` in the scenario, known are scenario, cell, for, cycles, trace, every, drive, steps, expect
 ";
     assert_eq!(problems(text), expected);
 }
