@@ -21,6 +21,7 @@ mod can_objects;
 mod can_recovery;
 mod can_terminals;
 mod can_transports;
+mod ci;
 mod cli;
 mod controller_manager;
 mod couplings;

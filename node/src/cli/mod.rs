@@ -415,6 +415,10 @@ struct StoreArgs {
     store: Option<PathBuf>,
 }
 
+/// What has a meaning for one scenario only.
+const NOT_WITH_ALL: [&str; 8] =
+    ["cell", "scenario", "csv", "events", "record", "max_bag_size", "max_bag_duration", "store"];
+
 #[derive(Debug, Args)]
 struct SimArgs {
     /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml
@@ -423,10 +427,10 @@ struct SimArgs {
     #[arg(long, value_name = "FILE", required_unless_present = "all")]
     scenario: Option<PathBuf>,
     /// Play each NAME.scenario.yaml in this folder and in those below it
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["cell", "scenario", "csv", "events", "record", "store"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = NOT_WITH_ALL)]
     all: Option<PathBuf>,
     /// How many scenarios are played at the same time (1 to 256); left out: one on each processor
-    #[arg(long, value_name = "N", requires = "all", value_parser = value_parser!(u16).range(1..=256))]
+    #[arg(long, value_name = "N", requires = "all", conflicts_with = "scenario", value_parser = value_parser!(u16).range(1..=256))]
     jobs: Option<u16>,
     /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
     #[arg(long, value_name = "FILE")]

@@ -124,7 +124,8 @@ impl Output {
         exit
     }
 
-    fn object(self, exit: Exit) -> Option<Json> {
+    /// The object, if a program reads it.
+    pub(super) fn object(self, exit: Exit) -> Option<Json> {
         let Collected { mut fields, problems, errors, warnings, notes } = self.collected?;
         let common = [
             ("format", json!(FORMAT)),

@@ -18,7 +18,7 @@ pub(super) fn run(args: &ReplayArgs) -> Exit {
             match report.verdict {
                 Verdict::Same => Exit::Good,
                 Verdict::Differs(_) => Exit::Differs,
-                // A file with errors: what comes after the gap is not known.
+                // A file with errors: nothing is known after the gap.
                 Verdict::Gap { .. } => Exit::Usage,
             }
         }
@@ -75,5 +75,37 @@ fn show(report: &Report, output: &mut Output) {
     fields.into_iter().for_each(|(name, value)| output.set(name, value));
     if output.is_json() {
         report.notes.iter().for_each(|note| output.note(note));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::replay::Difference;
+
+    fn shown(verdict: Verdict) -> Json {
+        let notes = vec!["the recording has no end".to_owned()];
+        let report = Report { verdict, first: 10, cycles: 5, values: 7, messages: 3, notes };
+        let mut output = Output::new("replay", true);
+        show(&report, &mut output);
+        output.object(Exit::Good).unwrap()
+    }
+
+    #[test]
+    fn object_has_the_first_difference_or_the_gap() {
+        let [what, recorded, replayed] = ["x.state", "1", "2"].map(str::to_owned);
+        let found = Difference { cycle: 12, what, recorded, replayed };
+        let object = shown(Verdict::Differs(found));
+        assert_eq!((&object["verdict"], &object["gap"]), (&json!("differs"), &Json::Null));
+        let difference = json!({"cycle": 12, "what": "x.state", "recorded": "1", "replayed": "2"});
+        assert_eq!(
+            (&object["difference"], &object["first_cycle"], &object["cycles"]),
+            (&difference, &json!(10), &json!(5))
+        );
+        assert_eq!((&object["values"], &object["messages"]), (&json!(7), &json!(3)));
+        assert_eq!(object["notes"], json!(["the recording has no end"]));
+        let object = shown(Verdict::Gap { first: 15, next: 18 });
+        assert_eq!((&object["verdict"], &object["difference"]), (&json!("gap"), &Json::Null));
+        assert_eq!(object["gap"], json!({"first_missing_cycle": 15, "next_cycle": 18}));
     }
 }

@@ -1,6 +1,6 @@
 //! `lineshaft sim`.
 //!
-//! Law      one scenario, or all of a folder side by side. What is printed of all does not depend on how many are played at the same time
+//! Law      one scenario, or all of a folder side by side. The output of all is the same for any number of jobs
 
 mod all;
 mod played;

@@ -53,7 +53,7 @@ fn judge(args: &ValidateArgs, output: &mut Output) -> Result<Report, String> {
     let compared = compare(&mut run, &mut expected, &args.tolerance, args.align.into());
     [&mut run, &mut expected].into_iter().for_each(Run::end_progress);
     compared.map_err(|error| {
-        // What is missing may be the reason.
+        // The missing part may be the reason.
         for cut in run.cuts().chain(expected.cuts()) {
             output.note(cut);
         }

@@ -39,7 +39,7 @@ mod step;
 mod trace;
 mod verb;
 
-pub use named_cell::{SUFFIX, cell_beside, cell_of, other_cell};
+pub use named_cell::{SUFFIX, cell_next_to, cell_of, other_cell};
 pub(crate) use names::{did_you_mean, nearest};
 pub use player::Player;
 pub use report::{ExpectationResult, Failure, Report};

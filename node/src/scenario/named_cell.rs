@@ -31,7 +31,7 @@ pub fn cell_of(scenario: &Path) -> Result<PathBuf, Problems> {
     match key(scenario)? {
         Some(Key { path, .. }) if path.is_file() => Ok(path),
         Some(Key { path, place }) => refuse(place, format!("cell: there is no file {}", path.display())),
-        None => match cell_beside(scenario).filter(|path| path.is_file()) {
+        None => match cell_next_to(scenario).filter(|path| path.is_file()) {
             Some(path) => Ok(path),
             None => {
                 let sentence = "the scenario has no cell; name it by the key `cell: FILE`, or put NAME.yaml next to \
@@ -43,7 +43,7 @@ pub fn cell_of(scenario: &Path) -> Result<PathBuf, Problems> {
 }
 
 /// NAME.yaml next to NAME.scenario.yaml, whether it exists or not; none for another name.
-pub fn cell_beside(scenario: &Path) -> Option<PathBuf> {
+pub fn cell_next_to(scenario: &Path) -> Option<PathBuf> {
     let name = scenario.file_name()?.to_str()?;
     let stem = name.strip_suffix(SUFFIX).filter(|stem| !stem.is_empty())?;
     Some(scenario.with_file_name(format!("{stem}.yaml")))

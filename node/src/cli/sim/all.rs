@@ -9,7 +9,7 @@ use crate::cell::Cell;
 use crate::cli::Exit;
 use crate::cli::output::Output;
 use crate::progress::{MOMENT, Progress};
-use crate::scenario::{Options, SUFFIX, Scenario, cell_beside, cell_of, other_cell, simulate};
+use crate::scenario::{Options, SUFFIX, Scenario, cell_next_to, cell_of, other_cell, simulate};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -130,10 +130,10 @@ fn side_by_side(
 fn play_one(scenario: &Path) -> Played {
     let cell = cell_of(scenario);
     // A file that looks like its cell and is not used.
-    let beside = cell_beside(scenario).filter(|path| path.is_file());
-    let note = beside.and_then(|beside| other_cell(scenario, Some(&beside)).map(|_| beside)).map(|beside| {
-        let (file, beside) = (scenario.display(), beside.display());
-        format!("{file}: the cell is the one of its key `cell`, not {beside}")
+    let unused = cell_next_to(scenario).filter(|path| path.is_file() && other_cell(scenario, Some(path)).is_some());
+    let note = unused.map(|unused| {
+        let (file, unused) = (scenario.display(), unused.display());
+        format!("{file}: its key `cell` names the cell; {unused} is not used")
     });
     Played::new(scenario, cell, note, |cell| {
         let cell = Cell::load(cell)?;

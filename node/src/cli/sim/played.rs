@@ -57,7 +57,7 @@ impl Trouble {
         }
     }
 
-    /// What is wrong apart from the problems of files.
+    /// The errors apart from the problems of files.
     fn errors(&self) -> Vec<String> {
         match self {
             Self::Problems(problems) => omitted(problems).into_iter().collect(),
@@ -143,7 +143,7 @@ impl Played {
         }
     }
 
-    /// Prints a line, and more where it has not passed: without times, so that the same files give the same text.
+    /// Prints a line, and the report unless it passed: without times, so that the same files give the same text.
     pub(super) fn show_briefly(&self, output: &mut Output) {
         let verdict = self.verdict().to_uppercase();
         output.say(&format_args!("{verdict:6} {}", self.scenario.display()));

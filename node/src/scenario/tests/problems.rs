@@ -189,3 +189,26 @@ fn a_flood_of_commands_is_told() {
     let report = play(&text, 2).to_string();
     assert!(report.contains("halt was not answered"), "{report}");
 }
+
+#[test]
+fn key_cell_is_a_file() {
+    assert_eq!(problems("scenario: s\ncycles: 1\ncell: []\n"), "3:7: cell is a list; a text is expected\n");
+    assert_eq!(problems("scenario: s\ncycles: 1\ncell: ' '\n"), "3:7: cell is empty; the file of a cell is expected\n");
+    // Which file it is was settled before the scenario is read: any other cell may run it.
+    assert_eq!(scenario("scenario: s\ncycles: 1\ncell: none.yaml\n").cycles(), 1);
+}
+
+#[test]
+fn player_knows_the_step_that_fired_last() {
+    let scenario = scenario(
+        "scenario: s\ncycles: 10\nsteps:\n  - {at: 4, do: {set_memory: {feed: 1}}}\n  - {name: go, at: 2, do: {set_memory: {feed: 2}}}\n",
+    );
+    let mut player = Player::new(&scenario);
+    let mut last = Vec::new();
+    for cycle in 0..6 {
+        player.before(cycle, &mut 0, None, MAX_COMMANDS);
+        last.push(player.last_step());
+    }
+    let go = Some("step `go`".to_owned());
+    assert_eq!(last, [None, None, go.clone(), go, Some("step 1".to_owned()), Some("step 1".to_owned())]);
+}
