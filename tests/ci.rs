@@ -79,7 +79,11 @@ impl Bench {
 /// One that passes on the cell next to it, one that fails on the cell that it names.
 fn two() -> Bench {
     let named = scenario("cell: a/ok.yaml\n", "7 mm");
-    Bench::new(&[("a/ok.yaml", CELL), ("a/ok.scenario.yaml", &scenario("", "0 mm")), ("b.scenario.yaml", &named)])
+    Bench::new(&[
+        ("a/ok.yaml", CELL),
+        ("a/ok.scenario.yaml", scenario("", "0 mm").as_str()),
+        ("b.scenario.yaml", named.as_str()),
+    ])
 }
 
 #[test]
@@ -185,12 +189,12 @@ fn arguments_that_exclude_each_other_are_refused_by_name() {
     let bench = two();
     for (more, name) in [
         (&["--record", "run.mcap"][..], "--record <PATH>"),
-        (&["--max-bag-size", "5"], "--max-bag-size <BYTES>"),
-        (&["--csv", "a.csv"], "--csv <FILE>"),
-        (&["--events"], "--events"),
-        (&["--store", "s.yaml"], "--store <FILE|none>"),
-        (&["--scenario", "b.scenario.yaml"], "--scenario <FILE>"),
-        (&["a/ok.yaml"], "[CELL]"),
+        (&["--max-bag-size", "5"][..], "--max-bag-size <BYTES>"),
+        (&["--csv", "a.csv"][..], "--csv <FILE>"),
+        (&["--events"][..], "--events"),
+        (&["--store", "s.yaml"][..], "--store <FILE|none>"),
+        (&["--scenario", "b.scenario.yaml"][..], "--scenario <FILE>"),
+        (&["a/ok.yaml"][..], "[CELL]"),
     ] {
         let said = bench.run(&[&["sim", "--all", "."], more].concat());
         assert_eq!((said.code, said.out.as_str()), (2, ""), "{more:?}");
@@ -307,8 +311,8 @@ fn recordings_are_described_replayed_and_compared_in_json() {
 
     for (arguments, command) in [
         (&["replay", "none.mcap"][..], "replay"),
-        (&["bag", "info", "none.mcap"], "bag info"),
-        (&["validate", "none.mcap", "--against", "x"], "validate"),
+        (&["bag", "info", "none.mcap"][..], "bag info"),
+        (&["validate", "none.mcap", "--against", "x"][..], "validate"),
     ] {
         let object = bench.object(arguments, 2);
         assert_eq!(object["command"], command);
@@ -366,11 +370,11 @@ fn every_field_is_in_the_page() {
     let mut all = std::collections::BTreeSet::new();
     for (arguments, code) in [
         (&["check", "a/ok.yaml", "--scenario", "b.scenario.yaml"][..], 0),
-        (&["check", "bad.yaml"], 2),
-        (&["sim", "--all", "."], 1),
-        (&["validate", "run.mcap", "--against", "run.mcap"], 0),
-        (&["replay", "run.mcap"], 0),
-        (&["bag", "info", "run.mcap"], 0),
+        (&["check", "bad.yaml"][..], 2),
+        (&["sim", "--all", "."][..], 1),
+        (&["validate", "run.mcap", "--against", "run.mcap"][..], 0),
+        (&["replay", "run.mcap"][..], 0),
+        (&["bag", "info", "run.mcap"][..], 0),
     ] {
         fields(&bench.object(arguments, code), &mut all);
     }
