@@ -69,7 +69,7 @@ pub(super) struct Filter {
 
 impl Mode {
     fn name(self) -> &'static str {
-        MODES.iter().find(|(_, mode)| *mode == self).map_or("", |(name, _)| name)
+        MODES.iter().find(|(_, mode)| *mode == self).map_or("", |(name, _)| *name)
     }
 }
 
