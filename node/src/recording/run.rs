@@ -162,7 +162,10 @@ impl Run {
             let reader = match &mut self.reader {
                 Some(reader) => reader,
                 None => {
-                    let Some(file) = self.files.get(self.next_file) else { return Ok(None) };
+                    let Some(file) = self.files.get(self.next_file) else {
+                        self.progress = None;
+                        return Ok(None);
+                    };
                     self.next_file += 1;
                     self.reader.insert(Messages::open(file)?)
                 }
@@ -192,7 +195,7 @@ impl Run {
     }
 
     /// Calls `progress` now and then while messages are read, with the bytes that were read so far and with those of all files, until
-    /// [`Run::end_progress`].
+    /// the end of the run or [`Run::end_progress`].
     pub fn set_progress(&mut self, progress: impl FnMut(u64, u64) + Send + 'static) {
         self.progress = Some(Box::new(progress));
     }
