@@ -22,6 +22,7 @@ mod can_recovery;
 mod can_simulate;
 mod can_terminals;
 mod can_transports;
+mod ci;
 mod cli;
 mod client_cli;
 mod compat;

@@ -23,6 +23,7 @@ pub mod limits;
 mod page;
 pub mod parameters;
 mod program;
+mod progress;
 pub mod recording;
 pub mod reference;
 pub mod run;

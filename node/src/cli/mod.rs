@@ -4,11 +4,13 @@ mod bag;
 mod can;
 mod check;
 mod client;
+mod command_output;
 mod completions;
 mod explain;
 mod file_hint;
 mod functions;
 mod interfaces;
+mod junit;
 mod limits;
 mod logging;
 mod man;
@@ -61,15 +63,22 @@ pub enum Exit {
     Signal(EndSignal),
 }
 
+impl Exit {
+    /// The exit code.
+    fn code(self) -> u8 {
+        match self {
+            Self::Good => 0,
+            Self::Failed => 1,
+            Self::Usage => 2,
+            Self::Differs => 3,
+            Self::Signal(signal) => signal.exit_code(),
+        }
+    }
+}
+
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        match exit {
-            Exit::Good => Self::from(0),
-            Exit::Failed => Self::from(1),
-            Exit::Usage => Self::from(2),
-            Exit::Differs => Self::from(3),
-            Exit::Signal(signal) => Self::from(signal.exit_code()),
-        }
+        Self::from(exit.code())
     }
 }
 
@@ -102,7 +111,8 @@ enum Command {
                             From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset."
     )]
     Run(RunArgs),
-    /// Play a scenario on a simulated cell, as fast as it goes, without ROS
+    /// Play a scenario on a simulated cell, as fast as it goes, without ROS; or all scenarios of a folder
+    #[command(after_help = sim::HELP)]
     Sim(SimArgs),
     /// Check a cell, and a scenario for it, and report all errors at once
     Check(CheckArgs),
@@ -321,6 +331,12 @@ struct ValidateArgs {
     /// From where the times of both count
     #[arg(long, value_enum, default_value_t)]
     align: AlignArg,
+    /// Write a JUnit report, one test case for each signal; a file that exists is replaced
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -351,6 +367,9 @@ enum BagCommand {
     Info {
         /// The run: an .mcap file, a folder, or a metadata.yaml
         run: PathBuf,
+        /// Print one JSON object (docs/json.md) instead of the lines
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -429,13 +448,29 @@ struct StoreArgs {
     store: Option<PathBuf>,
 }
 
+/// What has a meaning for one scenario only.
+const NOT_WITH_ALL: [&str; 8] =
+    ["cell", "scenario", "csv", "events", "record", "max_bag_size", "max_bag_duration", "store"];
+
 #[derive(Debug, Args)]
 struct SimArgs {
-    /// The cell
-    cell: PathBuf,
+    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml
+    cell: Option<PathBuf>,
     /// The scenario
+    #[arg(long, value_name = "FILE", required_unless_present = "all")]
+    scenario: Option<PathBuf>,
+    /// Play each NAME.scenario.yaml in this folder and in those below it
+    #[arg(long, value_name = "DIR", conflicts_with_all = NOT_WITH_ALL)]
+    all: Option<PathBuf>,
+    /// How many scenarios are played at the same time (1 to 256); left out: one on each processor
+    #[arg(long, value_name = "N", requires = "all", conflicts_with = "scenario", value_parser = value_parser!(u16).range(1..=256))]
+    jobs: Option<u16>,
+    /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
     #[arg(long, value_name = "FILE")]
-    scenario: PathBuf,
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long, conflicts_with = "events")]
+    json: bool,
     /// Write the traced signals to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -452,6 +487,9 @@ struct SimArgs {
 struct ReplayArgs {
     /// The run: an .mcap file, a folder, or a metadata.yaml
     run: PathBuf,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -467,6 +505,9 @@ struct CheckArgs {
     /// Hold it to the bounds of a source that are narrower
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
+    /// Print one JSON object (docs/json.md) instead of the lines
+    #[arg(long)]
+    json: bool,
 }
 
 /// A source to whose bounds a cell is held.

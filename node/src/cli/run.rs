@@ -13,7 +13,7 @@ use crate::cell::{Cell, OnLoss};
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::recording::Topic;
 use crate::run::bridge::Handle;
-use crate::scenario::{Report, Scenario};
+use crate::scenario::{Report, Scenario, other_cell};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Kind;
@@ -50,6 +50,9 @@ pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit
             return Exit::Usage;
         }
     };
+    if let Some(note) = args.scenario.as_deref().and_then(|path| other_cell(path, args.cell.as_deref())) {
+        tracing::warn!("{note}");
+    }
     match start(args, cell, &title, scenario, ros, logging) {
         Ok(exit) => exit,
         Err(sentence) => {

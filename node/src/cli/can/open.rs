@@ -55,9 +55,8 @@ impl Known {
                 dictionaries: BTreeMap::new(),
             });
         };
-        let problems = |problems: crate::document::Problems| Failure::Usage(problems.to_string().trim_end().to_owned());
-        let cell = Cell::load(path).map_err(problems)?;
-        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(problems)?;
+        let cell = Cell::load(path).map_err(Failure::Problems)?;
+        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(Failure::Problems)?;
         warn(warnings);
         let config = chosen(buses, args.backend.as_deref(), path)?;
         let dictionaries = cell.dictionaries(&config.name, path).map_err(Failure::Usage)?;

@@ -84,7 +84,7 @@ fn published_topics_change_neither_replay_nor_events_of_a_plot() {
     write(&at(bare.clone()), &run().encoded);
     write_published(&at(full.clone()));
     let replayed = |path: &Path| {
-        let report = replay(&mut Run::open(path).unwrap(), |_| {}).unwrap();
+        let report = replay(&mut Run::open(path).unwrap()).unwrap();
         (report.verdict, report.first, report.cycles, report.values, report.messages)
     };
     assert_eq!(replayed(&bare), replayed(&full));
