@@ -5,6 +5,7 @@
     ros2 launch lineshaft demo.launch.py cell:=/home/me/cell.yaml sim:=true namespace:=/press params_file:=/home/me/p.yaml
 """
 
+import importlib.util
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -19,14 +20,30 @@ ARGUMENTS = [
     ("cell", "", "The cell file; empty: the built-in demo cell"),
     ("namespace", "", "Namespace of the node; empty: as the cell says"),
     ("name", "", "Name of the node; empty: as the cell says"),
-    ("params_file", "", "YAML file of ROS parameters for the start; empty: none"),
-    ("record", "", "Record the run: NAME.mcap, or a new folder; empty: no recording"),
+    ("params_file", "", "YAML file of ROS parameters for the start; empty: none. Also parameters:="),
+    ("record", "", "Record the run: NAME.mcap, or a new folder; empty: no recording. Also recording:="),
     ("urdf", "", "URDF for robot_state_publisher; empty: that of the demo cell"),
 ]
 SWITCHES = [
-    ("sim", "Put simulation in the place of every backend"),
+    ("sim", "Put simulation in the place of every backend. Also simulation:="),
     ("robot_state_publisher", "Also start robot_state_publisher, which publishes /tf from joint_states"),
 ]
+
+
+def load_arguments():
+    """Returns the module that checks arguments: next to this file, or installed in launch-configs."""
+    here = Path(__file__).parent
+    folders = [here, here.parent / "launch-configs"]
+    path = next(path for path in (folder / "launch_arguments.py" for folder in folders) if path.exists())
+    spec = importlib.util.spec_from_file_location("launch_arguments", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def check(context):
+    declared = [name for name, *_ in [*ARGUMENTS, *SWITCHES]]
+    load_arguments().check(context, __file__, declared, [name for name, *_ in SWITCHES])
 
 
 def start(context):
@@ -75,4 +92,4 @@ def generate_launch_description():
         DeclareLaunchArgument(name, default_value="false", choices=["true", "false"], description=text)
         for name, text in SWITCHES
     ]
-    return LaunchDescription([*arguments, *switches, OpaqueFunction(function=start)])
+    return LaunchDescription([OpaqueFunction(function=check), *arguments, *switches, OpaqueFunction(function=start)])

@@ -40,13 +40,63 @@ const LAUNCH_FILES: [&str; 2] = ["launch-configs/demo.launch.py", "launch-config
 #[test]
 fn what_the_launch_files_need_is_a_dependency() {
     let launch = LAUNCH_FILES.map(read).concat();
-    let imported = launch.lines().filter_map(|line| line.strip_prefix("from ")?.split([' ', '.']).next());
+    let imported = launch.lines().filter_map(|line| {
+        line.strip_prefix("from ").or_else(|| line.strip_prefix("import "))?.split([' ', '.']).next()
+    });
     let started = launch.split("package=\"").skip(1).filter_map(|rest| rest.split('"').next());
-    let own = ["pathlib", "lineshaft"];
+    let own = ["importlib", "pathlib", "lineshaft"];
     let needed: BTreeSet<_> = imported.chain(started).filter(|name| !own.contains(name)).map(str::to_owned).collect();
     assert!(needed.contains("rviz2") && needed.len() > 4, "{needed:?}");
     let given: BTreeSet<_> = tags("node", "exec_depend").into_iter().collect();
     assert!(needed.is_subset(&given), "{needed:?} of {given:?}");
+}
+
+/// README and the pages of docs.
+fn pages() -> String {
+    let docs = fs::read_dir(root().join("docs")).expect("docs");
+    let pages = docs
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|end| end == "md"));
+    let pages = pages.map(|path| fs::read_to_string(path).expect("a page"));
+    pages.chain([read("README.md")]).collect()
+}
+
+/// Packages of the `ros2` commands in the documentation, and of all interfaces that it names as `PACKAGE/Type` or `PACKAGE/srv/Type`.
+#[test]
+fn what_the_documentation_uses_is_a_dependency() {
+    let pages = pages();
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut needed = BTreeSet::new();
+    for rest in pages.split("ros2 ").skip(1) {
+        let verb: String = rest.chars().take_while(|&c| is_of_name(c)).collect();
+        let is_command = [format!("`ros2 {verb}"), format!("    ros2 {verb} ")].iter().any(|text| pages.contains(text));
+        if !verb.is_empty() && is_command {
+            needed.insert(format!("ros2{verb}"));
+        }
+    }
+    for (before, after) in pages.match_indices('/').map(|(place, _)| pages.split_at(place)) {
+        let package = before.rsplit(|c| !is_of_name(c)).next().unwrap_or_default();
+        let after = ["/msg/", "/srv/", "/action/", "/"]
+            .into_iter()
+            .find_map(|kind| after.strip_prefix(kind))
+            .unwrap_or_default();
+        let is_package = ["_msgs", "_srvs", "_interfaces"].into_iter().any(|end| package.ends_with(end));
+        if is_package && after.starts_with(|c: char| c.is_ascii_uppercase()) {
+            needed.insert(package.to_owned());
+        }
+    }
+    // ros2_control and MoveIt are there where somebody uses them: the cell asks for the services of the one, plans come from the other.
+    for other in ["ros2control", "moveit_msgs"] {
+        assert!(needed.remove(other), "{other} is not documented any more");
+    }
+    for expected in
+        ["ros2action", "ros2launch", "ros2topic", "control_msgs", "sensor_msgs", "trajectory_msgs", "std_srvs"]
+    {
+        assert!(needed.contains(expected), "{expected}: {needed:?}");
+    }
+    let given: BTreeSet<_> = tags("node", "exec_depend").into_iter().collect();
+    let missing: Vec<_> = needed.difference(&given).collect();
+    assert!(missing.is_empty(), "package.xml lacks {missing:?}");
 }
 
 #[test]
@@ -102,9 +152,15 @@ fn colcon_finds_two_packages() {
 
 /// Runs a launch file as if it were installed.
 fn launch_file(file: &str, share: &Path, arguments: &[&str]) -> Output {
+    launch_with(&[], file, share, arguments)
+}
+
+/// Likewise, with options of the stand-in.
+fn launch_with(options: &[&str], file: &str, share: &Path, arguments: &[&str]) -> Output {
     let _machine = crate::support::machine::share();
     Command::new("python3")
         .arg(root().join("tests/launch/stand_in.py"))
+        .args(options)
         .arg(root().join(file))
         .arg(share)
         .args(arguments)
@@ -144,8 +200,74 @@ fn the_launch_file_starts_what_its_arguments_say() {
         command(&all[0]).join(" "),
         "lineshaft/lineshaft run /c.yaml --sim --record /r --ros-args -r __node:=shaft -r __ns:=/press --params-file /p.yaml"
     );
-    assert!(!launch(share, &["sim:=yes"]).status.success());
-    assert!(!launch(share, &["cel:=/c.yaml"]).status.success());
+}
+
+/// The message with which a launch file refuses its arguments.
+fn refused(output: &Output) -> String {
+    assert!(!output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
+}
+
+#[test]
+fn other_spellings_of_launch_arguments_do_the_same() {
+    let share = Path::new("/nowhere");
+    let all = nodes(share, &["simulation:=true", "recording:=/r", "parameters:=/p.yaml"]);
+    let expected = "lineshaft/lineshaft run --sim --record /r --ros-args --params-file /p.yaml";
+    assert_eq!(command(&all[0]).join(" "), expected);
+    // The conditions of launch accept these, too.
+    for value in ["TRUE", "True", "1"] {
+        let all = nodes(share, &[&format!("sim:={value}")]);
+        assert_eq!(command(&all[0]), ["lineshaft/lineshaft", "run", "--sim", "--ros-args"], "{value}");
+    }
+    for given in [&["sim:=0"][..], &["simulation:=False"], &["sim:=false", "simulation:=0"]] {
+        assert_eq!(command(&nodes(share, given)[0]), ["lineshaft/lineshaft", "run", "--ros-args"], "{given:?}");
+    }
+    // What launch and launch_ros read themselves.
+    assert_eq!(nodes(share, &["launch-prefix:=gdb -ex run --args", "emulate_tty:=true"]).len(), 1);
+}
+
+#[test]
+fn unknown_launch_arguments_are_refused() {
+    let share = Path::new("/nowhere");
+    let names = "cell, namespace, name, params_file, record, urdf, sim, robot_state_publisher (also simulation, recording, parameters)";
+    for (given, near) in [
+        ("simulate:=true", " (did you mean sim?)"),
+        ("SIM:=true", " (did you mean sim?)"),
+        ("params:=/p.yaml", " (did you mean params_file?)"),
+        ("cel:=/c.yaml", " (did you mean cell?)"),
+        ("zz:=1", ""),
+    ] {
+        let name = given.split(":=").next().unwrap();
+        let expected = format!("demo.launch.py: argument {name} is unknown{near}, allowed are {names}");
+        assert_eq!(refused(&launch(share, &["cell:=/c.yaml", given])), expected);
+    }
+    assert_eq!(
+        refused(&launch_file(LAUNCH_FILES[1], share, &["parameters:=/p.yaml"])),
+        "arm6.launch.py: argument parameters is unknown, allowed are cell, urdf, record, sim, rviz (also simulation, recording)"
+    );
+    for wrong in ["sim:=yes", "simulation:=yes", "sim:=", "robot_state_publisher:=on"] {
+        let said = refused(&launch(share, &[wrong]));
+        assert!(said.ends_with("must be true or false"), "{wrong}: {said}");
+    }
+    assert_eq!(
+        refused(&launch(share, &["sim:=false", "simulation:=true"])),
+        "demo.launch.py: sim is 'false' and simulation is 'true': give one of them"
+    );
+}
+
+/// A launch file of a machine has arguments of its own, which an included launch file sees.
+#[test]
+fn an_including_launch_file_has_arguments_of_its_own() {
+    let share = Path::new("/nowhere");
+    let included = |given: &[&str]| launch_with(&["--included"], LAUNCH_FILES[0], share, given);
+    let run = |given: &[&str]| command(&nodes_of(included(given))[0]).join(" ");
+    assert_eq!(run(&["robot:=3", "use_sim_time:=true"]), "lineshaft/lineshaft run --ros-args");
+    assert_eq!(run(&["robot:=3", "simulation:=True"]), "lineshaft/lineshaft run --sim --ros-args");
+    assert_eq!(run(&["simulate:=true", "sim:=false"]), "lineshaft/lineshaft run --ros-args");
+    assert_eq!(
+        refused(&included(&["robot:=3", "simulate:=true"])),
+        "demo.launch.py: simulate is unknown and resembles sim, which is missing: give sim:=true or sim:=false"
+    );
 }
 
 #[test]

@@ -7,6 +7,7 @@
 move_group is started by the launch file of a MoveIt configuration: docs/moveit.md.
 """
 
+import importlib.util
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -20,13 +21,29 @@ from launch_ros.parameter_descriptions import ParameterValue
 ARGUMENTS = [
     ("cell", "", "The cell file; empty: arm6.yaml"),
     ("urdf", "", "URDF for robot_state_publisher; empty: arm6.urdf"),
-    ("record", "", "Record the run: NAME.mcap, or a new folder; empty: no recording"),
+    ("record", "", "Record the run: NAME.mcap, or a new folder; empty: no recording. Also recording:="),
 ]
 # Name, default, what it is for.
 SWITCHES = [
-    ("sim", "true", "Put simulation in the place of every backend"),
+    ("sim", "true", "Put simulation in the place of every backend. Also simulation:="),
     ("rviz", "true", "Also start RViz"),
 ]
+
+
+def load_arguments():
+    """Returns the module that checks arguments: next to this file, or installed in launch-configs."""
+    here = Path(__file__).parent
+    folders = [here.parent, here.parent / "launch-configs"]
+    path = next(path for path in (folder / "launch_arguments.py" for folder in folders) if path.exists())
+    spec = importlib.util.spec_from_file_location("launch_arguments", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def check(context):
+    declared = [name for name, *_ in [*ARGUMENTS, *SWITCHES]]
+    load_arguments().check(context, __file__, declared, [name for name, *_ in SWITCHES])
 
 
 def start(context):
@@ -70,4 +87,4 @@ def generate_launch_description():
         DeclareLaunchArgument(name, default_value=default, choices=["true", "false"], description=text)
         for name, default, text in SWITCHES
     ]
-    return LaunchDescription([*arguments, *switches, OpaqueFunction(function=start)])
+    return LaunchDescription([OpaqueFunction(function=check), *arguments, *switches, OpaqueFunction(function=start)])

@@ -21,6 +21,9 @@ stands in `x.error` until it is reset; how the axis stood then stands in the sig
 off stops nothing: that is a warning with its code, at most once a second, and the next enable ends in the error. `~/errors` brings the last 32 errors
 and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
 
+A line of the log and of `/rosout` at ERROR or WARN about an event ends with the code and the remedy:
+`x: (message) (10205). (remedy)`.
+
 The reaction is one of:
 
 | `error_reaction` (ERRCOND) | the axis |
@@ -74,7 +77,7 @@ stops instead of losing it, and a brake that it has closes once it stands. The e
 
 Column *reaction* of the tables below says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
 end of a goal, a warning or a notice. (With `saia.command_error` motor_off whatever refuses a command of `saia` switches the drive
-off as an error, also where the code is one of ours. Nothing raises 89 yet.) Where an axis says `following_error_stops_all: 1`, its following error
+off as an error, also where the code is one of ours.) Where an axis says `following_error_stops_all: 1`, its following error
 stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
 
 `~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. Bit 7 of the control word is high and low in turn then, each for 50 ms
@@ -98,7 +101,7 @@ homing.
 
 ## Contacts of the cell
 
-```
+```yaml
 safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
 ```
 
@@ -118,6 +121,12 @@ const PARTS: [(&str, u32, u32); 7] = [
     ("Lineshaft: ended", 10_101, 10_199),
     ("Lineshaft: failed", 10_200, 65_535),
 ];
+
+/// Where a code comes from: the heading of its table; empty for 0, which is no code.
+pub(crate) fn part(code: Code) -> &'static str {
+    let is_in = |(_, low, high): &&(&str, u32, u32)| (*low..=*high).contains(&code.0);
+    if code.is_none() { "" } else { PARTS.iter().find(is_in).map_or("Drives", |(name, ..)| *name) }
+}
 
 /// The whole page.
 pub fn markdown() -> String {

@@ -1,6 +1,10 @@
 """Loads a launch file with stand-ins for the modules of ROS 2 and prints what it starts, as JSON: a command line for each node.
 
-usage: stand_in.py LAUNCH_FILE SHARE [NAME:=VALUE..]
+usage: stand_in.py [--included] LAUNCH_FILE SHARE [NAME:=VALUE..]
+       stand_in.py --show-args LAUNCH_FILE
+
+--included: as if another launch file, which the user launches, includes this one and has set NAME to VALUE.
+--show-args: prints the declared arguments and their other spellings.
 
 The stand-ins take the arguments of Jazzy's launch and launch_ros that a launch file here may use, and no others.
 """
@@ -31,7 +35,12 @@ class LaunchConfiguration:
         self.name = name
 
     def perform(self, context):
-        return context[self.name]
+        return context.launch_configurations[self.name]
+
+
+class Context:
+    def __init__(self, given):
+        self.launch_configurations = dict(given)
 
 
 class ParameterValue:
@@ -89,21 +98,36 @@ def load(path, share):
     return loaded
 
 
-def main(path, share, *given):
+def show_args(path):
+    launch_file = load(path, "/nowhere")
+    declared = [action.name for action in launch_file.generate_launch_description() if isinstance(action, DeclareLaunchArgument)]
+    spellings = launch_file.load_arguments().SPELLINGS
+    print(json.dumps({"declared": declared, "also": [name for name, real in spellings.items() if real in declared]}))
+
+
+def main(path, share, *given, included=False):
     description = load(path, share).generate_launch_description()
-    given = dict(argument.split(":=", 1) for argument in given)
-    context = {}
+    # What `ros2 launch` leaves there, of which it sets the launch configurations.
+    sys.argv = ["ros2", "launch", "cell", "cell.launch.py"] if included else ["ros2", "launch", path, *given]
+    context = Context(argument.split(":=", 1) for argument in given)
+    nodes = []
     for action in description:
         if isinstance(action, DeclareLaunchArgument):
-            value = context[action.name] = given.pop(action.name, action.default)
+            value = context.launch_configurations.setdefault(action.name, action.default)
             if action.choices and value not in action.choices:
                 sys.exit(f"{action.name} is {value}; {action.choices} are allowed")
-    if given:
-        sys.exit(f"not declared: {given}")
-    functions = [action.function for action in description if isinstance(action, OpaqueFunction)]
-    nodes = [node for function in functions for node in function(context)]
+        elif isinstance(action, OpaqueFunction):
+            try:
+                nodes += action.function(context) or []
+            except RuntimeError as error:
+                sys.exit(str(error))
     print(json.dumps([{"command": node.command, "parameters": node.parameters} for node in nodes]))
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if sys.argv[1] == "--show-args":
+        show_args(*sys.argv[2:])
+    elif sys.argv[1] == "--included":
+        main(*sys.argv[2:], included=True)
+    else:
+        main(*sys.argv[1:])

@@ -10,6 +10,7 @@ mod child;
 pub(crate) mod domain;
 pub(crate) mod machine;
 pub(crate) mod namespace;
+pub(crate) mod pages;
 pub(crate) mod peer;
 pub(crate) mod program;
 pub(crate) mod proxy;

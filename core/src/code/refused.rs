@@ -602,10 +602,10 @@ codes! {
         remedy: "Use level setpoint.",
     }
 
-    /// REVERS asks for outputs or a node, which do not exist yet.
+    /// REVERS names a node on a bus, as key `node` of the drive does.
     NO_REVERSING_OUTPUTS = 10054, NoError {
         says: "",
-        cause: "revers names a node on a bus, which does not exist yet.",
+        cause: "revers names a node on a bus: key `node` of the drive in the cell does that.",
         remedy: "Use revers below 100: a rule, and outputs where the interface is velocity or open_loop.",
     }
 

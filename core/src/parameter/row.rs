@@ -318,7 +318,7 @@ pub enum Refused {
 }
 
 impl Row {
-    /// What its function misses, in words: `velocity and current loops do not exist yet`; empty where all of it works.
+    /// What its function misses, in words: `program control does not exist yet`; empty where all of it works.
     pub fn missing_text(&self) -> String {
         let verb = if self.missing.ends_with("loops") { "do" } else { "does" };
         if self.missing.is_empty() { String::new() } else { format!("{} {verb} not exist yet", self.missing) }

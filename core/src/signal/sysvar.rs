@@ -41,7 +41,7 @@ pub enum Shown {
     Signal(&'static str),
     /// The end of the name of a signal of an entry of section `encoders`.
     Encoder(&'static str),
-    /// Nothing yet: this does not exist.
+    /// No signal: where else it is.
     Missing(&'static str),
 }
 
@@ -85,7 +85,7 @@ pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
         "PFG_OLDCOMMANDPOS",
         Address::Number(4312),
         "command position of the cycle before (qc)",
-        Shown::Missing("the command of the cycle before; a recording has it"),
+        Shown::Missing("a recording has the command of the cycle before"),
     ),
     variable(
         "PFG_SYNCMNEGBUFFER",
@@ -94,8 +94,8 @@ pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
         Shown::Signal("sync.buffer"),
     ),
     variable("PFG_MFILTERERROR", Address::Name, "error of the master filter (qc)", Shown::Signal("sync.filter_error")),
-    variable("AMP_I2TVALUE", Address::Object(0x2700, 27), "i2t value", Shown::Missing("the current loop")),
-    variable("AMP_GETCUR", Address::Name, "filtered current (mA)", Shown::Missing("the current loop")),
+    variable("AMP_I2TVALUE", Address::Object(0x2700, 27), "i2t value", Shown::Signal("regulator.i2t")),
+    variable("AMP_GETCUR", Address::Name, "filtered current (mA)", Shown::Signal("regulator.current")),
     variable("", Address::Name, "physical encoder, written 0x0122022A (qc)", Shown::Signal("actual.count")),
 ];
 
@@ -159,7 +159,7 @@ mod tests {
             let shown = match variable.shown {
                 Shown::Signal(end) => format!("`x.{end}`"),
                 Shown::Encoder(end) => format!("`belt.{end}`"),
-                Shown::Missing(what) => format!("not yet: {what}"),
+                Shown::Missing(what) => format!("no signal: {what}"),
             };
             let line = format!("| {number} | {} | {} | {shown} |", variable.name, variable.meaning);
             assert!(book.contains(&line), "{line}");

@@ -1,6 +1,7 @@
 //! `lineshaft check`.
 
 mod functions;
+mod homing;
 mod marks;
 
 use super::{CheckArgs, Exit, say};
@@ -119,6 +120,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
     warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
+    warnings.extend(homing::judge(&cell.machine));
     warnings.extend(marks::judge(&cell.machine));
     warnings.extend(graph::circles(&cell.machine));
     warnings
@@ -320,6 +322,25 @@ mod tests {
             "unit: mm",
         ] {
             assert_eq!(warned(&format!("{MM}, {keys}")), [""; 0], "{keys}");
+        }
+    }
+
+    #[test]
+    fn homing_that_ends_outside_the_software_limits_is_warned_of() {
+        let limits = "min_position: -50 mm, max_position: 850 mm";
+        let warned = |homing: &str| warned(&format!("{MM}, unit: mm, {limits}, homing: {{{homing}}}"));
+        let told = |rest: &str, limit: &str| {
+            format!(
+                "x: homing ends at about {rest}, which {limit}: the axis is then outside its software limits; \
+                 change homing.offset or the limit"
+            )
+        };
+        assert_eq!(warned("method: 1, offset: 55 mm"), [told("-55 mm", "is below min_position -50 mm")]);
+        assert_eq!(warned("method: 35, offset: -900 mm"), [told("900 mm", "exceeds max_position 850 mm")]);
+        for good in
+            ["method: 1, offset: 50 mm", "method: 35, offset: -850 mm", "method: 1", "home_type: 0, home_offset: 90000"]
+        {
+            assert_eq!(warned(good), [""; 0], "{good}");
         }
     }
 

@@ -3,11 +3,15 @@
 mod bag;
 mod can;
 mod check;
+mod completions;
+mod explain;
 mod file_hint;
 mod functions;
 mod interfaces;
 mod limits;
 mod logging;
+mod man;
+mod new;
 mod params;
 mod plot;
 mod program;
@@ -18,7 +22,10 @@ mod sim;
 mod store;
 mod table;
 mod tune;
+mod usage;
 mod validate;
+
+pub use self::usage::{UsageError, parses};
 
 use self::logging::Logging;
 use crate::cell::Preset;
@@ -96,6 +103,14 @@ enum Command {
     Sim(SimArgs),
     /// Check a cell, and a scenario for it, and report all errors at once
     Check(CheckArgs),
+    /// Write a new cell and a scenario for it, to start from
+    #[command(override_usage = new::USAGE, after_help = new::HELP)]
+    New(new::NewArgs),
+    /// Print the built-in demo cell
+    Demo(new::DemoArgs),
+    /// Explain a code, a parameter, a signal, a function type or field, a verb, or a ROS interface
+    #[command(after_help = explain::HELP)]
+    Explain(explain::ExplainArgs),
     /// List the signals of a cell that can be traced
     Signals(CellArgs),
     /// List the parameters there are, or those of a cell
@@ -141,13 +156,19 @@ enum Command {
     /// Commission the devices of a CAN bus, without ROS
     #[command(subcommand)]
     Can(can::CanCommand),
+    /// Print the script that completes commands and options in a shell
+    #[command(after_help = "bash: source <(lineshaft completions bash)")]
+    Completions(completions::CompletionsArgs),
+    /// Write a man page of each command
+    Man(man::ManArgs),
 }
 
 const TUNE_HELP: &str = "\
 Runs the cell without ROS, simulated drives as fast as it goes, real ones only with --real: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
 random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
 a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
-written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc.
+written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc. A number without a unit is in SI (m, rad, m/s, rad/s), and \
+the first line of the output says so.
 
 Examples:
   lineshaft tune cell.yaml x
@@ -622,6 +643,9 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Sim(args)) => sim::sim(&args),
         Some(Command::Tune(args)) => tune::tune(&args),
         Some(Command::Check(args)) => check::check(&args),
+        Some(Command::New(args)) => new::new(&args),
+        Some(Command::Demo(args)) => new::print_demo(&args),
+        Some(Command::Explain(args)) => explain::explain(&args),
         Some(Command::Signals(args)) => signals::signals(&args.cell),
         Some(Command::Params(args)) => params::params(&args),
         Some(Command::Limits(args)) => limits::limits(&args),
@@ -634,6 +658,8 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
+        Some(Command::Completions(args)) => completions::completions(&args),
+        Some(Command::Man(args)) => man::man(&args),
     }
 }
 

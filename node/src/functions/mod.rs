@@ -95,12 +95,12 @@ fn name(field: &Field) -> String {
     if field.count == 1 { field.name.to_owned() } else { format!("{}[0..{}]", field.name, field.count - 1) }
 }
 
-fn range(field: &Field) -> String {
+pub(crate) fn range(field: &Field) -> String {
     format!("{} to {}", field.min, field.max)
 }
 
 /// The value of a field that is left out.
-fn default(field: &Field) -> String {
+pub(crate) fn default(field: &Field) -> String {
     if (field.min..=field.max).contains(&field.default) {
         field.default.to_string()
     } else {
@@ -109,7 +109,7 @@ fn default(field: &Field) -> String {
 }
 
 /// From when on a new value counts.
-fn when(field: &Field) -> &'static str {
+pub(crate) fn when(field: &Field) -> &'static str {
     if field.live { "live" } else { "from START on" }
 }
 

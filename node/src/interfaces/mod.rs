@@ -32,7 +32,7 @@ fn qos_text(qos: Qos) -> String {
 }
 
 /// `lineshaft_msgs/action/MoveAxis` as it is said: without its middle.
-fn short(interface: &str) -> String {
+pub(crate) fn short(interface: &str) -> String {
     match interface.split('/').collect::<Vec<_>>().as_slice() {
         [package, _, name] => format!("{package}/{name}"),
         _ => interface.to_owned(),

@@ -43,7 +43,7 @@ pub use player::Player;
 pub use report::{Failure, Report};
 pub use simulate::{Options, SimulateError, simulate, simulate_with};
 pub use trace::Trace;
-pub(crate) use verb::{parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
+pub(crate) use verb::{VERBS, parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
 
 use crate::cell::Cell;
 use crate::document::{Document, Map, Place, Problems, Value};

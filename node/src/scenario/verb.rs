@@ -38,7 +38,7 @@ pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
 /// Verbs that there are.
-const VERBS: [&str; 35] = [
+pub(crate) const VERBS: [&str; 35] = [
     "enable",
     "disable",
     "halt",

@@ -17,6 +17,7 @@ mod qos_overrides;
 mod rosout;
 mod service;
 mod subscription;
+mod tap;
 mod time_source;
 
 pub use self::action::{
@@ -35,6 +36,7 @@ pub use self::publisher::{PublishError, Publisher};
 pub use self::rosout::{Rosout, Source, TOLD};
 pub use self::service::{Care, Refusal, Reply, ReplyError, Request, ServiceServer};
 pub use self::subscription::Subscription;
+pub use self::tap::{Tap, TappedMessage, TappedTopic};
 pub use self::time_source::TimeSource;
 pub use crate::link::qos::Qos;
 pub use crate::link::{LinkError, Loss, Side};

@@ -22,6 +22,7 @@ use super::qos_overrides::QosOverrides;
 use super::rosout::Rosout;
 use super::service::ServiceServer;
 use super::subscription::Subscription;
+use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
 use crate::link::qos::Qos;
 use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
@@ -64,6 +65,8 @@ pub struct NodeOptions {
     pub request_timeout: Duration,
     /// The system's time for stamps; none: the system clock itself.
     pub host_clock: Option<HostClock>,
+    /// Copies what it publishes, for a recorder; none: nothing is copied.
+    pub tap: Option<Tap>,
 }
 
 /// Default of [`NodeOptions::request_timeout`].
@@ -81,6 +84,7 @@ impl NodeOptions {
             side: SideOptions::default(),
             request_timeout: REQUEST_TIMEOUT,
             host_clock: None,
+            tap: None,
         }
     }
 }
@@ -139,7 +143,7 @@ impl Node {
     /// # Panics
     /// Likewise.
     pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, LinkError> {
-        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock } = options;
+        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock, tap } = options;
         let runtime = Handle::current();
         let link = Link::start(Settings {
             side: side.side,
@@ -160,6 +164,7 @@ impl Node {
             names,
             clock,
             request_timeout,
+            tap,
             closed,
             #[cfg(test)]
             opened: super::endpoint::Opened::default(),
@@ -194,7 +199,8 @@ impl NodeHandle {
     pub fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "publisher", qos).map_err(CreateError::Given)?;
-        Ok(Publisher::new(&self.context, topic, qos))
+        let copies = self.tapped::<M>(name, qos);
+        Ok(Publisher::new(&self.context, topic, qos, copies))
     }
 
     /// Reads the topic `name`.
@@ -248,10 +254,16 @@ impl NodeHandle {
         let context = &self.context;
         let topic = context.names.topic("/rosout")?.topic();
         let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT));
+        let copies = self.tapped::<Log>("/rosout", Qos::ROSOUT);
         let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
-        let rosout = Rosout::new(writer, self.name().logger(), clock, loggers);
+        let rosout = Rosout::new(writer.map(|writer| (writer, copies)), self.name().logger(), clock, loggers);
         *made = Some(rosout.clone());
         Ok(rosout)
+    }
+
+    /// Copies a publisher for the recorder, if that wants it.
+    fn tapped<M: Message>(&self, name: &str, qos: Qos) -> Option<TappedPublisher> {
+        self.context.tap.as_ref()?.open(self.name(), name, (M::NAME, M::SCHEMA), qos)
     }
 
     /// Takes the values that were given for its parameters; a second time there are none.

@@ -68,6 +68,9 @@ pub(in crate::cli) enum CanCommand {
                             2 bad usage or file."
     )]
     Configure(ConfigureArgs),
+    /// Simulate the drives of a cell as devices on a bus, until Ctrl-C
+    #[command(after_help = super::simulate::HELP)]
+    Simulate(super::simulate::SimulateArgs),
 }
 
 /// Devices by their identity.

@@ -14,6 +14,7 @@ mod open;
 mod progress;
 mod scan;
 mod sdo;
+mod simulate;
 mod table;
 
 pub(super) use self::args::CanCommand;
@@ -54,6 +55,7 @@ pub(super) fn can(command: &CanCommand) -> Exit {
         CanCommand::Monitor(args) => monitor::monitor(args),
         CanCommand::Dump(args) => dump::dump(args),
         CanCommand::Configure(args) => configure::configure(args),
+        CanCommand::Simulate(args) => simulate::simulate(args),
     };
     match done {
         Ok(()) => Exit::Good,

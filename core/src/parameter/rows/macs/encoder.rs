@@ -231,8 +231,8 @@ pub(in super::super) const SENSE: &[Row] = &[Row {
     description: "Sense of rotation: a minus sign inverts the axis' units, ones digit 2 the output of its position loop, tens \
                       digit 2 its velocity loop; one digit is for both. The places that limits guard stay where they are.",
     source: "MACS-DIR-01, MACS-DIR-02, MACS-DIR-03",
-    note: "A-07: two entries of the table are damaged; 1 and -1 are taken. A tens digit of its own needs the velocity loop, \
-               which does not exist yet; 2 with interface position would turn over a loop that the drive closes: refused.",
+    note: "A-07: two entries of the table are damaged; 1 and -1 are taken. Digits that differ need an encoder of the velocity \
+               loop (ampencno); 2 with interface position would turn over a loop that the drive closes: refused.",
     get: |p| Value::Int(p.macs.posdrct),
     set: |p, v| p.turn_over(int(v).unwrap_or(p.macs.posdrct)),
     ..ENCODER_ROW

@@ -1,0 +1,61 @@
+//! Codes of errors, refusals, ends of goals and events, by number or name.
+
+use super::section;
+use crate::errors::part;
+use lineshaft_core::axis::stops_all;
+use lineshaft_core::code::{Class, Code, DRIVE_FAULT, Row};
+
+/// The last code of drives: 10000h + the largest value of object 603Fh.
+const LAST: u32 = Code::drive_fault(u16::MAX).0;
+
+pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
+    let found = match number(name) {
+        Some(number) => Code(number).row().map(|row| (Code(number), row)),
+        None => {
+            let named = |row: &&Row| row.name.eq_ignore_ascii_case(name);
+            Code::rows().chain([&DRIVE_FAULT]).find(named).map(|row| (row.code, row))
+        }
+    };
+    found.map(|(code, row)| text(code, row, width)).into_iter().collect()
+}
+
+pub(super) fn names() -> Vec<String> {
+    Code::rows().chain([&DRIVE_FAULT]).map(|row| row.name.to_owned()).collect()
+}
+
+/// The number of a code as it is written: `10205`, `E10205`, `code 10205`, or `0x18611` of a drive.
+fn number(name: &str) -> Option<u32> {
+    let small = name.to_lowercase();
+    let text = small.strip_prefix("code").map_or(small.as_str(), str::trim_start);
+    let text = text.strip_prefix('e').unwrap_or(text);
+    let (digits, radix) = text.strip_prefix("0x").map_or((text, 10), |digits| (digits, 16));
+    // A sign is no digit.
+    let is_plain = digits.chars().all(|digit| digit.is_digit(radix));
+    let number = u32::from_str_radix(digits, radix).ok().filter(|_| is_plain)?;
+    (number <= LAST).then_some(number)
+}
+
+fn text(code: Code, row: &Row, width: usize) -> String {
+    let kind = match row.class {
+        Class::NoError if code.is_none() => "no error",
+        Class::NoError => "a refusal, the end of a goal, a warning or a notice",
+        _ => "an error of an axis",
+    };
+    let object = code.0.checked_sub(Code::DRIVE_FAULT).map_or(String::new(), |fault| format!("603Fh is {fault:04X}h"));
+    let mut reaction = row.class.text().to_owned();
+    if stops_all(code) {
+        reaction.push_str("; with following_error_stops_all all axes");
+    }
+    // Values that an event fills in.
+    let message = row.says.replace('{', "<").replace('}', ">");
+    let facts: [(&str, &str); 7] = [
+        ("message", message.as_str()),
+        ("object", object.as_str()),
+        ("cause", row.cause),
+        ("remedy", row.remedy),
+        ("reaction", reaction.as_str()),
+        ("source", part(code)),
+        ("documented", "docs/errors.md"),
+    ];
+    section(&format!("code {} {}: {kind}", code.0, row.name), &facts, width)
+}

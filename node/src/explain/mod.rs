@@ -1,0 +1,100 @@
+//! What a name means: everything that `lineshaft explain` prints.
+//!
+//! Reads    the tables that the program uses: codes, parameters, signals, types of functions, ROS interfaces, verbs
+//! Writes   text
+//! Refuses  a name that no table has, with the names that are most like it
+//!
+//! A subject is a file with two functions: the sections about a name, and the names that it knows. A further subject, such
+//! as the keys of a cell, is a file and a row of [`SUBJECTS`].
+
+mod codes;
+mod functions;
+mod interfaces;
+mod parameters;
+mod signals;
+mod verbs;
+
+use crate::parameters::wrap;
+use crate::scenario::nearest;
+use lineshaft_core::unit::excerpt;
+use std::fmt::Write;
+
+/// Width of the words before a fact.
+const LABEL: usize = 14;
+/// However narrow the terminal is.
+const NARROWEST: usize = 30;
+/// Names that are suggested at most.
+const MOST_MEANT: usize = 3;
+
+/// A kind of things that have names.
+struct Subject {
+    /// All that there is to say about a name, a section for each thing that has it; each ends its last line.
+    sections: fn(&str, usize) -> Vec<String>,
+    /// The names that it knows.
+    names: fn() -> Vec<String>,
+}
+
+/// In the order in which they are printed.
+const SUBJECTS: [Subject; 6] = [
+    Subject { sections: codes::sections, names: codes::names },
+    Subject { sections: parameters::sections, names: parameters::names },
+    Subject { sections: signals::sections, names: signals::names },
+    Subject { sections: functions::sections, names: functions::names },
+    Subject { sections: verbs::sections, names: verbs::names },
+    Subject { sections: interfaces::sections, names: interfaces::names },
+];
+
+/// All that the tables say about a name, `width` columns wide; a name of several things has all of them.
+///
+/// # Errors
+/// No table has the name: one sentence, with the names that are most like it.
+pub(crate) fn explain(name: &str, width: usize) -> Result<String, String> {
+    let name = name.trim();
+    let sections: Vec<String> = SUBJECTS.iter().flat_map(|subject| (subject.sections)(name, width)).collect();
+    if sections.is_empty() { Err(unknown(name)) } else { Ok(sections.join("\n")) }
+}
+
+fn unknown(name: &str) -> String {
+    let small = name.to_lowercase();
+    let mut near: Vec<String> = SUBJECTS.iter().filter_map(|subject| meant(&small, &(subject.names)())).collect();
+    near.sort_by_cached_key(|known| (strsim::damerau_levenshtein(&small, &known.to_lowercase()), known.clone()));
+    near.dedup();
+    near.truncate(MOST_MEANT);
+    let near: Vec<_> = near.iter().map(|known| format!("`{known}`")).collect();
+    let hint = if near.is_empty() {
+        "a code, a parameter, a signal, a type of functions or its field, a verb or a ROS interface is expected"
+            .to_owned()
+    } else {
+        format!("did you mean {}?", near.join(", "))
+    };
+    format!("`{}` is unknown; {hint}", excerpt(name))
+}
+
+/// The name that is most like it; of `x.actual.postion` the one that is most like the part after the object.
+fn meant(name: &str, names: &[String]) -> Option<String> {
+    let near = |text: &str| nearest(text, names.iter().map(String::as_str));
+    let of_object = || name.split_once('.').and_then(|(object, rest)| Some(format!("{object}.{}", near(rest)?)));
+    near(name).map(str::to_owned).or_else(of_object)
+}
+
+/// A heading, and a fact in each line: its label and what is said. Facts without a text are left out.
+fn section(heading: &str, facts: &[(&str, &str)], width: usize) -> String {
+    let mut text = format!("{heading}\n");
+    for (label, said) in facts {
+        let lines = wrap(&said.replace('`', ""), width.saturating_sub(LABEL + 2).max(NARROWEST));
+        for (place, line) in lines.iter().enumerate() {
+            let label = if place == 0 { *label } else { "" };
+            // Writing to a text cannot fail.
+            let _ = writeln!(text, "  {label:LABEL$}{line}");
+        }
+    }
+    text
+}
+
+/// The line with the page that has more.
+fn documented(page: &str) -> String {
+    format!("  {:LABEL$}{page}\n", "documented")
+}
+
+#[cfg(test)]
+mod tests;
