@@ -94,6 +94,27 @@ fn a_scan_lists_who_is_there_and_ends_with_1_where_nobody_is() {
 
     let one = on(&drives, &["scan", "--from", "2", "--to", "2"]).good();
     assert_eq!(one.lines().count(), 2, "{one}");
+    let object = |arguments: &[&str]| {
+        let said = on(&drives, &[arguments, &["--json"]].concat());
+        assert_eq!((said.errors.as_str(), said.out.matches('\n').count()), ("", 1), "{}", said.out);
+        let object: serde_json::Value = serde_json::from_str(&said.out).expect("one object");
+        (said.code, object)
+    };
+    let (code, found) = object(&["scan", "--from", "3", "--to", "3"]);
+    let node = serde_json::json!({
+        "node": 3, "answers": true, "nmt_state": "pre-operational", "device_type": 0x0002_0192, "profile": 402,
+        "vendor": 0xFFFF, "product_code": 0x4020_0001, "revision": 0x0001_0000, "serial": 0x5003, "name": "cia402-sim"
+    });
+    assert_eq!(
+        (code, &found["nodes"], &found["command"]),
+        (0, &serde_json::json!([node]), &serde_json::json!("can scan"))
+    );
+    let (code, none) = object(&["scan", "--from", "100", "--to", "127"]);
+    assert_eq!((code, &none["nodes"]), (1, &serde_json::json!([])));
+    assert_eq!(
+        (&none["errors"], &none["exit_code"]),
+        (&serde_json::json!(["no node has answered"]), &serde_json::json!(1))
+    );
     on(&drives, &["scan", "--from", "100", "--to", "127"]).refused(1, "error: no node has answered\n");
     on(&drives, &["scan", "--from", "5", "--to", "4"]).refused(2, "--from 5 is behind --to 4; 1 to 4 is allowed");
 }
@@ -136,6 +157,23 @@ fn a_device_tells_what_it_is() {
     has("position", "0 (6064h, units of the drive)");
     has("digital inputs", "00000004h (home)");
     has("position encoder resolution", "10000 / 1 (608Fh)");
+    let said = on(&drives, &["info", "3", "--eds", eds, "--json"]).good();
+    let object: serde_json::Value = serde_json::from_str(&said).expect("one object");
+    let (device, drive, pdo) = (&object["device"], &object["drive"], &object["pdos"][0]);
+    let read =
+        |object: &serde_json::Value, field: &str| object[field].as_i64().unwrap_or_else(|| panic!("{field}: {object}"));
+    assert_eq!((device["name"].as_str(), device["nmt_state"].as_str()), (Some("cia402-sim"), Some("pre-operational")));
+    assert_eq!((read(device, "node"), read(device, "device_type"), read(device, "serial")), (3, 0x0002_0192, 0x5003));
+    assert_eq!((read(device, "heartbeat_ms"), device["error_history"][0].as_i64()), (50, Some(0x7121)));
+    assert_eq!(
+        (drive["state"].as_str(), read(drive, "status_word"), read(drive, "error_code")),
+        (Some("fault"), 0x0218, 0x7121)
+    );
+    assert_eq!((read(drive, "position"), read(drive, "digital_inputs")), (0, 4));
+    let factor = drive["factors"].as_array().expect("factors").iter().find(|factor| factor["index"] == 0x608F);
+    assert_eq!(factor.map(|factor| &factor["values"]), Some(&serde_json::json!([10_000, 1])));
+    assert_eq!((pdo["direction"].as_str(), read(pdo, "number"), read(pdo, "cob_id")), (Some("receive"), 1, 0x203));
+    assert_eq!((read(&pdo["mapped"][0], "index"), pdo["mapped"][0]["name"].as_str()), (0x6040, Some("Controlword")));
     let pdos = on(&drives, &["pdo", "3", "--eds", eds]).good();
     assert!(told.ends_with(&pdos), "{told}{pdos}");
     let lines: Vec<Vec<&str>> = pdos.lines().map(|line| line.split_whitespace().collect()).collect();

@@ -183,7 +183,7 @@ fn home_answers_while_the_axes_still_home() {
     node.moves("x", 800);
     // s has 100 s to go.
     let seen = node.cyclone.run("home /lineshaft x s");
-    assert_eq!(seen["message"], "x, s home");
+    assert_eq!(seen["message"], "x, s have started homing");
     assert_eq!(node.axis("s")["state"], "HOMING");
     assert_eq!(node.stands_at("x", 0)["homed"], true);
     node.cyclone.run("axes /lineshaft halt s");
@@ -191,13 +191,13 @@ fn home_answers_while_the_axes_still_home() {
 
     // All that have a method: y has none, and is not asked.
     let seen = node.cyclone.run("home /lineshaft");
-    assert_eq!(seen["message"], "x, z, s, t home");
+    assert_eq!(seen["message"], "x, z, s, t have started homing");
     let error = node.cyclone.fails("home /lineshaft y x");
     let [refused, others] = error.split("; ").collect::<Vec<_>>().try_into().expect("two parts");
-    assert!(refused.contains('y') && others == "x homes", "{error}");
+    assert!(refused.contains('y') && others == "x has started homing", "{error}");
     // s is on its way.
     let error = node.cyclone.fails("home /lineshaft s");
-    assert!(error.contains('s') && !error.contains("homes"), "{error}");
+    assert!(error.contains('s') && !error.contains("started"), "{error}");
     assert!(node.cyclone.fails("home /lineshaft q x").contains("no axis is called `q`"));
 }
 
@@ -210,7 +210,7 @@ fn without_a_method_anywhere_home_says_so() {
     assert_eq!(node.cyclone.fails("home /lineshaft"), "no axis has a homing method");
     // It is read from what is in force, not from the cell.
     node.cyclone.run("params /lineshaft set z.homing.method=35");
-    assert_eq!(node.cyclone.run("home /lineshaft")["message"], "z homes");
+    assert_eq!(node.cyclone.run("home /lineshaft")["message"], "z has started homing");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What clients can do to the node without anybody else noticing: hammer it, freeze, come late, come and go, send nonsense.
 //!
 //! `LINESHAFT_LONG=1` hammers for a minute, freezes a subscriber for 30 s and lets 200 clients come and go. The figures that
-//! the tests print (`--nocapture`) stand in docs/interfaces.md.
+//! the tests print (`--nocapture`) stand in docs/node.md.
 
 use std::{
     env, fs,
@@ -373,7 +373,7 @@ fn nonsense_is_refused_and_does_nothing() {
     assert!(!log.contains("panicked"), "{log}");
     let longest = log.lines().map(str::len).max().unwrap_or(0);
     assert!(longest < 3000, "a line of {longest} bytes");
-    // The DDS library keeps them although they were taken, see Qos::depth and docs/interfaces.md: some hundred MB.
+    // The DDS library keeps them although they were taken, see Qos::depth and docs/node.md: some hundred MB.
     assert!(after - before < 2500.0, "{before} MiB before, {after} MiB after");
 }
 

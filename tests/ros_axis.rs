@@ -235,6 +235,18 @@ fn ctrl_c_ends_the_program_in_good_order() {
     assert_eq!(status.code(), Some(0), "{}", demo.program.log());
 }
 
+/// `systemctl stop` and `podman stop` rely on it (packaging/lineshaft@.service, Containerfile).
+#[test]
+fn sigterm_stops_all_axes_before_the_program_ends() {
+    let mut demo = Demo::enabled();
+    demo.cyclone.run("move /lineshaft --axis turret --mode relative --units increments --position 400000000");
+    demo.program.terminate();
+    let status = demo.program.wait_exit(EXIT);
+    assert_eq!(status.code(), Some(0), "{}", demo.program.log());
+    demo.program.until_log("halting all axes");
+    assert!(!demo.program.log().contains("not all axes"), "{}", demo.program.log());
+}
+
 #[test]
 fn a_second_ctrl_c_ends_it_at_once() {
     let mut demo = Demo::start();

@@ -1,4 +1,4 @@
-//! A cell of 64 axes: what it costs, and that it works. The figures stand in docs/interfaces.md.
+//! A cell of 64 axes: what it costs, and that it works. The figures stand in docs/node.md.
 //!
 //! `cargo test --release --workspace --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
 

@@ -3,6 +3,7 @@
 //! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
 
 use crate::axis::{INDEX, STREAM};
+use crate::code::Code;
 use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
@@ -43,6 +44,15 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
         _ => reason(event, config),
     };
     format!("{name}: {text}")
+}
+
+/// A sentence for the log: with the code of its event and the remedy, `x: .. (10205). Check the supply of the drive.`
+pub fn with_remedy(sentence: &str, code: Code) -> String {
+    match code.row() {
+        _ if code.is_none() => sentence.to_owned(),
+        Some(row) if !row.remedy.is_empty() => format!("{sentence} ({}). {}", code.0, row.remedy),
+        _ => format!("{sentence} ({})", code.0),
+    }
 }
 
 fn state_name(number: Number) -> &'static str {
@@ -152,7 +162,6 @@ fn plain(number: Number) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::code::Code;
     use crate::event::{Event, Severity};
 
     /// 100 mm/s and 1e-9 of it more: nine digits are the same.
@@ -164,6 +173,19 @@ mod tests {
         assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s lies above max_velocity 100 mm/s");
         assert_eq!(of(120_000.0), "x: velocity 120 mm/s lies above max_velocity 100 mm/s");
         assert_eq!(of(100_000.0), "x: velocity 100 mm/s lies above max_velocity 100 mm/s");
+    }
+
+    #[test]
+    fn line_of_the_log_has_code_and_remedy_and_is_one_line() {
+        assert_eq!(with_remedy("machine: accepted", Code::NONE), "machine: accepted");
+        assert_eq!(with_remedy("x: odd", Code(777)), "x: odd (777)");
+        let drive = with_remedy("x: the drive reports 0x8611", Code::drive_fault(0x8611));
+        assert!(drive.starts_with("x: the drive reports 0x8611 (99857). Look the code up in the manual"), "{drive}");
+        for row in Code::rows().filter(|row| !row.code.is_none()) {
+            let line = with_remedy("x: s", row.code);
+            assert_eq!(line, format!("x: s ({}). {}", row.code.0, row.remedy), "{}", row.name);
+            assert!(!line.contains('\n'), "{}", row.name);
+        }
     }
 
     #[test]

@@ -21,6 +21,9 @@ stands in `x.error` until it is reset; how the axis stood then stands in the sig
 off stops nothing: that is a warning with its code, at most once a second, and the next enable ends in the error. `~/errors` brings the last 32 errors
 and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
 
+A line of the log and of `/rosout` at ERROR or WARN about an event ends with the code and the remedy:
+`x: (message) (10205). (remedy)`.
+
 The reaction is one of:
 
 | `error_reaction` (ERRCOND) | the axis |

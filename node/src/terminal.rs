@@ -1,4 +1,4 @@
-//! What the terminal on standard error can show: colours of the log, and progress bars.
+//! Whether the log has colours.
 
 use std::env;
 use std::ffi::OsStr;
@@ -8,11 +8,6 @@ use std::io::{IsTerminal, stderr};
 pub(crate) fn has_colors() -> bool {
     let (no_color, term) = (env::var_os("NO_COLOR"), env::var_os("TERM"));
     stderr().is_terminal() && may_color(no_color.as_deref(), term.as_deref())
-}
-
-/// Returns whether a progress bar can be shown: on a terminal whose cursor can be moved.
-pub(crate) fn has_bars() -> bool {
-    stderr().is_terminal() && !is_dumb(env::var_os("TERM").as_deref())
 }
 
 fn may_color(no_color: Option<&OsStr>, term: Option<&OsStr>) -> bool {

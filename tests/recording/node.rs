@@ -68,6 +68,11 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
     assert!(cycles > 5000, "{cycles} cycles");
     assert!(count(&seen, &["counts", "/lineshaft/commands"]) > 10, "{seen}");
+    // Topics of the node, in addition to those of its cycles.
+    for topic in ["/rosout", "/diagnostics", "/robot_description", "/lineshaft/shaft", "/lineshaft/controller_state"] {
+        assert!(count(&seen, &["counts", topic]) > 0, "{topic}: {seen}");
+    }
+    assert_eq!(seen["types"]["/robot_description"], "std_msgs/msg/String");
     assert!(count(&seen, &["start_ns"]) > 1_700_000_000_000_000_000, "wall time: {seen}");
     let (cycle, changed) = ((cycles / 2).to_string(), demo.bench.path("changed.mcap"));
     bag_check(["flip", &bag, &changed, "--cycle", &cycle, "--field", "drive_count[1]", "--bit", "2"]);
@@ -165,7 +170,8 @@ fn the_service_starts_and_stops_bags() {
         demo.replays(&bag);
     }
     bag_check(["rosbags", &demo.bench.path("one")]);
-    bag_check(["mcap", &demo.bench.path("two.mcap")]);
+    let seen = bag_check(["mcap", &demo.bench.path("two.mcap")]);
+    assert_eq!(count(&seen, &["counts", "/robot_description"]), 1, "it was published before the bag began: {seen}");
     reads_in_time_order(demo.bench.bag_files("one"));
     reads_in_time_order([demo.bench.path("two.mcap")]);
     demo.end();

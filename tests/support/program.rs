@@ -44,6 +44,12 @@ impl Program {
         self.0.signal(Signal::INT);
     }
 
+    /// Sends the signal of `systemctl stop`.
+    #[track_caller]
+    pub(crate) fn terminate(&self) {
+        self.0.signal(Signal::TERM);
+    }
+
     /// Ends it at once, as a power cut would; it cannot do anything about it.
     #[track_caller]
     pub(crate) fn kill(&self) {

@@ -14,7 +14,7 @@ pub fn value_text(row: &Row, value: Value, scale: &Scale) -> String {
             .ok()
             .and_then(|place| names.get(place))
             .map_or_else(|| place.to_string(), |name| (*name).to_owned()),
-        (Value::Int(value), Measure::Position | Measure::Distance) => scale.format_increments(value),
+        (Value::Int(value), Measure::Position | Measure::Distance) => scale.format_with_increments(value),
         (Value::Int(value), Measure::Time) => format!("{} ms", value as f64 / 1e6),
         (Value::Int(value), _) => value.to_string(),
         (Value::Real(value), Measure::Velocity) => scale.format_rate(value, 1),
@@ -30,7 +30,7 @@ pub fn range_text(row: &Row, text: impl Fn(Value) -> String) -> String {
         Range::Int(0, LARGEST_POSITION) => format!("{} and above", text(Value::Int(0))),
         Range::Int(low, LARGEST_POSITION) if low > 0 => {
             let (low, exact) = (text(Value::Int(low)), format!("{low} inc"));
-            if low == exact { format!("{low} and above") } else { format!("{low} ({exact}) and above") }
+            if low.contains(&exact) { format!("{low} and above") } else { format!("{low} ({exact}) and above") }
         }
         Range::Int(low, high) => format!("{} to {}", text(Value::Int(low)), text(Value::Int(high))),
         Range::Among(ranges) => ranges_text(ranges),

@@ -140,7 +140,8 @@ pub(super) fn nine_digits(value: f64) -> String {
     }
 }
 
-fn short_decimal(value: &Fraction) -> Option<String> {
+/// The exact decimal, where 15 digits hold it.
+pub(super) fn short_decimal(value: &Fraction) -> Option<String> {
     const DIGITS: u32 = 15;
     /// All of a 64-bit number.
     const WHOLE: u32 = 20;

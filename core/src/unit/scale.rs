@@ -1,9 +1,9 @@
 //! From quantities to increments and back.
 
-use super::fraction::nine_digits;
+use super::fraction::{nine_digits, short_decimal};
 use super::{
     AxisUnit, Dimension, Fraction, MacsFactors, Quantity, SiScale, Unit, UnitError, fraction_from_f64, fraction_to_f64,
-    fraction_to_text, number_to_text, round,
+    fraction_to_text, number_to_text, parse_decimal, round,
 };
 use num_traits::{CheckedDiv, CheckedMul, Signed};
 use std::f64::consts::TAU;
@@ -236,12 +236,46 @@ impl Scale {
         rate / self.per(self.unit)
     }
 
-    /// A position for a message: `900 mm`; exact where 15 digits hold it, else nine digits.
+    /// A position for a message: `900 mm`. It is exact where 6 digits hold it; else it has as few digits, 3 or more, as
+    /// read as these increments, so that a value which a user has given is shown as it was given.
     pub fn format_increments(&self, increments: i64) -> String {
-        let exact = self.exact_per(self.unit).and_then(|per| Fraction::from(i128::from(increments)).checked_div(&per));
-        let number =
-            exact.map_or_else(|| nine_digits(self.position_to_unit(increments, 0.0)), |exact| fraction_to_text(&exact));
-        self.unit.text(&number)
+        self.unit.text(&self.position_number(increments))
+    }
+
+    /// [`Scale::format_increments`], with the increments in brackets where they are not exactly that: `11 mm (1153434 inc)`.
+    pub fn format_with_increments(&self, increments: i64) -> String {
+        let number = self.position_number(increments);
+        let is_exact = parse_decimal(&number).ok() == self.position_in_unit(increments);
+        let text = self.unit.text(&number);
+        if is_exact { text } else { format!("{text} ({increments} inc)") }
+    }
+
+    /// A position in the axis unit, as a number for [`Scale::format_increments`].
+    fn position_number(&self, increments: i64) -> String {
+        /// Digits of an exact number that reads well.
+        const FEW: usize = 6;
+        let exact = self.position_in_unit(increments);
+        if let Some(exact) = exact
+            && let Some(text) = short_decimal(&exact)
+            && (exact.is_integer() || significant_digits(&text) <= FEW)
+        {
+            return text;
+        }
+        let value = self.position_to_unit(increments, 0.0);
+        let mut rounded = (2..=16).filter_map(|digits| format!("{value:.digits$e}").parse().ok());
+        match rounded.find(|number| self.position_from_unit(*number) == Ok(increments)) {
+            Some(number) => number_to_text(number),
+            None => exact.map_or_else(|| nine_digits(value), |exact| fraction_to_text(&exact)),
+        }
+    }
+
+    /// A position in the axis unit, exactly; `None` in rad, but for 0.
+    fn position_in_unit(&self, increments: i64) -> Option<Fraction> {
+        let whole = Fraction::from(i128::from(increments));
+        if increments == 0 {
+            return Some(whole);
+        }
+        self.exact_per(self.unit).and_then(|per| whole.checked_div(&per))
     }
 
     /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine digits.
@@ -322,6 +356,11 @@ impl From<Scale> for SiScale {
         let unit = scale.si_unit().into();
         Self::new(scale, scale.exact_per(unit), scale.per(unit))
     }
+}
+
+/// Digits of a decimal number, without the zeros that it begins with.
+fn significant_digits(number: &str) -> usize {
+    number.trim_start_matches(['-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
 }
 
 /// The quantity in m, revolutions or increments (per s^n).

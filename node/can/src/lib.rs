@@ -15,6 +15,7 @@ mod nmt;
 mod node_id;
 pub mod sdo;
 pub mod sheet;
+pub mod simulate;
 pub mod transport;
 mod watch;
 

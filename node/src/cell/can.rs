@@ -2,7 +2,7 @@
 
 use super::names::{Once, quote};
 use super::scale::Travel;
-use super::times::time;
+use super::times::time_up_to;
 use crate::document::{Allowed, Map, Place, Value};
 use lineshaft_can::config::{HEARTBEATS_MISSED, Identity, Master, VelocityFactor, Write};
 use lineshaft_can::drive::drive_type::Kind;
@@ -236,7 +236,9 @@ fn listed(numbers: impl Iterator<Item = u32>) -> String {
 
 /// A time of whole milliseconds (ns).
 fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
-    let time = time(value)?;
+    /// The longest of the ranges (s).
+    const LONGEST: u32 = 3600;
+    let time = time_up_to(value, LONGEST)?;
     let in_range = time.is_multiple_of(1_000_000) && range.contains(&(time / 1_000_000));
     if !in_range {
         let (given, low, high) = (quote(value.peek().unwrap_or_default()), range.start(), range.end());

@@ -40,6 +40,7 @@ mod names;
 mod parameters;
 mod preset;
 mod programs;
+mod record_topics;
 mod regulator;
 mod robot;
 mod ros;
@@ -51,6 +52,8 @@ mod terminals;
 mod times;
 mod wiring;
 
+#[cfg(test)]
+use crate::document::Observer;
 use crate::document::{Allowed, Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
@@ -73,10 +76,13 @@ pub use marks::CellMarks;
 use names::{Names, Section, quote};
 pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
 pub use preset::Preset;
+pub use record_topics::RecordTopics;
 pub use robot::Robot;
 pub use ros::{OnLoss, RosOptions};
 use std::collections::BTreeMap;
 use std::path::Path;
+#[cfg(test)]
+use std::sync::Arc;
 pub(crate) use tables::{Files, listed, table};
 pub use terminals::CellTerminal;
 
@@ -281,6 +287,14 @@ impl Cell {
         let Self { machine, on_can, terminals_on_can, backends, .. } = self;
         let hardware = self.drives().collect();
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
+    }
+
+    /// As [`Cell::parse_beside`], and what its readers asked for.
+    #[cfg(test)]
+    pub(crate) fn parse_observed(path: &Path, text: &str) -> (Result<Self, Problems>, Arc<Observer>) {
+        let mut document = Document::parse(&path.display().to_string(), text);
+        let observer = document.observe();
+        (Self::of(document, &Files::beside(path), None), observer)
     }
 
     fn of(document: Document, files: &Files, preset: Option<Preset>) -> Result<Self, Problems> {

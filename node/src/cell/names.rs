@@ -213,7 +213,7 @@ impl<K: Ord> Once<K> {
 /// Refuses what is too much of something.
 pub(super) fn limit(entries: &[Entry<'_>], most: usize) {
     if let Some(beyond) = entries.get(most) {
-        let sentence = format!("{} names stand in this section; at most {most} are possible", entries.len());
+        let sentence = format!("{} entries exceed the maximum of this section, {most}", entries.len());
         beyond.key.refuse(sentence, None);
     }
 }

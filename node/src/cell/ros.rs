@@ -1,6 +1,7 @@
 //! Section `ros`.
 
 use super::names::quote;
+use super::record_topics::{self, RecordTopics};
 use crate::document::Value;
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
@@ -40,6 +41,8 @@ pub struct RosOptions {
     pub loss_timeout: Duration,
     /// How old a request may be that is carried out, 0.1 s to 1 h.
     pub request_timeout: Duration,
+    /// Topics that bags of `run` hold, apart from those of their cycles.
+    pub record_topics: RecordTopics,
 }
 
 /// What the machine does when nobody can reach it through ROS any more.
@@ -66,6 +69,7 @@ impl Default for RosOptions {
             on_loss: OnLoss::Halt,
             loss_timeout: Duration::from_secs(2),
             request_timeout: Duration::from_secs(2),
+            record_topics: RecordTopics::All,
         }
     }
 }
@@ -92,6 +96,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
     let on_loss = map.optional("on_loss").map(|value| on_loss(&value));
     let loss_timeout = map.optional("loss_timeout").map(|value| time(&value, 0.5..=5.0));
     let request_timeout = map.optional("request_timeout").map(|value| time(&value, 0.1..=3600.0));
+    let record_topics = map.optional("record_topics").map(|value| record_topics::read(&value));
     map.finish();
     Some(RosOptions {
         name: name.unwrap_or(Some(usual.name))?,
@@ -106,6 +111,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RosOptions> {
         on_loss: on_loss.unwrap_or(Some(usual.on_loss))?,
         loss_timeout: loss_timeout.unwrap_or(Some(usual.loss_timeout))?,
         request_timeout: request_timeout.unwrap_or(Some(usual.request_timeout))?,
+        record_topics: record_topics.unwrap_or(Some(usual.record_topics))?,
     })
 }
 

@@ -13,6 +13,7 @@ mod interfaces;
 mod joints;
 mod marks;
 mod masters;
+mod maxima;
 mod motor;
 mod preset;
 mod programs;

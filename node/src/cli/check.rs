@@ -1,13 +1,16 @@
 //! `lineshaft check`.
 
 mod functions;
+mod homing;
 mod marks;
 
-use super::{CheckArgs, Exit, say};
+use super::command_output::Output;
+use super::{CheckArgs, Exit};
 use crate::cell::{Cell, left_out_of, load_of, mode_by_sdo_of};
+use crate::document::Problems;
 use crate::graph;
 use crate::recording::plot::{Target, replace};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, other_cell};
 use lineshaft_core::config::{AxisConfig, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::function::{Kind, Quantity};
@@ -15,65 +18,78 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
 use lineshaft_core::unit::{ScaleKind, number_to_text};
+use serde_json::{Value as Json, json};
 use std::path::Path;
 
 pub(super) fn check(args: &CheckArgs) -> Exit {
-    let cell = match Cell::load_within(&args.cell, args.preset.map(Into::into)) {
-        Ok(cell) => cell,
-        Err(problems) => {
-            eprint!("{problems}");
-            return Exit::Usage;
-        }
-    };
-    // What the machine refuses has no place in the file: nothing that was read alone is wrong.
-    let machine = match Machine::new(cell.machine.clone()) {
-        Ok(machine) => machine,
-        Err(error) => {
-            eprintln!("{}: {error}", args.cell.display());
-            return Exit::Usage;
-        }
-    };
-    let (problems, idle) = functions::judge(&args.cell.display().to_string(), &cell, &machine);
-    if !problems.is_empty() {
-        eprint!("{problems}");
-        return Exit::Usage;
+    let mut output = Output::new("check", args.json);
+    for field in ["cell", "scenario", "graph"] {
+        output.set(field, Json::Null);
     }
-    let (buses, passed_over) = match cell.buses_and_warnings(Some(&args.cell)) {
-        Ok(found) => found,
-        Err(problems) => {
-            eprint!("{problems}");
-            return Exit::Usage;
+    let exit = match judge(args, &mut output) {
+        Ok(()) => Exit::Good,
+        Err(wrong) => {
+            match &wrong {
+                Wrong::Problems(problems) => output.problems(problems),
+                Wrong::Machine(sentence) if output.is_json() => output.complain(sentence),
+                Wrong::Machine(sentence) => eprintln!("{sentence}"),
+                Wrong::Figure(sentence) => output.complain(sentence),
+            }
+            Exit::Usage
         }
     };
-    say(&format_args!("{}: good: {}", args.cell.display(), summary(&cell)));
+    output.finish(exit)
+}
+
+/// Why a check does not end well.
+enum Wrong {
+    Problems(Problems),
+    /// What the machine refuses has no place in the file: nothing that was read alone is wrong.
+    Machine(String),
+    Figure(String),
+}
+
+impl From<Problems> for Wrong {
+    fn from(problems: Problems) -> Self {
+        Self::Problems(problems)
+    }
+}
+
+fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
+    let file = args.cell.display();
+    let cell = Cell::load_within(&args.cell, args.preset.map(Into::into))?;
+    let machine = Machine::new(cell.machine.clone()).map_err(|error| Wrong::Machine(format!("{file}: {error}")))?;
+    let (problems, idle) = functions::judge(&file.to_string(), &cell, &machine);
+    if !problems.is_empty() {
+        return Err(problems.into());
+    }
+    let (buses, passed_over) = cell.buses_and_warnings(Some(&args.cell))?;
+    output.say(&format_args!("{file}: good: {}", summary(&cell)));
+    output.set("cell", object(&cell, &file.to_string()));
     if let Some(line) = joint_names(&cell) {
-        say(&line);
+        output.say(&line);
     }
     let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
     for line in buses.iter().filter_map(load_of).chain(of_devices) {
-        say(&line);
+        output.remark(&line);
     }
-    for warning in warnings(&cell).into_iter().chain(idle) {
-        eprintln!("warning: {warning}");
+    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over) {
+        output.warn(&warning);
     }
-    super::warn(passed_over);
-    if let Some(path) = &args.graph
-        && let Err(sentence) = draw(&cell, &args.cell, path)
-    {
-        super::complain(&sentence);
-        return Exit::Usage;
+    if let Some(path) = &args.graph {
+        draw(&cell, &args.cell, path).map_err(Wrong::Figure)?;
+        output.say(&path.display());
+        output.set("graph", json!(path.display().to_string()));
     }
-    let Some(path) = &args.scenario else { return Exit::Good };
-    match Scenario::load(path, &cell) {
-        Ok(scenario) => {
-            say(&format_args!("{}: good: {}, {} cycles", path.display(), scenario.name(), scenario.cycles()));
-            Exit::Good
-        }
-        Err(problems) => {
-            eprint!("{problems}");
-            Exit::Usage
-        }
+    let Some(path) = &args.scenario else { return Ok(()) };
+    if let Some(note) = other_cell(path, Some(&args.cell)) {
+        output.note(&note);
     }
+    let scenario = Scenario::load(path, &cell)?;
+    let (path, name, cycles) = (path.display(), scenario.name(), scenario.cycles());
+    output.say(&format_args!("{path}: good: {name}, {cycles} cycles"));
+    output.set("scenario", json!({"file": path.to_string(), "name": name, "cycles": cycles}));
+    Ok(())
 }
 
 /// Draws the functions of a cell.
@@ -83,9 +99,25 @@ fn draw(cell: &Cell, name: &Path, path: &Path) -> Result<(), String> {
     }
     let title = name.file_name().unwrap_or(name.as_os_str()).to_string_lossy();
     let figure = graph::draw(&cell.machine, &title).ok_or("the cell has no functions that could be drawn")?;
-    replace(path, figure.as_bytes()).map_err(|error| error.to_string())?;
-    say(&path.display());
-    Ok(())
+    replace(path, figure.as_bytes()).map_err(|error| error.to_string())
+}
+
+/// What a cell is made of, as an object.
+fn object(cell: &Cell, file: &str) -> Json {
+    let machine = &cell.machine;
+    let joints = cell.joint_names.renamed(machine).map(|(axis, joint)| (axis.to_owned(), json!(joint)));
+    json!({
+        "file": file,
+        "cycle_ns": machine.cycle_ns,
+        "axes": machine.axes.len(),
+        "encoders": machine.encoders.len(),
+        "inputs_and_outputs": machine.io.len(),
+        "memory_cells": machine.memory.len(),
+        "functions": machine.slots.len(),
+        "masters": machine.masters.len(),
+        "tables": machine.tables.len(),
+        "joint_names": joints.collect::<Json>(),
+    })
 }
 
 /// The axes that have joint names of their own; none where all joint names are object names.
@@ -119,6 +151,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
     warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
+    warnings.extend(homing::judge(&cell.machine));
     warnings.extend(marks::judge(&cell.machine));
     warnings.extend(graph::circles(&cell.machine));
     warnings
@@ -320,6 +353,25 @@ mod tests {
             "unit: mm",
         ] {
             assert_eq!(warned(&format!("{MM}, {keys}")), [""; 0], "{keys}");
+        }
+    }
+
+    #[test]
+    fn homing_that_ends_outside_the_software_limits_is_warned_of() {
+        let limits = "min_position: -50 mm, max_position: 850 mm";
+        let warned = |homing: &str| warned(&format!("{MM}, unit: mm, {limits}, homing: {{{homing}}}"));
+        let told = |rest: &str, limit: &str| {
+            format!(
+                "x: homing ends at about {rest}, which {limit}: the axis is then outside its software limits; \
+                 change homing.offset or the limit"
+            )
+        };
+        assert_eq!(warned("method: 1, offset: 55 mm"), [told("-55 mm", "is below min_position -50 mm")]);
+        assert_eq!(warned("method: 35, offset: -900 mm"), [told("900 mm", "exceeds max_position 850 mm")]);
+        for good in
+            ["method: 1, offset: 50 mm", "method: 35, offset: -850 mm", "method: 1", "home_type: 0, home_offset: 90000"]
+        {
+            assert_eq!(warned(good), [""; 0], "{good}");
         }
     }
 

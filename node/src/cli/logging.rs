@@ -57,6 +57,16 @@ impl Logging {
         Loggers::new(node, self.base.clone(), apply)
     }
 
+    /// From here on only errors are logged, unless `RUST_LOG` selects other lines.
+    pub(super) fn show_errors_only(&self) {
+        if self.base.is_none()
+            && let Ok(filter) = EnvFilter::try_new("error")
+        {
+            // Where another log was there first, that one keeps its own levels.
+            let _ = self.filter.reload(filter);
+        }
+    }
+
     /// From here on lines go to a node's `/rosout`, too; nothing: no longer.
     pub(super) fn show_on(&self, rosout: Option<Rosout>) {
         *self.rosout.rosout.write().unwrap_or_else(PoisonError::into_inner) = rosout;

@@ -3,18 +3,24 @@
 mod bag;
 mod can;
 mod check;
+mod client;
+mod command_output;
+mod completions;
 mod explain;
 mod file_hint;
 mod functions;
 mod interfaces;
+mod junit;
 mod limits;
 mod logging;
+mod man;
 mod new;
 mod params;
 mod plot;
 mod program;
 mod replay;
 mod run;
+mod schema;
 mod signals;
 mod sim;
 mod store;
@@ -57,15 +63,22 @@ pub enum Exit {
     Signal(EndSignal),
 }
 
+impl Exit {
+    /// The exit code.
+    fn code(self) -> u8 {
+        match self {
+            Self::Good => 0,
+            Self::Failed => 1,
+            Self::Usage => 2,
+            Self::Differs => 3,
+            Self::Signal(signal) => signal.exit_code(),
+        }
+    }
+}
+
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        match exit {
-            Exit::Good => Self::from(0),
-            Exit::Failed => Self::from(1),
-            Exit::Usage => Self::from(2),
-            Exit::Differs => Self::from(3),
-            Exit::Signal(signal) => Self::from(signal.exit_code()),
-        }
+        Self::from(exit.code())
     }
 }
 
@@ -94,10 +107,12 @@ enum Command {
                             qos_overrides.TOPIC.publisher.depth and the like.\n\
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
-                            Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once."
+                            Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once.\n\
+                            From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset."
     )]
     Run(RunArgs),
-    /// Play a scenario on a simulated cell, as fast as it goes, without ROS
+    /// Play a scenario on a simulated cell, as fast as it goes, without ROS; or all scenarios of a folder
+    #[command(after_help = sim::HELP)]
     Sim(SimArgs),
     /// Check a cell, and a scenario for it, and report all errors at once
     Check(CheckArgs),
@@ -142,6 +157,8 @@ enum Command {
     /// Find gains for the loops of an axis that are closed here
     #[command(after_help = TUNE_HELP)]
     Tune(TuneArgs),
+    /// Print the JSON Schema of cells or scenarios, for editors
+    Schema(schema::SchemaArgs),
     /// Make, check, draw and convert tables of cams
     #[command(subcommand)]
     Table(table::TableCommand),
@@ -154,13 +171,21 @@ enum Command {
     /// Commission the devices of a CAN bus, without ROS
     #[command(subcommand)]
     Can(can::CanCommand),
+    /// Print the script that completes commands and options in a shell
+    #[command(after_help = "bash: source <(lineshaft completions bash)")]
+    Completions(completions::CompletionsArgs),
+    /// Write a man page of each command
+    Man(man::ManArgs),
+    #[command(flatten)]
+    Client(client::ClientCommand),
 }
 
 const TUNE_HELP: &str = "\
 Runs the cell without ROS, simulated drives as fast as it goes, real ones only with --real: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
 random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
 a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
-written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc.
+written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc. A number without a unit is in SI (m, rad, m/s, rad/s), and \
+the first line of the output says so.
 
 Examples:
   lineshaft tune cell.yaml x
@@ -306,6 +331,12 @@ struct ValidateArgs {
     /// From where the times of both count
     #[arg(long, value_enum, default_value_t)]
     align: AlignArg,
+    /// Write a JUnit report, one test case for each signal; a file that exists is replaced
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -336,6 +367,9 @@ enum BagCommand {
     Info {
         /// The run: an .mcap file, a folder, or a metadata.yaml
         run: PathBuf,
+        /// Print one JSON object (docs/json.md) instead of the lines
+        #[arg(long)]
+        json: bool,
     },
 }
 
@@ -414,13 +448,29 @@ struct StoreArgs {
     store: Option<PathBuf>,
 }
 
+/// What has a meaning for one scenario only.
+const NOT_WITH_ALL: [&str; 8] =
+    ["cell", "scenario", "csv", "events", "record", "max_bag_size", "max_bag_duration", "store"];
+
 #[derive(Debug, Args)]
 struct SimArgs {
-    /// The cell
-    cell: PathBuf,
+    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml
+    cell: Option<PathBuf>,
     /// The scenario
+    #[arg(long, value_name = "FILE", required_unless_present = "all")]
+    scenario: Option<PathBuf>,
+    /// Play each NAME.scenario.yaml in this folder and in those below it
+    #[arg(long, value_name = "DIR", conflicts_with_all = NOT_WITH_ALL)]
+    all: Option<PathBuf>,
+    /// How many scenarios are played at the same time (1 to 256); left out: one on each processor
+    #[arg(long, value_name = "N", requires = "all", conflicts_with = "scenario", value_parser = value_parser!(u16).range(1..=256))]
+    jobs: Option<u16>,
+    /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
     #[arg(long, value_name = "FILE")]
-    scenario: PathBuf,
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long, conflicts_with = "events")]
+    json: bool,
     /// Write the traced signals to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -437,6 +487,9 @@ struct SimArgs {
 struct ReplayArgs {
     /// The run: an .mcap file, a folder, or a metadata.yaml
     run: PathBuf,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -452,6 +505,9 @@ struct CheckArgs {
     /// Hold it to the bounds of a source that are narrower
     #[arg(long, value_enum)]
     preset: Option<PresetArg>,
+    /// Print one JSON object (docs/json.md) instead of the lines
+    #[arg(long)]
+    json: bool,
 }
 
 /// A source to whose bounds a cell is held.
@@ -646,10 +702,14 @@ fn command(arguments: Vec<String>) -> Exit {
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Validate(args)) => validate::validate(&args),
+        Some(Command::Schema(args)) => schema::run(&args),
         Some(Command::Table(command)) => table::table(&command),
         Some(Command::Program(command)) => program::program(&command),
         Some(Command::Bag(command)) => bag::bag(&command),
         Some(Command::Can(command)) => can::can(&command),
+        Some(Command::Completions(args)) => completions::completions(&args),
+        Some(Command::Man(args)) => man::man(&args),
+        Some(Command::Client(command)) => client::client(&command, &logging),
     }
 }
 

@@ -1,5 +1,6 @@
 //! `lineshaft plot`.
 
+use super::command_output::watch;
 use super::{Exit, PlotArgs, complain, say};
 use crate::recording::plot::{Across, Chosen, Figure, Problem, Target, write};
 use crate::recording::run::{Run, RunError};
@@ -40,7 +41,10 @@ pub(super) fn plot(args: &PlotArgs) -> Exit {
 fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
     // Reading a run takes time: what is wrong with the names is said before.
     Target::of(&args.output)?;
-    let recorded = load(&mut Run::open(&args.run)?, &args.signals)?;
+    let mut run = Run::open(&args.run)?;
+    watch(&mut run);
+    let recorded = load(&mut run, &args.signals)?;
+    run.end_progress();
     let is_named =
         |name: &String| args.signals.contains(name) || alias(name).is_some_and(|alias| args.signals.contains(&alias));
     let signals = recorded.series.iter().map(|series| Chosen { series, by_name: is_named(&series.name) });

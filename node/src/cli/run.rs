@@ -11,8 +11,9 @@ use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
 use crate::interrupt::{SAME_SIGNAL, Signals};
+use crate::recording::Topic;
 use crate::run::bridge::Handle;
-use crate::scenario::{Report, Scenario};
+use crate::scenario::{Report, Scenario, other_cell};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Kind;
@@ -20,13 +21,15 @@ use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::text;
 use lineshaft_ros::layer::{
-    self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions,
+    self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions, Tap,
+    TappedMessage,
 };
 use lineshaft_ros::line_limit::LineLimit;
 use lineshaft_ros::surface::host::{GateState, Host};
 use lineshaft_ros::surface::{Surface, check_names, start_commands};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit {
@@ -47,6 +50,9 @@ pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit
             return Exit::Usage;
         }
     };
+    if let Some(note) = args.scenario.as_deref().and_then(|path| other_cell(path, args.cell.as_deref())) {
+        tracing::warn!("{note}");
+    }
     match start(args, cell, &title, scenario, ros, logging) {
         Ok(exit) => exit,
         Err(sentence) => {
@@ -106,10 +112,18 @@ fn start(
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         let given = Given { store, first, scenario, processor: args.cpu.unwrap_or_default() };
         let (prepared, heard) = Prepared::new(cell, machine, hardware, given);
-        serve(Start { args, cell, options, environment: &environment, logging }, prepared, heard, signals).await
+        let tap = tap(cell);
+        options.tap = Some(tap.0.clone());
+        serve(Start { args, cell, options, environment: &environment, logging, tap }, prepared, heard, signals).await
     })?;
     runtime.shutdown_timeout(Duration::from_secs(1));
     Ok(exit)
+}
+
+/// Copies what the node publishes, as the cell wants it, apart from what bags hold by their cycles.
+fn tap(cell: &Cell) -> (Tap, Receiver<TappedMessage>) {
+    let topics = cell.ros.record_topics.clone();
+    Tap::new(move |name| !Topic::is_of_cycles(name) && topics.holds(name))
 }
 
 /// What the ROS arguments give to the node.
@@ -134,6 +148,7 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
         side,
         request_timeout: cell.ros.request_timeout,
         host_clock: None,
+        tap: None,
     })
 }
 
@@ -226,6 +241,8 @@ struct Start<'a> {
     options: NodeOptions,
     environment: &'a Environment,
     logging: &'a Logging,
+    /// Copies of what the node publishes, for the recorder.
+    tap: (Tap, Receiver<TappedMessage>),
 }
 
 /// Starts the machine once the node is there, and serves ROS until a signal comes or the machine fails.
@@ -233,7 +250,7 @@ struct Start<'a> {
 /// # Errors
 /// What was given and cannot be; no cycle has run then.
 async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Signals) -> Result<Exit, String> {
-    let Start { args, cell, mut options, environment, logging } = start;
+    let Start { args, cell, mut options, environment, logging, tap } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
     let is_lost = Arc::<AtomicBool>::default();
     options.side.loss_timeout = cell.ros.loss_timeout;
@@ -254,7 +271,7 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
             return Ok(Exit::Failed);
         }
     };
-    let recording = Recording::open(args, cell, &name, &prepared.buses)?;
+    let recording = Recording::open(args, cell, &name, &prepared.buses, tap)?;
     let running = prepared.start(recording);
     let watch = watch(&surface, Arc::clone(&running.handle), cell.ros.on_loss, cell.ros.loss_timeout);
     let watch = watch.map_err(|error| format!("no thread that watches ROS: {error}"))?;
@@ -264,6 +281,9 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
+    if let Some(why) = Interface::of_host().ok().and_then(|existing| environment.unreachable(&existing)) {
+        tracing::warn!("{why}");
+    }
     let why = wait_for_end(&running, &is_lost, &mut surface, signals).await;
     stop_machine(&running.handle, || running.cycle.is_finished()).await;
     logging.show_on(None);

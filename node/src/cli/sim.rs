@@ -1,42 +1,68 @@
 //! `lineshaft sim`.
+//!
+//! Law      one scenario, or all of a folder side by side. The output of all is the same for any number of jobs
 
-use super::{Exit, SimArgs, complain, say, store};
+mod all;
+mod played;
+
+use self::played::{Played, Trouble};
+use super::command_output::Output;
+use super::{Exit, SimArgs, junit, store};
 use crate::cell::Cell;
 use crate::interrupt::Interrupt;
-use crate::scenario::{Options, Scenario, SimulateError, simulate_with};
+use crate::scenario::{Options, Scenario, cell_of, other_cell, simulate_with};
+use serde_json::json;
+use std::path::Path;
+
+pub(super) const HELP: &str = "\
+Examples:
+  lineshaft sim cell.yaml --scenario first_move.yaml --csv trace.csv
+  lineshaft sim --scenario press.scenario.yaml
+  lineshaft sim --all . --junit report.xml
+
+With --all each scenario runs on the cell that its key `cell: FILE` names, else on NAME.yaml next to NAME.scenario.yaml.
+
+Exit codes: 0 all passed, 1 an expectation failed, or the disk did, 2 bad usage or a file with errors.";
 
 pub(super) fn sim(args: &SimArgs) -> Exit {
-    let scenario = Cell::load(&args.cell).and_then(|cell| Ok((Scenario::load(&args.scenario, &cell)?, cell)));
-    let (scenario, mut cell) = match scenario {
-        Ok(read) => read,
-        Err(problems) => {
-            eprint!("{problems}");
-            return Exit::Usage;
-        }
-    };
-    let Ok(store) = store::open(&args.store, &mut cell) else { return Exit::Usage };
-    let (csv, record) = (args.csv.clone(), args.record.options());
+    let mut output = Output::new("sim", args.json);
     let interrupt = match Interrupt::listen() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            complain(&format_args!("signals of the system cannot be received: {error}"));
-            return Exit::Failed;
+            output.complain(&format_args!("signals of the system cannot be received: {error}"));
+            return output.finish(Exit::Failed);
         }
     };
-    let options = Options { csv, record, events: args.events, progress: true, interrupt };
-    match simulate_with(&cell, &scenario, &options, store) {
-        Ok(report) => {
-            say(&report);
-            if report.passed() { Exit::Good } else { Exit::Failed }
+    let (played, exit) = match &args.all {
+        Some(folder) => all::play(folder, args.jobs, &interrupt, &mut output),
+        None => {
+            // The parser has seen to it that there is one.
+            let played = one(args, args.scenario.as_deref().unwrap_or(Path::new("")), interrupt);
+            played.show(&mut output);
+            let exit = played.exit();
+            (vec![played], exit)
         }
-        Err(error) => {
-            eprintln!("error: {error}");
-            match error {
-                // Neither the files nor the usage were bad: the disk was.
-                SimulateError::Record(_) | SimulateError::Store(_) => Exit::Failed,
-                SimulateError::Interrupted { signal, .. } => Exit::Signal(signal),
-                _ => Exit::Usage,
-            }
-        }
-    }
+    };
+    let suites: Vec<_> = played.iter().map(Played::suite).collect();
+    let exit = junit::write(args.junit.as_deref(), "lineshaft sim", &suites, exit, &mut output);
+    let count = |verdict: &str| played.iter().filter(|played| played.verdict() == verdict).count();
+    output.set("passed", json!(count(played::PASSED)));
+    output.set("failed", json!(count(played::FAILED)));
+    output.set("with_errors", json!(count(played::ERROR)));
+    output.set("scenarios", played.iter().map(Played::json).collect());
+    output.finish(exit)
+}
+
+/// Plays the scenario that was asked for, with what was asked for.
+fn one(args: &SimArgs, scenario: &Path, interrupt: Interrupt) -> Played {
+    let cell = args.cell.as_ref().map_or_else(|| cell_of(scenario), |cell| Ok(cell.clone()));
+    let note = args.cell.as_deref().and_then(|cell| other_cell(scenario, Some(cell)));
+    let (csv, record) = (args.csv.clone(), args.record.options());
+    let options = Options { csv, record, events: args.events, progress: !args.json, interrupt };
+    Played::new(scenario, cell, note, |cell| {
+        let mut loaded = Cell::load(cell)?;
+        let read = Scenario::load(scenario, &loaded)?;
+        let store = store::open_silently(&args.store, &mut loaded).map_err(Trouble::Store)?;
+        simulate_with(&loaded, &read, &options, store).map_err(Trouble::Simulate)
+    })
 }

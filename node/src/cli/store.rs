@@ -22,8 +22,15 @@ impl StoreArgs {
 /// # Errors
 /// What is wrong was told.
 pub(super) fn open(args: &StoreArgs, cell: &mut Cell) -> Result<Option<Store>, ()> {
-    let opened = args.file().map(Store::open).transpose();
-    load(opened, cell)
+    open_silently(args, cell).map_err(complain_of)
+}
+
+/// The same, without a word.
+///
+/// # Errors
+/// What is wrong.
+pub(super) fn open_silently(args: &StoreArgs, cell: &mut Cell) -> Result<Option<Store>, StoreError> {
+    load(args.file().map(Store::open).transpose(), cell)
 }
 
 /// The same for a node; without `--store`, the store in its folder. Where another program has that one, or it has no place,
@@ -48,19 +55,21 @@ pub(super) fn open_for_node(
         tracing::warn!("nothing that is saved will be kept: {}: {error}; --store names another file", path.display());
         return Ok(None);
     }
-    load(Store::open_beside(&path).map(Some), cell)
+    load(Store::open_beside(&path).map(Some), cell).map_err(complain_of)
 }
 
-fn load(opened: Result<Option<Store>, StoreError>, cell: &mut Cell) -> Result<Option<Store>, ()> {
-    let loaded = opened.and_then(|store| {
-        store.as_ref().map_or(Ok(()), |store| store.load(&mut cell.machine))?;
-        Ok(store)
-    });
-    loaded.map_err(|error| match error {
+fn load(opened: Result<Option<Store>, StoreError>, cell: &mut Cell) -> Result<Option<Store>, StoreError> {
+    let store = opened?;
+    store.as_ref().map_or(Ok(()), |store| store.load(&mut cell.machine))?;
+    Ok(store)
+}
+
+fn complain_of(error: StoreError) {
+    match error {
         // Each problem is a line that begins with its place, as those of a cell are.
         StoreError::Unfit { .. } => eprintln!("{error}"),
         _ => complain(&error),
-    })
+    }
 }
 
 /// The file of a cell in the folder of its node: cells that one node runs in turn do not take each other's values.

@@ -11,7 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::recording::plot::{Problem, Target};
 use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_until, write_plot};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::unit::{Quantity, Scale};
+use lineshaft_core::unit::{Quantity, Scale, parse_decimal};
 use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
 
@@ -88,8 +88,13 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
     if !is_simulated && !args.real {
         return Err(TuneError::Leave(setting.asks_for_leave(&config.axes[usize::from(setting.axis)])));
     }
-    let record = run(args, &cell, setting, is_simulated)?;
     let axis = &config.axes[usize::from(setting.axis)];
+    for (name, text, order) in [("travel", &args.travel, 0), ("velocity", &args.velocity, 1)] {
+        if let Some(line) = text.as_ref().and_then(|text| reading(&axis.scale, name, text, order)) {
+            say(&line);
+        }
+    }
+    let record = run(args, &cell, setting, is_simulated)?;
     let subject = Subject::of(axis, &axis.power_on());
     let refused = |refusal| TuneError::Refused { axis: args.axis.clone(), refusal };
     let findings = Findings::find(subject, &record, &setting.wish, &setting.before).map_err(refused)?;
@@ -138,6 +143,18 @@ fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
     scale.rate(&quantity, order).map_err(|error| error.to_string())
 }
 
+/// The unit that a number without a unit was read in, and its value in the axis unit; none where a unit is given.
+fn reading(scale: &Scale, name: &str, text: &str, order: u8) -> Option<String> {
+    let number = text.trim();
+    parse_decimal(number).ok()?;
+    let quantity = Quantity::parse(number, &scale.dimensions(order)).ok()?;
+    let rate = scale.rate(&quantity, order).ok()?;
+    let own = if order == 0 { scale.format_increments(rate.round() as i64) } else { scale.format_rate(rate, order) };
+    let si = quantity.to_string();
+    let read = if si == own { si } else { format!("{si} ({own})") };
+    Some(format!("--{name} {number} has no unit: it is read as {read}"))
+}
+
 /// What the axis did.
 fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Result<Record, TuneError> {
     let (ended, record) = if is_simulated {
@@ -150,5 +167,32 @@ fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Re
     match ended.sentence(&cell.machine, &setting) {
         None => Ok(record),
         Some(sentence) => Err(TuneError::Trial { axis: args.axis.clone(), sentence }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_core::unit::{Fraction, Unit};
+
+    fn quantity(number: i128, unit: Unit) -> Quantity {
+        Quantity::new(Fraction::from(number), unit)
+    }
+
+    /// 4 rad/s are 4 * 180 / pi = 229.183118 deg/s.
+    #[test]
+    fn number_without_a_unit_is_shown_with_the_unit_that_it_is_read_in() {
+        let turn = Scale::new(Fraction::from(36_000), quantity(360, Unit::DEGREE)).unwrap();
+        let turn = turn.with_unit(Unit::DEGREE).unwrap();
+        let of = |name, text, order| reading(&turn, name, text, order);
+        assert_eq!(
+            of("velocity", "4", 1).unwrap(),
+            "--velocity 4 has no unit: it is read as 4 rad/s (229.183118 deg/s)"
+        );
+        assert_eq!(of("velocity", "4 rad/s", 1), None);
+        assert_eq!(of("velocity", "4 furlongs", 1), None);
+        let millimetre = Scale::new(Fraction::from(1000), quantity(1, Unit::MILLIMETRE)).unwrap();
+        let line = reading(&millimetre, "travel", " 0.02 ", 0).unwrap();
+        assert_eq!(line, "--travel 0.02 has no unit: it is read as 0.02 m");
     }
 }

@@ -1,5 +1,7 @@
 //! Reading of a mapping, key by key.
 
+#[cfg(test)]
+use super::observer::Note;
 use super::problem::quote;
 use super::value::suggest;
 use super::{Node, Place, Problems, Value};
@@ -12,7 +14,7 @@ const MAX_LISTED: usize = 10;
 #[derive(Debug)]
 pub struct Map<'d> {
     what: String,
-    place: Place,
+    node: &'d Node,
     entries: &'d [(Node, Node)],
     problems: &'d Problems,
     asked: Vec<String>,
@@ -21,22 +23,27 @@ pub struct Map<'d> {
 }
 
 impl<'d> Map<'d> {
-    pub(super) fn new(what: String, place: Place, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
+    pub(super) fn new(what: String, node: &'d Node, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
         // The name of an object may be in it: foreign text.
         let what = excerpt(&what);
-        Self { what, place, entries, problems, asked: Vec::new(), missing: Vec::new(), explain: None }
+        Self { what, node, entries, problems, asked: Vec::new(), missing: Vec::new(), explain: None }
     }
 
     /// The value of a key that may be left out.
     pub fn optional(&mut self, key: &str) -> Option<Value<'d>> {
-        self.allow(&[key]);
+        self.value_of(key, false)
+    }
+
+    fn value_of(&mut self, key: &str, is_required: bool) -> Option<Value<'d>> {
+        self.asked.push(key.to_owned());
+        self.note_key(key, is_required);
         let (_, node) = self.entries.iter().find(|(name, _)| name.text() == key)?;
         Some(Value::new(node, key.to_owned(), self.problems))
     }
 
     /// The value of a key that must stand; without it, that is reported when the reading of this mapping is over.
     pub fn required(&mut self, key: &str) -> Option<Value<'d>> {
-        let value = self.optional(key);
+        let value = self.value_of(key, true);
         if value.is_none() {
             self.missing.push(key.to_owned());
         }
@@ -46,7 +53,19 @@ impl<'d> Map<'d> {
     /// Keys that are known though nobody has asked for them: no problem, and suggested for what is alike.
     pub fn allow(&mut self, keys: &[&str]) {
         self.asked.extend(keys.iter().map(|&key| key.to_owned()));
+        keys.iter().for_each(|key| self.note_key(key, false));
     }
+
+    /// Notes for a test that a key was asked for.
+    #[cfg(test)]
+    fn note_key(&self, key: &str, is_required: bool) {
+        if let Some(observer) = &self.problems.observer {
+            observer.note(self.node, Note::Key { key: key.to_owned(), is_required });
+        }
+    }
+
+    #[cfg(not(test))]
+    fn note_key(&self, _: &str, _: bool) {}
 
     /// Keys and values that nobody has asked for yet, in file order; now they count as asked for.
     pub fn rest(&mut self) -> Vec<(Value<'d>, Value<'d>)> {
@@ -67,17 +86,21 @@ impl<'d> Map<'d> {
 
     /// Where the mapping starts.
     pub fn place(&self) -> Place {
-        self.place
+        self.node.place
     }
 
     /// Notes a problem of the mapping as a whole.
     pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
-        self.problems.push(self.place, sentence, hint);
+        self.problems.push(self.node.place, sentence, hint);
     }
 
     /// Ends the reading: every key that nobody asked for is a problem. A missing key is not reported as well when an unknown
     /// one looks like its misspelling.
     pub fn finish(mut self) {
+        #[cfg(test)]
+        if let Some(observer) = &self.problems.observer {
+            observer.note(self.node, Note::Finished);
+        }
         for (key, _) in self.entries {
             if self.is_asked(key.text()) {
                 continue;
@@ -116,7 +139,7 @@ impl<'d> Map<'d> {
 impl Drop for Map<'_> {
     fn drop(&mut self) {
         for key in &self.missing {
-            self.problems.push(self.place, format!("missing key `{key}` in {}", self.what), None);
+            self.problems.push(self.node.place, format!("missing key `{key}` in {}", self.what), None);
         }
     }
 }

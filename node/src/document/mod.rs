@@ -28,12 +28,16 @@
 
 mod edit;
 mod map;
+#[cfg(test)]
+mod observer;
 mod parse;
 mod problem;
 mod value;
 
 pub use edit::{Fixed, Source};
 pub use map::Map;
+#[cfg(test)]
+pub(crate) use observer::{Asked, Observer, Seen};
 pub use problem::{Place, Problem, Problems};
 pub use value::{Allowed, Value};
 
@@ -159,6 +163,12 @@ impl Document {
     /// The value of the whole document, called `label` in problems; `None` when it could not be read.
     pub fn root(&self, label: &str) -> Option<Value<'_>> {
         self.root.as_ref().map(|node| Value::new(node, label.to_owned(), &self.problems))
+    }
+
+    /// The document as an editor sees it: numbers, `true` and `null` by the core schema of YAML 1.2.
+    #[cfg(test)]
+    pub(crate) fn json(&self) -> serde_json::Value {
+        self.root.as_ref().map_or(serde_json::Value::Null, observer::json)
     }
 
     /// The text as it was read.

@@ -56,12 +56,21 @@ pub struct Problems {
     list: RefCell<Vec<Problem>>,
     /// How many came after the first [`MAX_PROBLEMS`].
     beyond: Cell<usize>,
+    /// Who notes what readers ask for.
+    #[cfg(test)]
+    pub(super) observer: Option<Arc<super::Observer>>,
 }
 
 impl Problems {
     /// None yet, for a file.
     pub fn new(file: &str) -> Self {
-        Self { file: file.into(), list: RefCell::default(), beyond: Cell::new(0) }
+        Self {
+            file: file.into(),
+            list: RefCell::default(),
+            beyond: Cell::new(0),
+            #[cfg(test)]
+            observer: None,
+        }
     }
 
     /// Notes a problem.

@@ -1,5 +1,7 @@
 //! Typed reading of one value.
 
+#[cfg(test)]
+use super::observer::{Asked, Note};
 use super::problem::quote;
 use super::{Kind, Map, Node, Place, Problems};
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, UnitError, excerpt, parse_decimal, parse_fraction};
@@ -99,11 +101,15 @@ impl<'d> Value<'d> {
 
     /// Any scalar, as written.
     pub fn text(&self) -> Option<&'d str> {
+        #[cfg(test)]
+        self.asked(Asked::Text);
         self.scalar("a text")
     }
 
     /// `true` or `false`, nothing else.
     pub fn boolean(&self) -> Option<bool> {
+        #[cfg(test)]
+        self.asked(Asked::Boolean);
         let text = self.scalar("true or false")?;
         match self.plain().unwrap_or_default() {
             "true" => return Some(true),
@@ -128,6 +134,8 @@ impl<'d> Value<'d> {
         let text = self.scalar("a whole number")?;
         // The bounds of every integer type but u128 fit; for those of u128 there is no use here.
         let (low, high) = ((*range.start()).try_into().ok()?, (*range.end()).try_into().ok()?);
+        #[cfg(test)]
+        self.asked(Asked::Integer(low, high));
         match self.plain().map_or(Err(NotWhole::Other), whole_number) {
             Ok(value) if (low..=high).contains(&value) => return T::try_from(value).ok(),
             Ok(value) => self.refuse(format!("{} is {value}; {low}..{high} is allowed", self.label), None),
@@ -144,6 +152,8 @@ impl<'d> Value<'d> {
 
     /// A finite number within `range`; an infinite bound is none.
     pub fn number(&self, range: RangeInclusive<f64>) -> Option<f64> {
+        #[cfg(test)]
+        self.asked(Asked::Number);
         let text = self.scalar("a number")?;
         match self.plain().and_then(finite) {
             Some(value) if range.contains(&value) => return Some(value),
@@ -168,12 +178,16 @@ impl<'d> Value<'d> {
 
     /// An exact number: a decimal or a fraction such as `1/3`.
     pub fn fraction(&self) -> Option<Fraction> {
+        #[cfg(test)]
+        self.asked(Asked::Number);
         let text = self.scalar("a number")?;
         self.unit_result(parse_fraction(text))
     }
 
     /// A quantity `NUMBER UNIT` of one of the dimensions; a bare number is SI of the first.
     pub fn quantity(&self, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
+        #[cfg(test)]
+        self.asked(Asked::Quantity);
         let expected = dimensions.first().map_or("a quantity", |dimension| dimension.article());
         let text = self.scalar(expected)?;
         let quantity = self.unit_result(Quantity::parse(text, dimensions))?;
@@ -197,6 +211,8 @@ impl<'d> Value<'d> {
 
     /// One of several names.
     pub fn choice<T: Copy>(&self, names: &[(&str, T)]) -> Option<T> {
+        #[cfg(test)]
+        self.asked(Asked::Choice(names.iter().map(|(name, _)| (*name).to_owned()).collect()));
         let text = self.scalar("a name")?;
         if let Some((_, value)) = names.iter().find(|(name, _)| *name == text) {
             return Some(*value);
@@ -232,6 +248,8 @@ impl<'d> Value<'d> {
 
     /// The values of a list; an empty value is an empty list.
     pub fn list(&self) -> Option<Vec<Value<'d>>> {
+        #[cfg(test)]
+        self.asked(Asked::List);
         let items = match &self.node.kind {
             Kind::List(items) => items.as_slice(),
             _ if self.is_null() => &[],
@@ -243,7 +261,7 @@ impl<'d> Value<'d> {
 
     /// A mapping to be read key by key, called `what` in problems (axis `x`); an empty value is an empty mapping.
     pub fn map(&self, what: impl Into<String>) -> Option<Map<'d>> {
-        Some(Map::new(what.into(), self.node.place, self.pairs()?, self.problems))
+        Some(Map::new(what.into(), self.node, self.pairs()?, self.problems))
     }
 
     /// The keys and values of a mapping in file order, for a section with names as keys; an empty value has none.
@@ -252,10 +270,20 @@ impl<'d> Value<'d> {
     }
 
     fn pairs(&self) -> Option<&'d [(Node, Node)]> {
+        #[cfg(test)]
+        self.asked(Asked::Map);
         match &self.node.kind {
             Kind::Map(entries) => Some(entries),
             _ if self.is_null() => Some(&[]),
             _ => self.wrong_kind("a mapping"),
+        }
+    }
+
+    /// Notes for a test what the value is taken for.
+    #[cfg(test)]
+    fn asked(&self, asked: Asked) {
+        if let Some(observer) = &self.problems.observer {
+            observer.note(self.node, Note::Value(asked));
         }
     }
 

@@ -1,15 +1,16 @@
 //! What a name means: everything that `lineshaft explain` prints.
 //!
-//! Reads    the tables that the program uses: codes, parameters, signals, types of functions, ROS interfaces, verbs
+//! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces, verbs
 //! Writes   text
 //! Refuses  a name that no table has, with the names that are most like it
 //!
-//! A subject is a file with two functions: the sections about a name, and the names that it knows. A further subject, such
-//! as the keys of a cell, is a file and a row of [`SUBJECTS`].
+//! A subject is a file with two functions: the sections about a name, and the names that it knows. A further subject is a file
+//! and a row of [`SUBJECTS`].
 
 mod codes;
 mod functions;
 mod interfaces;
+mod keys;
 mod parameters;
 mod signals;
 mod verbs;
@@ -35,9 +36,10 @@ struct Subject {
 }
 
 /// In the order in which they are printed.
-const SUBJECTS: [Subject; 6] = [
+const SUBJECTS: [Subject; 7] = [
     Subject { sections: codes::sections, names: codes::names },
     Subject { sections: parameters::sections, names: parameters::names },
+    Subject { sections: keys::sections, names: keys::names },
     Subject { sections: signals::sections, names: signals::names },
     Subject { sections: functions::sections, names: functions::names },
     Subject { sections: verbs::sections, names: verbs::names },
@@ -62,7 +64,7 @@ fn unknown(name: &str) -> String {
     near.truncate(MOST_MEANT);
     let near: Vec<_> = near.iter().map(|known| format!("`{known}`")).collect();
     let hint = if near.is_empty() {
-        "a code, a parameter, a signal, a type of functions or its field, a verb or a ROS interface is expected"
+        "a code, a parameter, a key, a signal, a type of functions or its field, a verb or a ROS interface is expected"
             .to_owned()
     } else {
         format!("did you mean {}?", near.join(", "))

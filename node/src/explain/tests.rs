@@ -161,7 +161,7 @@ fn an_unknown_name_gets_the_names_that_are_most_like_it() {
     assert!(sentence("varsinc").contains("`varsync`") && sentence("move_axes").contains("`move_axis`"));
     assert_eq!(
         sentence("zzzzzzzz"),
-        "`zzzzzzzz` is unknown; a code, a parameter, a signal, a type of functions or its field, a verb or a ROS interface is expected"
+        "`zzzzzzzz` is unknown; a code, a parameter, a key, a signal, a type of functions or its field, a verb or a ROS interface is expected"
     );
     let long = "m".repeat(100_000);
     assert!(sentence(&long).len() < 300 && sentence("").starts_with("`` is unknown"));

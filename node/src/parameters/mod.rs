@@ -16,6 +16,7 @@ pub use read::{Import, check_import, read_changes};
 pub(crate) use text::exact_text;
 pub use text::{export_text, parameters_text};
 pub use values::{differences, values};
+pub(crate) use words::{default_text, range_words, unit_text};
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ const LARGEST_POSITION: i64 = (1 << 62) - 1;
 const LARGE: f64 = 1e9;
 
 /// The unit of a bare number.
-pub(super) fn unit_text(row: &Row) -> String {
+pub(crate) fn unit_text(row: &Row) -> String {
     let order = match row.measure {
         Measure::Position | Measure::Distance => "",
         Measure::Velocity => "/s",
@@ -40,7 +40,7 @@ fn value_words(row: &Row, value: Value) -> String {
 }
 
 /// What it may be.
-pub(super) fn range_words(row: &Row) -> String {
+pub(crate) fn range_words(row: &Row) -> String {
     match (row.range, row.measure) {
         (_, Measure::Choice(names)) => names.join(", "),
         (_, _) if matches!(row.storage, Storage::Derived | Storage::Signal(_)) => String::new(),
@@ -51,7 +51,7 @@ pub(super) fn range_words(row: &Row) -> String {
 }
 
 /// What it is where nobody gives it.
-pub(super) fn default_text(row: &Row) -> String {
+pub(crate) fn default_text(row: &Row) -> String {
     match row.default {
         _ if row.required => "required".to_owned(),
         Value::Unset if row.default_text.is_empty() => "-".to_owned(),

@@ -11,6 +11,7 @@
 mod disk;
 mod file;
 mod place;
+mod retained;
 mod topics;
 
 use super::metadata::{FileInformation, Metadata, TopicInformation};
@@ -20,13 +21,15 @@ use crate::parameters::parameters_text;
 use crate::store::store_text;
 use disk::Medium;
 use file::{BagFile, Counts, Opening};
-use lineshaft_ros::layer::NodeName;
+use lineshaft_ros::layer::{NodeName, TappedTopic};
 use place::Place;
+pub(crate) use retained::Retained;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 use topics::Offered;
+pub(crate) use topics::repeats_events;
 
 /// Where a bag goes, and when it goes on in a new file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -68,6 +71,8 @@ pub struct Subject {
     pub version: String,
     /// Buses on CAN whose frames the bag keeps.
     pub buses: Vec<String>,
+    /// Topics that the node publishes, apart from those of the cycles.
+    pub published: Vec<TappedTopic>,
 }
 
 /// Why a bag cannot be written.
@@ -124,6 +129,8 @@ pub struct Bag {
     subject: Subject,
     cell_sha256: String,
     topics: Vec<Offered>,
+    /// Latched messages so far: each further file begins with them.
+    retained: Retained,
     open: Open,
     ended: Vec<Ended>,
     file: Option<BagFile>,
@@ -175,6 +182,7 @@ impl Subject {
             cycle_ns: cell.machine.cycle_ns,
             version: env!("CARGO_PKG_VERSION").to_owned(),
             buses: Vec::new(),
+            published: Vec::new(),
         }
     }
 }
@@ -209,12 +217,14 @@ impl Bag {
         let topics = Offered::all(&subject).map_err(|error| BagError::Refused(error.to_string()))?;
         place.claim()?;
         let cell_sha256 = super::sha256(&subject.cell);
+        let retained = Retained::new(&subject.published);
         let mut bag = Self {
             options: options.clone(),
             place,
             subject,
             cell_sha256,
             topics,
+            retained,
             open,
             ended: Vec::new(),
             file: None,
@@ -256,6 +266,9 @@ impl Bag {
         }
         self.next = Some(encoded.cycle.saturating_add(1));
         let log_ns = self.time(encoded).log_ns;
+        for (topic, message) in encoded.published() {
+            self.retained.take(topic, message);
+        }
         self.on_file(|file| file.write(encoded, log_ns))
     }
 
@@ -381,9 +394,16 @@ impl Bag {
                 .collect(),
         };
         let topics = std::mem::take(&mut self.topics);
-        let begun = self.on_file(|file| file.begin(opening, &topics));
+        let (published, log_ns) = (self.subject.published.len(), time.log_ns);
+        let begun = self.on_file(|file| file.begin(opening, &topics, published));
         self.topics = topics;
-        begun
+        begun?;
+        let retained = std::mem::take(&mut self.retained);
+        let written = self.on_file(|file| {
+            retained.messages().try_for_each(|(topic, message)| file.put_published(topic, message, log_ns))
+        });
+        self.retained = retained;
+        written
     }
 
     /// `continued`: the bag goes on in a further file.

@@ -26,6 +26,20 @@ pub(crate) fn clean_lines(text: &str) -> String {
     text.split('\n').map(clean).collect::<Vec<_>>().join("\n")
 }
 
+/// JSON without line breaks in which no character steers the terminal: it is written as `\u009b`. The value stays the same, as such
+/// characters are in strings only.
+pub(crate) fn escape_json(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        // Writing to a text cannot fail. None of these characters is beyond U+FFFF.
+        let _ = match letter {
+            bad if is_bad(bad) => write!(escaped, "\\u{:04x}", u32::from(bad)),
+            good => write!(escaped, "{good}"),
+        };
+    }
+    escaped
+}
+
 /// Controls, breaks of lines, and what turns the direction of writing.
 fn is_bad(letter: char) -> bool {
     letter.is_control()

@@ -1,5 +1,7 @@
 //! What a run holds, in a few lines.
 
+mod fields;
+
 use super::clean::clean;
 use super::inputs;
 use super::run::{Run, RunError, grouped};

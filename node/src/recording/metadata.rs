@@ -124,9 +124,10 @@ pub(super) fn qos_text(qos: Qos, indent: usize) -> String {
     let time = |name: &str, (sec, nsec): (u64, u64)| format!("  {name}:\n    sec: {sec}\n    nsec: {nsec}\n");
     let lifespan = qos.lifespan.map_or(WITHOUT_END, |age| (age.as_secs(), age.subsec_nanos().into()));
     let text = format!(
-        "- history: keep_last\n  depth: {}\n  reliability: reliable\n  durability: {}\n{}{}  liveliness: automatic\n{}  \
+        "- history: keep_last\n  depth: {}\n  reliability: {}\n  durability: {}\n{}{}  liveliness: automatic\n{}  \
          avoid_ros_namespace_conventions: false\n",
         qos.depth,
+        if qos.reliable { "reliable" } else { "best_effort" },
         if qos.latched { "transient_local" } else { "volatile" },
         time("deadline", WITHOUT_END),
         time("lifespan", lifespan),

@@ -142,6 +142,9 @@ pub struct Encoded {
     parts: Vec<(Topic, Range<usize>)>,
     /// Frames on CAN: the place of the bus, which way, and where the message stands in `bytes`.
     frames: Vec<(usize, Way, Range<usize>)>,
+    /// What the node has published since the cycle before: the place of its topic in [`Subject`](bag::Subject), and where the
+    /// message is in `bytes`.
+    published: Vec<(usize, Range<usize>)>,
     bytes: Vec<u8>,
 }
 
@@ -165,6 +168,18 @@ impl Encoded {
         self.messages().map(|(topic, message)| (topic as usize, message)).chain(frames)
     }
 
+    /// Takes a message that the node has published, with the CDR header of 4 bytes.
+    pub fn add_published(&mut self, topic: usize, message: &[u8]) {
+        let start = self.bytes.len();
+        self.bytes.extend_from_slice(message);
+        self.published.push((topic, start..self.bytes.len()));
+    }
+
+    /// What the node has published, each with the place of its topic in [`Subject`](bag::Subject).
+    fn published(&self) -> impl Iterator<Item = (usize, &[u8])> {
+        self.published.iter().map(|(topic, range)| (*topic, self.bytes.get(range.clone()).unwrap_or_default()))
+    }
+
     /// The same with the state of the machine before it.
     pub fn with_state(self, state: &State, config: &MachineConfig) -> Self {
         let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
@@ -178,7 +193,8 @@ impl Encoded {
     pub fn memory(&self) -> usize {
         let texts = self.state.as_ref().map_or(0, Vec::capacity) + self.parameters.as_ref().map_or(0, String::capacity);
         let frames = self.frames.capacity() * size_of::<(usize, Way, Range<usize>)>();
-        size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + frames + texts
+        let published = self.published.capacity() * size_of::<(usize, Range<usize>)>();
+        size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + frames + published + texts
     }
 
     /// Bytes of all messages.

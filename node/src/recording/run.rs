@@ -93,7 +93,16 @@ pub struct Run {
     reader: Option<Messages>,
     /// The one that comes after it.
     next_file: usize,
+    /// Messages that were read.
+    messages: u64,
+    progress: Option<ProgressSink>,
 }
+
+/// Is called with the bytes that were read so far, and with those of all files.
+type ProgressSink = Box<dyn FnMut(u64, u64) + Send>;
+
+/// Messages from one call of [`ProgressSink`] to the next.
+const PROGRESS_MESSAGES: u64 = 256;
 
 impl std::fmt::Debug for Run {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -117,7 +126,7 @@ impl Run {
     /// # Errors
     /// As [`Run::open`].
     pub fn open_any(path: &Path) -> Result<Self, RunError> {
-        Ok(Self { files: places::outlines(path)?, reader: None, next_file: 0 })
+        Ok(Self { files: places::outlines(path)?, reader: None, next_file: 0, messages: 0, progress: None })
     }
 
     /// Do the files of the run tell of one cell?
@@ -148,11 +157,15 @@ impl Run {
     /// # Errors
     /// What is wrong with the record or the chunk that comes next. Then nothing more is read.
     pub fn next_message(&mut self) -> Result<Option<Message<'_>>, RunError> {
+        self.report_progress();
         let place = loop {
             let reader = match &mut self.reader {
                 Some(reader) => reader,
                 None => {
-                    let Some(file) = self.files.get(self.next_file) else { return Ok(None) };
+                    let Some(file) = self.files.get(self.next_file) else {
+                        self.progress = None;
+                        return Ok(None);
+                    };
                     self.next_file += 1;
                     self.reader.insert(Messages::open(file)?)
                 }
@@ -179,6 +192,30 @@ impl Run {
                 file: self.next_file - 1,
             })
         }))
+    }
+
+    /// Calls `progress` now and then while messages are read, with the bytes that were read so far and with those of all files, until
+    /// the end of the run or [`Run::end_progress`].
+    pub fn set_progress(&mut self, progress: impl FnMut(u64, u64) + Send + 'static) {
+        self.progress = Some(Box::new(progress));
+    }
+
+    /// Ends the calls of [`Run::set_progress`].
+    pub fn end_progress(&mut self) {
+        self.progress = None;
+    }
+
+    fn report_progress(&mut self) {
+        let Some(progress) = &mut self.progress else { return };
+        self.messages = self.messages.wrapping_add(1);
+        if !self.messages.is_multiple_of(PROGRESS_MESSAGES) {
+            return;
+        }
+        let begun: u64 = self.files.iter().take(self.next_file).map(|file| file.bytes).sum();
+        let current = self.next_file.checked_sub(1).and_then(|place| self.files.get(place));
+        // Of the file that is open only a part was read.
+        let rest = self.reader.as_ref().zip(current).map_or(0, |(reader, file)| file.bytes.saturating_sub(reader.at()));
+        progress(begun.saturating_sub(rest), self.files.iter().map(|file| file.bytes).sum());
     }
 
     /// Goes back to the first message.

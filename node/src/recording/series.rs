@@ -20,6 +20,7 @@ pub use select::SelectError;
 pub(crate) use select::{alias, no_match, pattern};
 pub(crate) use track::{Budget, Track};
 
+use super::bag::repeats_events;
 use super::run::{Cut, Message, Run, RunError};
 use crate::document::Problems;
 use board::BoardTracks;
@@ -201,7 +202,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
                 let taken = board.take(message.log_time, &signals, &mut budget);
                 taken.map_err(|refusal| refusal.into_error(&message, file))?;
             }
-            (Event::NAME, _) => {
+            (Event::NAME, _) if !repeats_events(message.topic) => {
                 let event: Event = decode(&message, file)?;
                 let time = match by_log_time {
                     true => message.log_time.saturating_sub(event.age_ns.into()),

@@ -490,7 +490,11 @@ fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     // An emergency message with code 0: what was told as a warning is over.
     let is_over = event.severity == Severity::Info && matches!(event.code, Code::EMERGENCY | Code::FOREIGN_EMERGENCY);
     let kind = if is_over { Line::Over } else { Line::Event };
-    let say = |line: fn(String)| lines.say(kind(event.source, event.code), |more| line(sentence() + more));
+    let told = || match event.severity {
+        Severity::Info => sentence(),
+        Severity::Warn | Severity::Error => text::with_remedy(&sentence(), event.code),
+    };
+    let say = |line: fn(String)| lines.say(kind(event.source, event.code), |more| line(told() + more));
     match (event.severity, event.kind) {
         (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),

@@ -115,7 +115,7 @@ impl ClockWatch {
                     Err(Busy::Full) if !is_late(since) => Stage::Found(since),
                     // No cycle takes it: the line says it alone.
                     Err(_) => {
-                        tracing::warn!("{}", sentence(step.ns, handle));
+                        tracing::warn!("{}", text::with_remedy(&sentence(step.ns, handle), Code::CLOCK_STEPPED));
                         Stage::Reported(now)
                     }
                 }

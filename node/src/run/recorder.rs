@@ -4,6 +4,7 @@
 //! The recorder runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
 //! (a command `Note`, so that it stands in the recording too) and in the log.
 
+mod published;
 mod requests;
 
 use super::bridge::Handle;
@@ -29,6 +30,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::oneshot;
 
+pub use published::Published;
 pub use requests::{BAG_DURATIONS, is_bag_duration};
 
 /// How often it looks for cycles.
@@ -63,6 +65,8 @@ pub struct Recorder {
     flight: Option<FlightRecorder>,
     /// Buses on CAN, and what goes over them.
     buses: Vec<BusFrames>,
+    /// What the node publishes, where bags hold it.
+    published: Option<Published>,
     /// Bags that are being ended, on threads of their own.
     ending: Vec<JoinHandle<Ended>>,
     /// The bag of the flight recorder that is being saved.
@@ -109,6 +113,7 @@ impl Recorder {
             waiting: None,
             flight,
             buses: Vec::new(),
+            published: None,
             ending: Vec::new(),
             saving: None,
             last: RecordResponse::default(),
@@ -125,6 +130,11 @@ impl Recorder {
         Self { buses, ..self }
     }
 
+    /// The same, which writes what the node publishes into bags whose [`Subject`] has its topics.
+    pub fn with_published(self, published: Option<Published>) -> Self {
+        Self { published, ..self }
+    }
+
     /// Works until `stop` is set, then takes what is left and ends all bags. True when nothing failed.
     pub fn run(mut self, stop: &AtomicBool) -> bool {
         while !stop.load(Ordering::Relaxed) {
@@ -138,6 +148,10 @@ impl Recorder {
 
     /// Takes what there is; true when there is more.
     fn look(&mut self) -> bool {
+        let is_recorded = self.writer.is_some();
+        if let Some(published) = &mut self.published {
+            published.hear(is_recorded);
+        }
         let mut left = MOST_CYCLES;
         while left > 0
             && let Some(head) = self.frames.take(&mut self.taken)
@@ -165,7 +179,13 @@ impl Recorder {
         }
         let is_wanted = self.writer.is_some() || (self.waiting.is_some() && head.can_begin());
         if is_wanted {
-            let encoded = Arc::new(self.decoder.decode(&head, &self.taken));
+            let mut encoded = self.decoder.decode(&head, &self.taken);
+            match &mut self.published {
+                Some(published) if self.writer.is_some() => published.add_to(&mut encoded),
+                Some(published) => published.begin(&mut encoded),
+                None => {}
+            }
+            let encoded = Arc::new(encoded);
             self.begin_waiting(&encoded);
             if let Some(writer) = &mut self.writer
                 && !writer.push(&encoded)
@@ -289,7 +309,8 @@ impl Recorder {
     fn save(&mut self, kept: Kept, answer: Option<Answer>) {
         let Some((_, folder)) = &self.flight else { return };
         let buses = self.buses.iter().map(|(name, _)| name.clone()).collect();
-        let (folder, subject) = (folder.clone(), Subject { buses, ..Subject::clone(&self.subject) });
+        let (folder, subject) =
+            (folder.clone(), Subject { buses, published: Vec::new(), ..Subject::clone(&self.subject) });
         let mut decoder = self.decoder.clone();
         let is_recording = self.writer.is_some();
         self.saving = Some(spawn("flight bag", move || {

@@ -67,6 +67,52 @@ pub(super) struct Filter {
     pub name: String,
 }
 
+impl Mode {
+    fn name(self) -> &'static str {
+        MODES.iter().find(|(_, mode)| *mode == self).map_or("", |(name, _)| *name)
+    }
+}
+
+impl Expectation {
+    /// What is expected, and in which cycles: `always x.state STANDSTILL, from cycle 5 (0.005 s) to the end`.
+    pub(super) fn text(&self, steps: &[Step], cycle_ns: u64) -> String {
+        let claim = match &self.claim {
+            Claim::Values { probe, values, .. } => match values.len() {
+                1 => format!("{} has 1 expected value", probe.name()),
+                count => format!("{} has {count} expected values", probe.name()),
+            },
+            Claim::Condition { predicate, mode } => format!("{} {}", mode.name(), predicate.text()),
+            Claim::Events { filter, min, max } => match max {
+                Some(0) => format!("never {}", filter.name),
+                Some(max) if max == min => format!("{} exactly {}", filter.name, times(*min)),
+                Some(max) => format!("{} {min} to {}", filter.name, times(*max)),
+                None => format!("{} at least {}", filter.name, times(*min)),
+            },
+        };
+        let window = match (self.from, self.to) {
+            (from, to) if from == to => format!(", at {}", self.moment(from, cycle_ns)),
+            (Moment::Cycle(0), Moment::End) => String::new(),
+            (from, to) => format!(", from {} to {}", self.moment(from, cycle_ns), self.moment(to, cycle_ns)),
+        };
+        let since = self.since.and_then(|step| steps.get(step)).and_then(|step| step.name.as_ref());
+        let since = since.map_or_else(String::new, |name| format!(", counted from step `{}`", excerpt(name)));
+        format!("{claim}{window}{since}")
+    }
+
+    fn moment(&self, moment: Moment, cycle_ns: u64) -> String {
+        match (moment, self.since) {
+            (Moment::End, _) => "the end".to_owned(),
+            (Moment::Cycle(cycle), None) => text(cycle.unsigned_abs(), cycle_ns),
+            (Moment::Cycle(cycle), Some(_)) => format!("{cycle} cycles"),
+        }
+    }
+}
+
+/// `once`, `2 times`
+pub(super) fn times(count: u64) -> String {
+    if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
 impl Filter {
     /// Does an event count?
     pub(super) fn takes(&self, event: &Event, config: &MachineConfig) -> bool {

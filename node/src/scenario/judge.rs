@@ -1,9 +1,10 @@
 //! Expectations while a scenario runs, and what became of them.
 
-use super::expect::{Claim, Expectation, Mode};
+use super::expect::{Claim, Expectation, Mode, times};
 use super::moment::text;
 use super::predicate::{Check, Predicate, Probe};
-use super::report::Failure;
+use super::report::{ExpectationResult, Failure};
+use super::step::Step;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Value as Number;
 use std::collections::VecDeque;
@@ -172,6 +173,16 @@ impl Expectation {
         Some(Failure { place: self.place, sentence })
     }
 
+    /// What became of it.
+    pub(super) fn result(&self, record: &Record, end: &End<'_>, steps: &[Step]) -> ExpectationResult {
+        ExpectationResult {
+            place: self.place,
+            text: self.text(steps, end.cycle_ns),
+            is_judged: self.base(end.fired).is_some(),
+            failure: self.verdict(record, end).map(|failure| failure.sentence),
+        }
+    }
+
     /// A window that begins before the scenario cannot be judged.
     fn before_start(&self, base: u64, end: &End<'_>) -> Option<String> {
         let back = self.back();
@@ -237,10 +248,6 @@ impl Record {
         let more = if self.count > LISTED as u64 { ", .." } else { "" };
         format!("; it came in cycle {}{more}", cycles.join(", "))
     }
-}
-
-fn times(count: u64) -> String {
-    if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
 /// A list of values that is expected.

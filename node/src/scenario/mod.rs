@@ -26,6 +26,7 @@ mod expect;
 mod inject;
 mod judge;
 mod moment;
+mod named_cell;
 mod names;
 mod outcome;
 mod player;
@@ -38,14 +39,17 @@ mod step;
 mod trace;
 mod verb;
 
+pub use named_cell::{SUFFIX, cell_next_to, cell_of, other_cell};
 pub(crate) use names::{did_you_mean, nearest};
 pub use player::Player;
-pub use report::{Failure, Report};
+pub use report::{ExpectationResult, Failure, Report};
 pub use simulate::{Options, SimulateError, simulate, simulate_with};
 pub use trace::Trace;
 pub(crate) use verb::{VERBS, parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
 
 use crate::cell::Cell;
+#[cfg(test)]
+use crate::document::Observer;
 use crate::document::{Document, Map, Place, Problems, Value};
 use drive::Drive;
 use expect::Expectation;
@@ -110,6 +114,14 @@ impl Scenario {
         Self::read(Document::parse(name, text), Path::new(name), cell)
     }
 
+    /// As [`Scenario::parse`], and what its readers asked for.
+    #[cfg(test)]
+    pub(crate) fn parse_observed(path: &Path, text: &str, cell: &Cell) -> (Result<Self, Problems>, Arc<Observer>) {
+        let mut document = Document::parse(&path.display().to_string(), text);
+        let observer = document.observe();
+        (Self::read(document, path, cell), observer)
+    }
+
     fn read(document: Document, path: &Path, cell: &Cell) -> Result<Self, Problems> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let plan = match Machine::new(cell.machine.clone()) {
@@ -169,6 +181,8 @@ fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document)
     }
     let cycle_ns = names.config.cycle_ns;
     let name = map.required("scenario").and_then(|value| value.text());
+    // Which cell that is was settled before this one was read.
+    let cell = map.optional("cell").map_or(Some(()), |value| named_cell::read(&value, folder).map(drop));
     let length = length(&mut map, cycle_ns);
     // Without a length the rest is read as if there were no end.
     let cycles = length.unwrap_or(moment::MAX_CYCLES);
@@ -185,6 +199,7 @@ fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document)
     let expectations = expectations.map_or_else(Vec::new, |section| reader.read(&section));
     let place = map.place();
     map.finish();
+    cell?;
     Some(Plan {
         name: name?.to_owned(),
         file: "".into(),

@@ -300,6 +300,14 @@ impl Player {
         }
     }
 
+    /// The step that fired last, for people; none before the first one.
+    pub fn last_step(&self) -> Option<String> {
+        let fired = self.fired.iter().enumerate().filter_map(|(place, cycle)| Some(((*cycle)?, place)));
+        let (_, place) = fired.max()?;
+        let name = self.scenario.0.steps.get(place)?.name.as_ref();
+        Some(name.map_or_else(|| format!("step {}", place + 1), |name| format!("step `{name}`")))
+    }
+
     /// What became of it. Called before the scenario is over, it says how far it came.
     pub fn finish(mut self) -> Report {
         for (_, pending) in self.held.iter().flatten() {
@@ -309,6 +317,9 @@ impl Player {
         let sources = (0..self.outcomes.len()).map(|index| outcome::Source::of(plan, index));
         let mut refused: Vec<_> =
             self.outcomes.iter().zip(sources).filter_map(|(outcome, source)| outcome.expected(&source, plan)).collect();
+        let end = self.end(plan);
+        let results = plan.expectations.iter().zip(&self.records);
+        let results = results.map(|(expectation, record)| expectation.result(record, &end, &plan.steps)).collect();
         let mut failures = self.failures(plan);
         failures.sort();
         refused.sort();
@@ -326,21 +337,25 @@ impl Player {
             not_fired: self.not_fired(plan, true),
             failures,
             refused,
+            results,
         }
     }
 
+    fn end(&self, plan: &Plan) -> End<'_> {
+        End { last: plan.cycles - 1, is_complete: self.is_over(), cycle_ns: plan.cycle_ns, fired: &self.fired }
+    }
+
     fn failures(&self, plan: &Plan) -> Vec<Failure> {
-        let is_complete = self.is_over();
-        let end = End { last: plan.cycles - 1, is_complete, cycle_ns: plan.cycle_ns, fired: &self.fired };
+        let end = self.end(plan);
         let mut failures = Vec::new();
-        if !is_complete {
+        if !end.is_complete {
             let sentence = format!("the run ended after {} of {} cycles", self.ran, plan.cycles);
             failures.push(Failure { place: plan.place, sentence });
         }
         for (index, outcome) in self.outcomes.iter().enumerate() {
             failures.extend(outcome.failure(&outcome::Source::of(plan, index), plan));
         }
-        if is_complete {
+        if end.is_complete {
             failures.extend(self.not_fired(plan, false));
         }
         for (expectation, record) in plan.expectations.iter().zip(&self.records) {

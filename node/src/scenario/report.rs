@@ -33,6 +33,21 @@ pub struct Report {
     pub failures: Vec<Failure>,
     /// Commands that were refused as expected, by place.
     pub refused: Vec<Failure>,
+    /// All expectations, in the order of the file.
+    pub results: Vec<ExpectationResult>,
+}
+
+/// What became of an expectation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExpectationResult {
+    /// Where in the file.
+    pub place: Place,
+    /// What is expected, and in which cycles.
+    pub text: String,
+    /// Whether it was judged: the optional step that it counts from may never have fired.
+    pub is_judged: bool,
+    /// What was found instead, if it failed.
+    pub failure: Option<String>,
 }
 
 /// A sentence about a place in the scenario.
@@ -48,6 +63,15 @@ impl Report {
     /// Is everything as it was expected?
     pub fn passed(&self) -> bool {
         self.failures.is_empty()
+    }
+
+    /// What is wrong apart from the expectations, by place: commands and steps, or a run that ended early.
+    pub fn other_failures(&self) -> impl Iterator<Item = &Failure> {
+        let results = &self.results;
+        self.failures.iter().filter(move |failure| {
+            let mut results = results.iter();
+            !results.any(|result| result.place == failure.place && result.failure.as_ref() == Some(&failure.sentence))
+        })
     }
 
     fn pace(&self) -> String {

@@ -4,12 +4,11 @@ use super::{Player, Report, Scenario, Trace, moment};
 use crate::cell::Cell;
 use crate::interrupt::{EndSignal, Interrupt};
 use crate::output::StandardOutput;
+use crate::progress::{MOMENT, Progress};
 use crate::recording::bag::{BagError, BagOptions};
 use crate::recording::encoder::sentence;
 use crate::recording::simulation::SimulationRecorder;
 use crate::store::{Store, StoreError};
-use crate::terminal;
-use indicatif::{ProgressBar, ProgressStyle};
 use lineshaft_core::command::{Action, Commands};
 use lineshaft_core::config::{ConfigError, MachineConfig};
 use lineshaft_core::drive::Backend;
@@ -24,7 +23,7 @@ use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Cycles between two looks at the progress bar.
+/// Cycles from one look at the clock for the progress bar to the next.
 const PROGRESS_CYCLES: u64 = 1024;
 
 /// How a simulation runs.
@@ -118,7 +117,7 @@ pub fn simulate_with(
     let mut player = Player::new(scenario);
     let mut sequence = 0;
     // A bar between the lines of the events would tear them.
-    let bar = progress_bar(scenario.cycles(), options.progress && !options.events);
+    let mut bar = Progress::wanted("cycles", MOMENT, options.progress && !options.events);
     let mut lines = options.events.then(|| BufWriter::new(StandardOutput));
     let mut ended_by = None;
     for cycle in 0..scenario.cycles() {
@@ -152,10 +151,10 @@ pub fn simulate_with(
             trace.write(cycle, &machine)?;
         }
         if cycle % PROGRESS_CYCLES == 0 {
-            bar.set_position(cycle);
+            bar.set_with(cycle, Some(scenario.cycles()), || doing(&player, cycle, cell.machine.cycle_ns));
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     drop(lines);
     if let Some(trace) = trace {
         trace.finish()?;
@@ -168,6 +167,13 @@ pub fn simulate_with(
         return Err(SimulateError::Interrupted { signal, ran, cycles, cycle_ns });
     }
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
+}
+
+/// How far a simulation is, and the step that fired last.
+fn doing(player: &Player, cycle: u64, cycle_ns: u64) -> String {
+    let seconds = cycle as f64 * cycle_ns as f64 / 1e9;
+    let step = player.last_step().map_or_else(String::new, |step| format!(", {step}"));
+    format!("{seconds:.1} s simulated{step}")
 }
 
 /// An event for people: when, how bad, of what kind, what it says and its code.
@@ -251,15 +257,4 @@ fn create(path: &Path) -> io::Result<File> {
 
 fn failed(path: &Path, error: io::Error) -> SimulateError {
     SimulateError::Csv { path: path.to_owned(), error }
-}
-
-fn progress_bar(cycles: u64, is_wanted: bool) -> ProgressBar {
-    if !is_wanted || !terminal::has_bars() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(cycles);
-    match ProgressStyle::with_template("{bar:40} {percent} %, {pos} of {len} cycles, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }

@@ -6,6 +6,7 @@ mod drives;
 mod events;
 mod expectations;
 mod files;
+mod homing;
 mod latches;
 mod moments;
 mod plan;

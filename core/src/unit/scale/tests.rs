@@ -217,15 +217,53 @@ fn macs_factors_make_a_scale() {
 #[test]
 fn messages_speak_the_axis_unit() {
     assert_eq!(x().format_increments(94_371_840), "900 mm");
-    assert_eq!(x().format_increments(-1), "-0.00000953674316 mm");
+    assert_eq!(x().format_increments(-1), "-0.00000954 mm");
     assert_eq!(x().format_rate(52_428_800.0, 1), "500 mm/s");
     assert_eq!(x().with_unit(Unit::METRE).unwrap().format_rate(52_428_800.0, 1), "0.5 m/s");
     assert_eq!(x().with_unit(Unit::INCREMENT).unwrap().format_increments(17), "17 inc");
     assert_eq!(turret().format_increments(100), "1 deg");
     assert_eq!(turret().format_rate(9000.0, 2), "90 deg/s^2");
-    assert_eq!(turret().with_unit(Unit::RADIAN).unwrap().format_increments(18_000), "3.14159265 rad");
-    assert_eq!(Scale::new(Fraction::from(3), length("1 m")).unwrap().format_increments(1), "0.333333333 m");
+    assert_eq!(turret().with_unit(Unit::RADIAN).unwrap().format_increments(18_000), "3.1416 rad");
+    assert_eq!(Scale::new(Fraction::from(3), length("1 m")).unwrap().format_increments(1), "0.333 m");
     assert_eq!(x().format_rate(f64::NAN, 1), "NaN mm/s");
+}
+
+/// 11 mm are 1153433.6 inc, 10 um 1048.576 inc: rounded, they are 11.0000038 mm and 0.0100040436 mm.
+#[test]
+fn position_is_shown_as_it_was_given() {
+    for given in ["11 mm", "0.01 mm", "-54.3 mm", "33.3337 mm", "850 mm"] {
+        let increments = x().position(&length(given)).unwrap();
+        assert_eq!(x().format_increments(increments), given);
+    }
+    assert_eq!(x().format_with_increments(1_153_434), "11 mm (1153434 inc)");
+    assert_eq!(x().format_with_increments(1049), "0.01 mm (1049 inc)");
+    assert_eq!(x().format_with_increments(94_371_840), "900 mm");
+    assert_eq!(x().format_with_increments(0), "0 mm");
+    // A belt of 131072 inc in 20 mm: 328 inc are 0.050048828125 mm, and 50 um are 327.68 inc.
+    let belt = Scale::new(Fraction::from(131_072), length("20 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
+    assert_eq!(belt.format_with_increments(328), "0.05 mm (328 inc)");
+    // Few digits hold it exactly.
+    let eighth = Scale::new(Fraction::from(8), length("1 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
+    assert_eq!(eighth.format_with_increments(9), "1.125 mm");
+    let turn = turret().with_unit(Unit::RADIAN).unwrap();
+    assert_eq!(
+        (&*turn.format_with_increments(8594), &*turn.format_with_increments(0)),
+        ("1.5 rad (8594 inc)", "0 rad")
+    );
+    let largest = (1 << 62) - 1;
+    assert_eq!(x().with_unit(Unit::INCREMENT).unwrap().format_with_increments(largest), format!("{largest} inc"));
+}
+
+/// For any scale the shown position reads as its increments.
+#[test]
+fn shown_position_reads_as_its_increments() {
+    for (increments, per) in [(1_048_576, "10 mm"), (131_072, "20 mm"), (3, "1 m"), (7, "3 mm"), (1, "1 um")] {
+        let scale = Scale::new(Fraction::from(increments), length(per)).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
+        for value in (-3000..3000).map(|step| step * 977 + 1).chain([1_000_000_007, -123_456_789_012]) {
+            let text = scale.format_increments(value);
+            assert_eq!(scale.position(&length(&text)), Ok(value), "{increments} inc per {per}: {text}");
+        }
+    }
 }
 
 #[test]

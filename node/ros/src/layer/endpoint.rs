@@ -8,6 +8,7 @@ use tokio::sync::watch;
 
 use super::arguments::Names;
 use super::clock::Clock;
+use super::tap::Tap;
 use crate::link::protocol::monotonic_ns;
 use crate::link::qos::Qos;
 use crate::link::{LinkError, Opener, Reader, Writer};
@@ -22,6 +23,8 @@ pub(super) struct Context {
     pub(super) clock: Clock,
     /// How old a request may be that is carried out.
     pub(super) request_timeout: Duration,
+    /// Copies what it publishes; none: nothing is copied.
+    pub(super) tap: Option<Tap>,
     /// Fails to change once the node is gone.
     pub(super) closed: watch::Receiver<()>,
     /// All that was ever opened on the wire.

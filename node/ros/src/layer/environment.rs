@@ -71,6 +71,8 @@ pub struct Interface {
     pub name: String,
     /// One of its addresses.
     pub address: Ipv4Addr,
+    /// Whether it is up and running.
+    pub is_up: bool,
 }
 
 impl Interface {
@@ -78,7 +80,7 @@ impl Interface {
     pub fn of_host() -> Result<Vec<Self>, EnvironmentError> {
         let interfaces = if_addrs::get_if_addrs().map_err(|error| EnvironmentError::Interfaces(error.to_string()))?;
         let ipv4 = interfaces.into_iter().filter_map(|interface| match interface.ip() {
-            IpAddr::V4(address) => Some(Self { name: interface.name, address }),
+            IpAddr::V4(address) => Some(Self { is_up: interface.is_oper_up(), name: interface.name, address }),
             IpAddr::V6(_) => None,
         });
         Ok(ipv4.collect())
@@ -127,6 +129,36 @@ impl Environment {
             Networks::Loopback => Ok(self),
             _ if addresses.is_empty() => Ok(self),
             _ => Ok(Self { networks: Networks::Only(addresses), ..self }),
+        }
+    }
+
+    /// Why clients do not find the node: interfaces that it uses and that are down. None where all that matter are up: on all
+    /// networks the loopback and one more, or the loopback alone.
+    pub fn unreachable(&self, existing: &[Interface]) -> Option<String> {
+        let is_used = |interface: &&Interface| match &self.networks {
+            Networks::Loopback => interface.address == Ipv4Addr::LOCALHOST,
+            Networks::All => true,
+            Networks::Only(addresses) => addresses.contains(&interface.address),
+        };
+        let is_any_up = existing.iter().filter(is_used).any(|interface| interface.is_up);
+        // Bridges without a port are down on many hosts. Named interfaces and the loopback should be up.
+        let matters =
+            |interface: &&Interface| !is_any_up || self.networks != Networks::All || interface.address.is_loopback();
+        let down: Vec<_> =
+            existing.iter().filter(is_used).filter(matters).filter(|interface| !interface.is_up).collect();
+        let names: Vec<_> = down.iter().map(|down| format!("{} ({})", down.name, down.address)).collect();
+        let (names, is) = (names.join(", "), if down.len() == 1 { "is" } else { "are" });
+        match (down.first(), is_any_up) {
+            (None, true) => None,
+            (None, false) => {
+                Some("no client finds the node: this host has no IPv4 interface that it may use".to_owned())
+            }
+            (Some(first), true) => {
+                Some(format!("{names} {is} down: clients there do not find the node; `ip link set {} up`", first.name))
+            }
+            (Some(first), false) => {
+                Some(format!("no client finds the node: {names} {is} down; `ip link set {} up`", first.name))
+            }
         }
     }
 }
@@ -215,7 +247,7 @@ mod tests {
     #[test]
     fn interfaces_are_names_or_addresses() {
         let address = |last| Ipv4Addr::new(192, 168, 1, last);
-        let interface = |name: &str, last| Interface { name: name.to_owned(), address: address(last) };
+        let interface = |name: &str, last| Interface { name: name.to_owned(), address: address(last), is_up: true };
         let existing = [interface("eth0", 5), interface("eth0", 6), interface("wlan0", 9)];
         let all = || Environment { domain: 0, networks: Networks::All };
         let with = |environment: Environment, given: &[&str]| {
@@ -232,6 +264,44 @@ mod tests {
         );
         let local = Environment { domain: 3, networks: Networks::Loopback };
         assert_eq!(with(local.clone(), &["wlan0"]).unwrap(), local, "the environment keeps the node on its host");
+    }
+
+    #[test]
+    fn node_whose_interfaces_are_down_is_unreachable() {
+        let interface =
+            |name: &str, address: [u8; 4], is_up| Interface { name: name.to_owned(), address: address.into(), is_up };
+        let lo = |is_up| interface("lo", [127, 0, 0, 1], is_up);
+        let eth = |is_up| interface("eth0", [10, 0, 0, 5], is_up);
+        let bridge = interface("br0", [172, 17, 0, 1], false);
+        let why =
+            |networks: Networks, existing: &[Interface]| Environment { domain: 0, networks }.unreachable(existing);
+        let only = || Networks::Only(vec![Ipv4Addr::new(10, 0, 0, 5)]);
+
+        for networks in [Networks::Loopback, Networks::All, only()] {
+            assert_eq!(why(networks, &[lo(true), eth(true), bridge.clone()]), None);
+        }
+        assert_eq!(why(Networks::Loopback, &[lo(true), eth(false)]), None);
+        assert_eq!(why(Networks::All, &[lo(true), eth(false)]), None);
+        assert_eq!(
+            why(Networks::Loopback, &[lo(false), eth(true)]).unwrap(),
+            "no client finds the node: lo (127.0.0.1) is down; `ip link set lo up`"
+        );
+        assert_eq!(
+            why(Networks::All, &[lo(false), eth(true)]).unwrap(),
+            "lo (127.0.0.1) is down: clients there do not find the node; `ip link set lo up`"
+        );
+        assert_eq!(
+            why(Networks::All, &[lo(false), eth(false)]).unwrap(),
+            "no client finds the node: lo (127.0.0.1), eth0 (10.0.0.5) are down; `ip link set lo up`"
+        );
+        assert_eq!(
+            why(only(), &[lo(true), eth(false)]).unwrap(),
+            "no client finds the node: eth0 (10.0.0.5) is down; `ip link set eth0 up`"
+        );
+        let none = "no client finds the node: this host has no IPv4 interface that it may use";
+        for networks in [Networks::Loopback, Networks::All, only()] {
+            assert_eq!(why(networks, &[]).unwrap(), none);
+        }
     }
 
     #[test]

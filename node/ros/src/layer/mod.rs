@@ -4,6 +4,7 @@
 
 mod action;
 mod arguments;
+mod client;
 mod clock;
 mod endpoint;
 mod environment;
@@ -17,12 +18,14 @@ mod qos_overrides;
 mod rosout;
 mod service;
 mod subscription;
+mod tap;
 mod time_source;
 
 pub use self::action::{
     ActionEvent, ActionOptions, ActionServer, CancelRequest, Cancels, GoalHandle, GoalId, GoalRequest, Status,
 };
 pub use self::arguments::{ArgumentError, Given, Names, Overrides, RosArguments};
+pub use self::client::{ActionClient, ClientError, NodeNames, Progress, RequestNumber, ServiceClient};
 pub use self::clock::{Clock, HostClock, now};
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};
@@ -35,6 +38,7 @@ pub use self::publisher::{PublishError, Publisher};
 pub use self::rosout::{Rosout, Source, TOLD};
 pub use self::service::{Care, Refusal, Reply, ReplyError, Request, ServiceServer};
 pub use self::subscription::Subscription;
+pub use self::tap::{Tap, TappedMessage, TappedTopic};
 pub use self::time_source::TimeSource;
 pub use crate::link::qos::Qos;
 pub use crate::link::{LinkError, Loss, Side};

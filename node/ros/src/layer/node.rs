@@ -12,6 +12,7 @@ use tokio::sync::watch;
 
 use super::action::{ActionOptions, ActionServer};
 use super::arguments::{Names, Overrides};
+use super::client::{ActionClient, NodeNames, ServiceClient};
 use super::clock::{Clock, HostClock};
 use super::endpoint::{Context, CreateError};
 use super::environment::Environment;
@@ -22,6 +23,7 @@ use super::qos_overrides::QosOverrides;
 use super::rosout::Rosout;
 use super::service::ServiceServer;
 use super::subscription::Subscription;
+use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
 use crate::link::qos::Qos;
 use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
@@ -64,6 +66,8 @@ pub struct NodeOptions {
     pub request_timeout: Duration,
     /// The system's time for stamps; none: the system clock itself.
     pub host_clock: Option<HostClock>,
+    /// Copies what it publishes, for a recorder; none: nothing is copied.
+    pub tap: Option<Tap>,
 }
 
 /// Default of [`NodeOptions::request_timeout`].
@@ -81,6 +85,7 @@ impl NodeOptions {
             side: SideOptions::default(),
             request_timeout: REQUEST_TIMEOUT,
             host_clock: None,
+            tap: None,
         }
     }
 }
@@ -139,7 +144,7 @@ impl Node {
     /// # Panics
     /// Likewise.
     pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, LinkError> {
-        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock } = options;
+        let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock, tap } = options;
         let runtime = Handle::current();
         let link = Link::start(Settings {
             side: side.side,
@@ -160,6 +165,7 @@ impl Node {
             names,
             clock,
             request_timeout,
+            tap,
             closed,
             #[cfg(test)]
             opened: super::endpoint::Opened::default(),
@@ -194,7 +200,8 @@ impl NodeHandle {
     pub fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "publisher", qos).map_err(CreateError::Given)?;
-        Ok(Publisher::new(&self.context, topic, qos))
+        let copies = self.tapped::<M>(name, qos);
+        Ok(Publisher::new(&self.context, topic, qos, copies))
     }
 
     /// Reads the topic `name`.
@@ -223,6 +230,27 @@ impl NodeHandle {
         Ok(ActionServer::new(&self.context, self.context.names.action(name)?, options))
     }
 
+    /// Calls the service `name` of another node, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
+    ///
+    /// # Errors
+    /// The name.
+    pub fn client<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceClient<S>, CreateError> {
+        Ok(ServiceClient::new(&self.context, self.context.names.service(name)?, qos))
+    }
+
+    /// Sends goals to the action `name` of another node.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub fn action_client<A: Action>(&self, name: &str) -> Result<ActionClient<A>, CreateError> {
+        Ok(ActionClient::new(&self.context, self.context.names.action(name)?))
+    }
+
+    /// Collects the names of the nodes in the ROS graph from now on.
+    pub fn node_names(&self) -> NodeNames {
+        NodeNames::new(&self.context)
+    }
+
     /// What sets the clock by the topic `name`, once it is switched on.
     ///
     /// # Errors
@@ -248,10 +276,16 @@ impl NodeHandle {
         let context = &self.context;
         let topic = context.names.topic("/rosout")?.topic();
         let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT));
+        let copies = self.tapped::<Log>("/rosout", Qos::ROSOUT);
         let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
-        let rosout = Rosout::new(writer, self.name().logger(), clock, loggers);
+        let rosout = Rosout::new(writer.map(|writer| (writer, copies)), self.name().logger(), clock, loggers);
         *made = Some(rosout.clone());
         Ok(rosout)
+    }
+
+    /// Copies a publisher for the recorder, if that wants it.
+    fn tapped<M: Message>(&self, name: &str, qos: Qos) -> Option<TappedPublisher> {
+        self.context.tap.as_ref()?.open(self.name(), name, (M::NAME, M::SCHEMA), qos)
     }
 
     /// Takes the values that were given for its parameters; a second time there are none.

@@ -8,6 +8,7 @@ use tokio::sync::watch;
 
 use super::endpoint::Context;
 use super::name::FullName;
+use super::tap::TappedPublisher;
 use crate::link::qos::Qos;
 use crate::link::{Unwritten, Writer};
 
@@ -35,8 +36,9 @@ pub struct Publisher<M> {
 }
 
 impl<M: Message> Publisher<M> {
-    pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Self {
-        Self { inner: Untyped::new(context, topic, M::DDS_NAME, qos), message: PhantomData }
+    pub(super) fn new(context: &Context, topic: FullName, qos: Qos, copies: Option<TappedPublisher>) -> Self {
+        let inner = Untyped { copies, ..Untyped::new(context, topic, M::DDS_NAME, qos) };
+        Self { inner, message: PhantomData }
     }
 
     /// Publishes a message, stamped with the present time. Never waits, but allocates.
@@ -60,12 +62,14 @@ pub(super) struct Untyped {
     writer: Writer,
     topic: FullName,
     closed: watch::Receiver<()>,
+    /// Copies for a recorder, where it wants them.
+    copies: Option<TappedPublisher>,
 }
 
 impl Untyped {
     pub(super) fn new(context: &Context, topic: FullName, type_name: &str, qos: Qos) -> Self {
         let writer = context.writer(&topic.topic(), type_name, qos);
-        Self { writer, topic, closed: context.closed.clone() }
+        Self { writer, topic, closed: context.closed.clone(), copies: None }
     }
 
     pub(super) fn publish(&self, message: &impl Serialize) -> Result<(), PublishError> {
@@ -74,7 +78,11 @@ impl Untyped {
         if self.closed.has_changed().is_err() {
             return Err(PublishError::Closed { topic: topic() });
         }
-        self.writer.write(cdr::encode(message)).map_err(|failure| match failure {
+        let message = cdr::encode(message);
+        if let Some(copies) = &self.copies {
+            copies.copy(&message);
+        }
+        self.writer.write(message).map_err(|failure| match failure {
             Unwritten::Full => PublishError::Full { topic: topic() },
             Unwritten::Closed => PublishError::Closed { topic: topic() },
         })

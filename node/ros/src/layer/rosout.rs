@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::clock::Clock;
 use super::log::Severity;
 use super::loggers::Loggers;
+use super::tap::TappedPublisher;
 use crate::link::Writer;
 
 /// Target of lines of the program's log that are sent to `/rosout` beside it: whoever passes the log on leaves them out.
@@ -23,19 +24,22 @@ pub struct Source {
     pub line: u32,
 }
 
+/// The publisher, and its copies.
+type Lines = (Writer, Option<TappedPublisher>);
+
 /// Sends log lines to `/rosout`. Clones write to the same publisher, which goes with the last of them.
 #[derive(Clone)]
 pub struct Rosout {
     logger: String,
     clock: Clock,
     loggers: Loggers,
-    /// Nothing where `/rosout` is switched off.
-    lines: Option<Arc<Writer>>,
+    /// With its copies, where a recorder wants them. Nothing where `/rosout` is switched off.
+    lines: Option<Arc<Lines>>,
 }
 
 impl Rosout {
-    pub(super) fn new(writer: Option<Writer>, logger: String, clock: Clock, loggers: Loggers) -> Self {
-        Self { logger, clock, loggers, lines: writer.map(Arc::new) }
+    pub(super) fn new(lines: Option<Lines>, logger: String, clock: Clock, loggers: Loggers) -> Self {
+        Self { logger, clock, loggers, lines: lines.map(Arc::new) }
     }
 
     /// Sends a line, stamped with the present time, if the node's logger lets it through. Never waits: while a reader does not
@@ -45,7 +49,12 @@ impl Rosout {
         let Source { file, function, line } = source;
         let (name, level) = (self.logger.clone(), severity.level());
         let line = Log { stamp: self.clock.now(), level, name, msg: text.into(), file, function, line };
+        let (writer, copies) = &**lines;
+        let line = cdr::encode(&line);
+        if let Some(copies) = copies {
+            copies.copy(&line);
+        }
         // Full, or the node is gone. A log line about a lost log line would not arrive either.
-        let _ = lines.write(cdr::encode(&line));
+        let _ = writer.write(line);
     }
 }

@@ -279,3 +279,90 @@ async fn what_outlives_its_node_is_harmless() {
     assert!(timeout(LONG, actions.next()).await.unwrap().is_none());
     rosout.log(Severity::Info, "nobody hears it", Source::default());
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn client_finds_the_reply_of_each_request_in_any_order() {
+    let (serving, asking) = (node("answers"), node("answers_client"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    let mut client = asking.client::<AxesCommand>("/answers/enable", Qos::SERVICE).unwrap();
+    let matched = async {
+        while client.servers() == 0 {
+            sleep(Duration::from_millis(2)).await;
+        }
+    };
+    timeout(LONG, matched).await.expect("a server");
+    let numbers = ["first", "second"].map(|axis| client.send(&axes(axis)).unwrap());
+    let mut open = Vec::new();
+    for _ in numbers {
+        open.push(timeout(LONG, server.next()).await.unwrap().unwrap());
+    }
+    // The later one is answered first.
+    while let Some(Request { message, reply }) = open.pop() {
+        reply.send(AxesCommandResponse { success: true, message: message.axes[0].clone() }).await.unwrap();
+    }
+    for (number, want) in numbers.into_iter().zip(["first", "second"]) {
+        assert_eq!(timeout(LONG, client.reply(number)).await.unwrap().unwrap().message, want);
+    }
+    drop(asking);
+    let number = client.send(&axes("late"));
+    let error = match number {
+        Ok(number) => timeout(LONG, client.reply(number)).await.unwrap().unwrap_err(),
+        Err(error) => error,
+    };
+    assert!(error.to_string().starts_with("/answers/enable: "), "{error}");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn goal_of_a_client_reports_feedback_and_ends_canceled() {
+    let (serving, asking) = (node("serves"), node("serves_client"));
+    let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let mut client = asking.action_client::<HomeAxis>("/serves/home_axis").unwrap();
+    let matched = async {
+        while client.servers() != [1; 3] {
+            sleep(Duration::from_millis(2)).await;
+        }
+    };
+    timeout(LONG, matched).await.expect("a server");
+    let (id, number) = client.send_goal(HomeAxisGoal { axis: "x".to_owned(), scheme: 0, method: 35 }).unwrap();
+    let handle = goal(&mut server).await.accept();
+    assert!(timeout(LONG, client.accepted(number)).await.unwrap().unwrap());
+    handle.execute();
+    let result = client.request_result(id).unwrap();
+    let cancel = client.cancel(id).unwrap();
+    assert_eq!(timeout(LONG, client.canceling(cancel)).await.unwrap().unwrap(), 0);
+    // The feedback topic may match later than the services.
+    let mut ticks = tokio::time::interval(Duration::from_millis(20));
+    let seen = loop {
+        tokio::select! {
+            progress = client.result_or_feedback(result) => match progress.unwrap() {
+                Progress::Feedback { id, feedback } => break (id, feedback.phase),
+                Progress::Ended { .. } => panic!("it has not ended"),
+            },
+            _ = ticks.tick() => {
+                handle.feedback(&HomeAxisFeedback { phase: 2, ..HomeAxisFeedback::default() }).unwrap();
+            }
+        }
+    };
+    assert_eq!(seen, (id, 2));
+    handle.canceled(HomeAxisResult { shift_increments: 7, ..HomeAxisResult::default() });
+    let ended = async {
+        loop {
+            if let Progress::Ended { status, result } = client.result_or_feedback(result).await.unwrap() {
+                break (status, result.shift_increments);
+            }
+        }
+    };
+    assert_eq!(timeout(LONG, ended).await.unwrap(), (5, 7));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn names_of_other_nodes_are_found() {
+    let (_other, asking) = (node("found"), node("finds"));
+    let mut names = asking.node_names();
+    let found = async {
+        while !names.so_far().contains("/found") {
+            sleep(Duration::from_millis(10)).await;
+        }
+    };
+    timeout(LONG, found).await.expect("the other node");
+}

@@ -76,12 +76,12 @@ fn name(hub: &Hub, axis: u16) -> String {
     hub.host.config().axes.get(usize::from(axis)).map(|axis| axis.name.clone()).unwrap_or_default()
 }
 
-/// A refused axis does not keep the others from homing, so the answer names those that home all the same.
+/// A refused axis does not keep the others from homing, so the answer names those that have started all the same.
 fn response(homing: &[String], failures: &[String]) -> AxesCommandResponse {
     let homing = match homing {
         [] => None,
-        [axis] => Some(format!("{axis} homes")),
-        several => Some(format!("{} home", several.join(", "))),
+        [axis] => Some(format!("{axis} has started homing")),
+        several => Some(format!("{} have started homing", several.join(", "))),
     };
     let message: Vec<_> = failures.iter().cloned().chain(homing).collect();
     AxesCommandResponse { success: failures.is_empty(), message: message.join("; ") }
@@ -98,9 +98,9 @@ mod tests {
             let AxesCommandResponse { success, message } = response(&texts(homing), &texts(failures));
             (success, message)
         };
-        assert_eq!(said(&["x"], &[]), (true, "x homes".to_owned()));
-        assert_eq!(said(&["x", "y"], &[]), (true, "x, y home".to_owned()));
-        assert_eq!(said(&["x"], &["y: it is off"]), (false, "y: it is off; x homes".to_owned()));
+        assert_eq!(said(&["x"], &[]), (true, "x has started homing".to_owned()));
+        assert_eq!(said(&["x", "y"], &[]), (true, "x, y have started homing".to_owned()));
+        assert_eq!(said(&["x"], &["y: it is off"]), (false, "y: it is off; x has started homing".to_owned()));
         assert_eq!(said(&[], &["x: no", "y: no"]), (false, "x: no; y: no".to_owned()));
     }
 }

@@ -223,10 +223,10 @@ impl Hub {
         Some(refused)
     }
 
-    /// Errors and refusals also stand in the log of the ROS system.
+    /// Errors and refusals are also on `/rosout`, with their remedies.
     fn tell(&self, event: &StampedEvent, sentence: &str) {
         if let Some(severity) = told(&event.event) {
-            self.say(severity, sentence);
+            self.say(severity, &text::with_remedy(sentence, event.event.code));
         }
     }
 }

@@ -193,7 +193,7 @@ pub(super) const AXIS_STATES: Topic<AxisStates> =
 pub(super) const SHAFT: Topic<ShaftStates> = Topic::published(
     "~/shaft",
     Qos::STREAM,
-    "what leads: encoders, commands of virtual axes, masters of several, machine.vmaster; each cycle of `shaft_rate`, only where that is not 0; see [shaft.md](shaft.md#for-other-hosts-and-tools)",
+    "what leads: encoders, commands of virtual axes, masters of several, machine.vmaster; each cycle of `shaft_rate`, only where that is not 0; see [shaft.md](shaft.md#leader-states)",
 );
 pub(super) const FUNCTIONS: Topic<FunctionStates> = Topic::published(
     "~/functions",
@@ -272,7 +272,7 @@ pub(super) const SET_POSITION_RELATIVE: Served<SetPosition> = Served::new(
 pub(super) const GEAR_OUT: Served<GearOut> = Served::new(
     "~/gear_out",
     Qos::SERVICE,
-    "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#leaving)",
+    "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#gear-out)",
 )
 .in_time();
 pub(super) const TOUCH_PROBE: Served<TouchProbe> = Served::new(

@@ -205,6 +205,20 @@ fn a_file_that_is_not_there_is_named() {
     assert!(said.starts_with("c.yaml:6:99: eds ") && said.contains("none.eds` cannot be read: "), "{said}");
 }
 
+/// 21 s, 65535 ms and an hour, as docs/can.md has them.
+#[test]
+fn times_of_a_bus_reach_the_ends_of_their_ranges() {
+    let bus = format!("{BUS}, time: 3600 s, master: {{heartbeat: 21 s}}");
+    let drives = ["node: 1, heartbeat: 21 s", "node: 2, guarding: {time: 65535 ms, factor: 1}"].map(str::to_owned);
+    let cell = cell("4 ms", &bus, &drives);
+    let described = cell.backends[0].bus.as_ref().expect("a bus");
+    assert_eq!(described.time_ns, Some(3_600_000_000_000));
+    assert_eq!(described.master.as_ref().map(|master| master.heartbeat_ns), Some(21_000_000_000));
+    let watching: Vec<_> = cell.on_can.iter().flatten().map(|drive| drive.device.watching).collect();
+    let guarding = Watching::Guarding { guard_ns: 65_535_000_000, life_factor: 1 };
+    assert_eq!(watching, [Watching::Heartbeat { time_ns: 63_000_000_000 }, guarding]);
+}
+
 #[test]
 fn keys_of_buses_and_drives_have_ranges() {
     let said = |bus: &str, drive: &str| {

@@ -122,7 +122,7 @@ fn parameters_tell_their_range_in_the_axis_unit() {
         ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 up to 9536743160 mm/s^2 is allowed"),
         ("max_jerk", "0", "is `0`; more than 0 up to 9536743160 mm/s^3 is allowed"),
         ("in_position_window", "-1 mm", "is `-1 mm`; 0 mm and above is allowed"),
-        ("max_following_error", "0 mm", "is `0 mm`; 0.00000953674316 mm (1 inc) and above is allowed"),
+        ("max_following_error", "0 mm", "is `0 mm`; 0.00000954 mm (1 inc) and above is allowed"),
         ("following_error_time", "11 s", "is `11 s`; 0 ms to 10000 ms is allowed"),
         ("setpoint_timeout", "1 us", "is `1 us`; 1 ms to 3600000 ms is allowed"),
         ("error_reaction", "-1", "is `-1`; 0 to 5 is allowed"),
@@ -443,5 +443,5 @@ fn there_is_room_for_512_axes() {
         format!("{HEAD}axes:\n{}", (0..count).map(axis).collect::<String>())
     };
     assert_eq!(good(&cell(512)).machine.axes.len(), 512);
-    assert_eq!(said(&cell(513)), "519:3: 513 names stand in this section; at most 512 are possible");
+    assert_eq!(said(&cell(513)), "519:3: 513 entries exceed the maximum of this section, 512");
 }

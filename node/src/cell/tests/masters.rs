@@ -78,7 +78,7 @@ fn there_is_room_for_so_many() {
     };
     let belts = |count| masters(count, &|_| "belt".to_owned());
     good(&cell(&belts(64)));
-    assert_eq!(said(&cell(&belts(65))), "77:3: 65 names stand in this section; at most 64 are possible");
+    assert_eq!(said(&cell(&belts(65))), "77:3: 65 entries exceed the maximum of this section, 64");
     let of = |count: usize| {
         let names: Vec<_> = (0..count).map(|nth| format!("m{nth}")).collect();
         format!("{}  all: {{add: [{}]}}\n", belts(count), names.join(", "))

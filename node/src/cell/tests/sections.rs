@@ -1,7 +1,7 @@
 //! The sections around the axes, problem by problem.
 
 use super::{HEAD, RosOptions, assert_said, good, said, said_of};
-use crate::cell::OnLoss;
+use crate::cell::{OnLoss, RecordTopics};
 use lineshaft_core::config::{IoKind, MemoryKind};
 use lineshaft_core::encoder::Form;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
@@ -77,7 +77,8 @@ fn ros_options() {
     let text = "ros: {name: Press_2, namespace: /cell_1/left, joint_states_rate: 1, axis_states_rate: 1 kHz,\n  \
                 shaft_rate: 50 Hz, autostart: false, robot_description: a/r.urdf, interfaces: [lo, 192.168.0.1],\n  \
                 controller_manager: /cell_1/left/Press_2/controller_manager,\n  \
-                on_loss: none, loss_timeout: 1500 ms, request_timeout: 500 ms}\n";
+                on_loss: none, loss_timeout: 1500 ms, request_timeout: 500 ms,\n  \
+                record_topics: [~/errors, /rosout]}\n";
     assert_eq!(
         good(&format!("{HEAD}{text}")).ros,
         RosOptions {
@@ -93,10 +94,18 @@ fn ros_options() {
             on_loss: OnLoss::None,
             loss_timeout: Duration::from_millis(1500),
             request_timeout: Duration::from_millis(500),
+            record_topics: RecordTopics::Only(vec!["~/errors".into(), "/rosout".into()]),
         }
     );
     assert_eq!(good(&format!("{HEAD}ros:\n")).ros, RosOptions::default());
     assert_eq!(RosOptions::default().shaft_rate, Some(100.0));
+    for (given, topics) in [("all", RecordTopics::All), ("none", RecordTopics::Only(Vec::new()))] {
+        assert_eq!(good(&format!("{HEAD}ros: {{record_topics: {given}}}\n")).ros.record_topics, topics, "{given}");
+    }
+    assert!(
+        said(&format!("{HEAD}ros: {{record_topics: [/tf]}}\n"))
+            .contains("is `/tf`; one of joint_states, ~/axis_states, ")
+    );
     assert_eq!(RosOptions::default().controller_manager, None);
     for off in ["0", "0 Hz", "0.0"] {
         assert_eq!(good(&format!("{HEAD}ros: {{shaft_rate: {off}}}\n")).ros.shaft_rate, None, "{off}");

@@ -23,7 +23,7 @@ pub(in crate::cli) enum CanCommand {
     /// Tell what a device is: identity, errors, state of the drive, factors, PDOs
     #[command(after_help = "Example:\n  lineshaft can info 3 --bus socketcan:can0 --eds drive.eds\n\n\
                             Exit codes: 0 good, 1 the device does not answer, or the bus is not there, 2 bad usage or file.")]
-    Info(NodeArgs),
+    Info(InfoArgs),
     /// List the PDOs of a device as it has them now
     #[command(after_help = "Example:\n  lineshaft can pdo 3 --cell cell.yaml\n\n\
                             Exit codes: 0 good, 1 the device does not answer, or the bus is not there, 2 bad usage or file.")]
@@ -68,6 +68,9 @@ pub(in crate::cli) enum CanCommand {
                             2 bad usage or file."
     )]
     Configure(ConfigureArgs),
+    /// Simulate the drives of a cell as devices on a bus, until Ctrl-C
+    #[command(after_help = super::simulate::HELP)]
+    Simulate(super::simulate::SimulateArgs),
 }
 
 /// Devices by their identity.
@@ -200,8 +203,20 @@ pub(in crate::cli) struct ScanArgs {
     /// Last node that is asked (1 to 127)
     #[arg(long, value_name = "NODE", default_value = "127", value_parser = node)]
     pub(super) to: NodeId,
+    /// Print one JSON object (docs/json.md) instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
     #[command(flatten)]
     pub(super) bus: BusArgs,
+}
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct InfoArgs {
+    #[command(flatten)]
+    pub(super) node: NodeArgs,
+    /// Print one JSON object (docs/json.md) instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -3,9 +3,9 @@
 use super::Failure;
 use super::args::ConfigureArgs;
 use super::open::Known;
-use super::progress::Progress;
 use crate::cell::{device_file, passed_over};
 use crate::cli::{say, warn};
+use crate::progress::Progress;
 use lineshaft_can::sdo::Object;
 use std::time::Duration;
 

@@ -1,30 +1,41 @@
 //! `lineshaft can info` and `lineshaft can pdo`.
 
+mod object;
+
 use super::Failure;
-use super::args::NodeArgs;
+use super::args::{InfoArgs, NodeArgs};
 use super::open::Known;
 use super::table::{columns, word};
+use crate::cli::command_output::Output;
 use crate::cli::say;
 use crate::recording::clean::{clean, clean_lines};
 use lineshaft_can::commission::words::{self, drive_state, nmt_state};
 use lineshaft_can::commission::{Device, Drive, Heard, PdoSeen, label};
 use lineshaft_can::eds::{Dictionary, Direction};
 use lineshaft_core::drive::DriveState;
+use serde_json::Value as Json;
 
-pub(super) fn info(args: &NodeArgs) -> Result<(), Failure> {
+pub(super) fn info(args: &InfoArgs, output: &mut Output) -> Result<(), Failure> {
+    let args = &args.node;
     let node = args.node;
+    for field in ["device", "drive", "pdos"] {
+        output.set(field, Json::Null);
+    }
     let known = Known::of(&args.bus)?.with_eds(node, args.eds.as_deref())?;
     let mut session = known.open()?;
     let device = session.device(node)?;
     let drive = if device.is_drive() { Some(session.drive(node)?) } else { None };
     let pdos = session.pdos(node)?;
     let heard = session.heard(node, device.heartbeat_ms)?;
+    output.set("device", object::of_device(node, &device, heard));
+    output.set("drive", drive.as_ref().map_or(Json::Null, object::of_drive));
+    output.set("pdos", pdos.iter().map(|pdo| object::of_pdo(pdo, known.dictionary(node))).collect());
     let mut rows = of_device(&device, heard);
     if let Some(drive) = &drive {
         rows.extend(of_drive(drive));
     }
     let rows: Vec<_> = rows.into_iter().map(|(name, value)| vec![name, clean(&value).into_owned()]).collect();
-    say(&format_args!("{node}\n{}\n\n{}", columns(&rows), clean_lines(&of_pdos(&pdos, known.dictionary(node)))));
+    output.say(&format_args!("{node}\n{}\n\n{}", columns(&rows), clean_lines(&of_pdos(&pdos, known.dictionary(node)))));
     Ok(())
 }
 

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::args::{BusArgs, IdentityArgs, LssWords};
 use super::open::Known;
-use super::progress::{MOMENT, Progress};
 use crate::cli::say;
+use crate::progress::{MOMENT, Progress};
 use lineshaft_can::lss::LssCommand;
 
 pub(super) fn lss(words: &LssWords) -> Result<(), Failure> {

@@ -11,14 +11,16 @@ mod layer;
 mod monitor;
 mod nmt;
 mod open;
-mod progress;
 mod scan;
 mod sdo;
+mod simulate;
 mod table;
 
 pub(super) use self::args::CanCommand;
 use self::args::SdoCommand;
-use super::{Exit, complain};
+use super::Exit;
+use super::command_output::Output;
+use crate::document::Problems;
 use lineshaft_can::commission::{CommissionError, Refusal};
 
 /// Why a command has not done what it was to do.
@@ -26,6 +28,8 @@ use lineshaft_can::commission::{CommissionError, Refusal};
 enum Failure {
     /// Bad words, or a file with errors.
     Usage(String),
+    /// A cell with errors.
+    Problems(Problems),
     /// The bus or a device refuses or does not answer.
     Bus(String),
 }
@@ -43,9 +47,15 @@ impl From<Refusal> for Failure {
 }
 
 pub(super) fn can(command: &CanCommand) -> Exit {
+    let (name, is_json) = match command {
+        CanCommand::Scan(args) => ("can scan", args.json),
+        CanCommand::Info(args) => ("can info", args.json),
+        _ => ("can", false),
+    };
+    let mut output = Output::new(name, is_json);
     let done = match command {
-        CanCommand::Scan(args) => scan::scan(args),
-        CanCommand::Info(args) => info::info(args),
+        CanCommand::Scan(args) => scan::scan(args, &mut output),
+        CanCommand::Info(args) => info::info(args, &mut output),
         CanCommand::Pdo(args) => info::pdo(args),
         CanCommand::Sdo(SdoCommand::Read(args)) => sdo::read(args),
         CanCommand::Sdo(SdoCommand::Write(args)) => sdo::write(args),
@@ -54,16 +64,22 @@ pub(super) fn can(command: &CanCommand) -> Exit {
         CanCommand::Monitor(args) => monitor::monitor(args),
         CanCommand::Dump(args) => dump::dump(args),
         CanCommand::Configure(args) => configure::configure(args),
+        CanCommand::Simulate(args) => simulate::simulate(args),
     };
-    match done {
+    let exit = match done {
         Ok(()) => Exit::Good,
         Err(Failure::Usage(sentence)) => {
-            complain(&sentence);
+            output.complain(&sentence);
+            Exit::Usage
+        }
+        Err(Failure::Problems(problems)) => {
+            output.complain_of(&problems);
             Exit::Usage
         }
         Err(Failure::Bus(sentence)) => {
-            complain(&sentence);
+            output.complain(&sentence);
             Exit::Failed
         }
-    }
+    };
+    output.finish(exit)
 }

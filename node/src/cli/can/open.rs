@@ -16,7 +16,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// Where the command does not say it (bit/s).
-const BIT_RATE: u32 = 1_000_000;
+pub(super) const BIT_RATE: u32 = 1_000_000;
 /// Where neither the command nor a cell says it.
 const TIMEOUT: Duration = Duration::from_millis(500);
 /// How much a name must be like another one to be meant.
@@ -55,9 +55,8 @@ impl Known {
                 dictionaries: BTreeMap::new(),
             });
         };
-        let problems = |problems: crate::document::Problems| Failure::Usage(problems.to_string().trim_end().to_owned());
-        let cell = Cell::load(path).map_err(problems)?;
-        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(problems)?;
+        let cell = Cell::load(path).map_err(Failure::Problems)?;
+        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(Failure::Problems)?;
         warn(warnings);
         let config = chosen(buses, args.backend.as_deref(), path)?;
         let dictionaries = cell.dictionaries(&config.name, path).map_err(Failure::Usage)?;
@@ -115,7 +114,7 @@ impl Known {
     }
 }
 
-fn chosen(mut buses: Vec<BusConfig>, name: Option<&str>, path: &Path) -> Result<BusConfig, Failure> {
+pub(super) fn chosen(mut buses: Vec<BusConfig>, name: Option<&str>, path: &Path) -> Result<BusConfig, Failure> {
     let names = buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
     let file = clean(&path.display().to_string()).into_owned();
     let place = match name {

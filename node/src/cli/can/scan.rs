@@ -3,12 +3,13 @@
 use super::Failure;
 use super::args::ScanArgs;
 use super::open::Known;
-use super::progress::Progress;
 use super::table::{columns, word};
-use crate::cli::say;
+use crate::cli::command_output::Output;
+use crate::progress::Progress;
 use crate::recording::clean::clean_lines;
 use lineshaft_can::commission::words::{nmt_state, profile};
 use lineshaft_can::commission::{Found, Scan};
+use serde_json::{Value as Json, json};
 use std::time::Duration;
 
 /// How long heartbeats are listened for: most devices send one each second or more often.
@@ -18,7 +19,8 @@ const GAP: Duration = Duration::from_millis(2);
 /// Bits of a question and of its answer.
 const BITS: u64 = 270;
 
-pub(super) fn scan(args: &ScanArgs) -> Result<(), Failure> {
+pub(super) fn scan(args: &ScanArgs, output: &mut Output) -> Result<(), Failure> {
+    output.set("nodes", json!([]));
     let (from, to) = (args.from, args.to);
     if from > to {
         let sentence = format!("--from {} is behind --to {}; 1 to {} is allowed", from.get(), to.get(), to.get());
@@ -27,15 +29,33 @@ pub(super) fn scan(args: &ScanArgs) -> Result<(), Failure> {
     let known = Known::of(&args.bus)?;
     let mut session = known.open()?;
     let gap = Duration::from_nanos(BITS * 1_000_000_000 / u64::from(known.bit_rate)).max(GAP);
-    let mut progress = Progress::new("nodes", Duration::ZERO);
+    let mut progress = Progress::wanted("nodes", Duration::ZERO, !args.json);
     let scan = Scan { from, to, gap, least: LISTEN };
     let found = session.scan(scan, &mut |done, of| progress.set(done, Some(of)))?;
     drop(progress);
     if found.is_empty() {
         return Err(Failure::Bus("no node has answered".to_owned()));
     }
-    say(&clean_lines(&table(&found)));
+    output.say(&clean_lines(&table(&found)));
+    output.set("nodes", found.iter().map(object).collect());
     Ok(())
+}
+
+/// A node, as an object.
+fn object(found: &Found) -> Json {
+    let [vendor, product, revision, serial] = found.identity;
+    json!({
+        "node": found.node.get(),
+        "answers": found.answers,
+        "nmt_state": found.state.map(nmt_state),
+        "device_type": found.device_type,
+        "profile": found.device_type.map(|device_type| device_type & 0xFFFF),
+        "vendor": vendor,
+        "product_code": product,
+        "revision": revision,
+        "serial": serial,
+        "name": found.name,
+    })
 }
 
 fn table(found: &[Found]) -> String {

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::args::{ReadArgs, WriteArgs};
 use super::open::Known;
-use super::progress::{MOMENT, Progress};
 use crate::cli::say;
+use crate::progress::{MOMENT, Progress};
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
 use lineshaft_can::commission::{LONGEST, decoded, encoded, label, readable, type_of, writable};

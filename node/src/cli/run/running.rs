@@ -16,7 +16,7 @@ use crate::run::keeper::Keeper;
 use crate::run::lanes;
 use crate::run::objects::ObjectDesk;
 use crate::run::realtime::Processor;
-use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Recorder};
+use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Published, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
 use crate::run::spawn;
@@ -32,7 +32,7 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::signal::Signal;
 use lineshaft_core::signal::axis::AxisSignal;
-use lineshaft_ros::layer::{HostClock, NodeName};
+use lineshaft_ros::layer::{HostClock, NodeName, Tap, TappedMessage};
 use lineshaft_ros::surface::host::{Host, Snapshot, StampedEvent};
 use lineshaft_ros::surface::{StateReceiver, states};
 use rtrb::RingBuffer;
@@ -54,6 +54,7 @@ pub(in crate::cli) struct Recording {
     subject: Arc<Subject>,
     bag: Option<Bag>,
     flight: Option<FlightRecorder>,
+    published: Option<Published>,
 }
 
 impl Recording {
@@ -64,15 +65,25 @@ impl Recording {
     pub(in crate::cli) fn of_cycles(cell: &Cell, name: &NodeName, bag: Option<&BagOptions>) -> Result<Self, String> {
         let subject = Arc::new(Subject::new(cell, name));
         let bag = bag.map(|options| Bag::create(options, Subject::clone(&subject))).transpose();
-        Ok(Self { subject, bag: bag.map_err(|error| error.to_string())?, flight: None })
+        Ok(Self { subject, bag: bag.map_err(|error| error.to_string())?, flight: None, published: None })
     }
 
-    pub(super) fn open(args: &RunArgs, cell: &Cell, name: &NodeName, buses: &[BusFrames]) -> Result<Self, String> {
+    /// `tap` copies what the node publishes.
+    pub(super) fn open(
+        args: &RunArgs,
+        cell: &Cell,
+        name: &NodeName,
+        buses: &[BusFrames],
+        tap: (Tap, Receiver<TappedMessage>),
+    ) -> Result<Self, String> {
         let kept = buses.iter().filter(|_| args.record_frames).map(|(name, _)| name.clone());
-        let subject = Arc::new(Subject { buses: kept.collect(), ..Subject::new(cell, name) });
+        let (tap, copies) = tap;
+        let (buses, published) = (kept.collect(), tap.topics());
+        let subject = Arc::new(Subject { buses, published, ..Subject::new(cell, name) });
         let bag = args.record.options().map(|options| Bag::create(&options, Subject::clone(&subject)));
         let bag = bag.transpose().map_err(|error| error.to_string())?;
-        Ok(Self { subject, bag, flight: flight(&args.flight, name)? })
+        let published = Some(Published::new(tap, copies));
+        Ok(Self { subject, bag, flight: flight(&args.flight, name)?, published })
     }
 }
 
@@ -308,12 +319,13 @@ impl Prepared {
     /// Runs it.
     pub(in crate::cli) fn start(self, recording: Recording) -> Running {
         let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock: _ } = self;
-        let Recording { subject, bag, flight } = recording;
+        let Recording { subject, bag, flight, published } = recording;
         let (stop_cycle, stop_others) = (Arc::clone(&cycle.stop), Arc::<AtomicBool>::default());
         let statistics = Arc::clone(&cycle.statistics);
         let keeper = keeper.map(|keeper| spawn("store", move || keeper.run()));
         let recorder =
             Recorder::new(Arc::clone(&handle), frames, encoder, subject, asked, bag, flight).with_buses(buses);
+        let recorder = recorder.with_published(published);
         let (ready, granted) = channel();
         let end = Arc::clone(&stop_others);
         let by_services = Arc::clone(&handle);

@@ -103,7 +103,7 @@ fn values_are_told_in_the_unit_of_the_axis_and_marked_where_they_differ() {
     );
     assert_eq!(lines("x.velmax", false), ["x.velmax 3774873.6 rpm view of max_velocity"]);
     assert_eq!(lines("x.setpoint_timeout", false), ["x.setpoint_timeout 100 ms default"]);
-    assert_eq!(lines("x.in_position_window", true), ["x.in_position_window * 0.0100040436 mm default 0 inc"]);
+    assert_eq!(lines("x.in_position_window", true), ["x.in_position_window * 0.01 mm (1049 inc) default 0 inc"]);
     assert!(lines("x.setpoint_timeout", true).is_empty() && lines("x.velmax", true).is_empty());
     // Nothing that an axis does not have.
     assert!(lines("line.poserr", false).is_empty());

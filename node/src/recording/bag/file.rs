@@ -64,6 +64,8 @@ pub(super) struct BagFile {
     writer: Writer<Disk>,
     flushed: Arc<AtomicU64>,
     channels: Vec<u16>,
+    /// Place of the first channel of what the node publishes.
+    first_published: usize,
     counts: Counts,
     /// What of it is on the disk.
     safe: Counts,
@@ -86,11 +88,12 @@ impl BagFile {
         let mut writer = options.create(disk).map_err(io_error)?;
         writer.flush().map_err(io_error)?;
         let (counts, safe) = Default::default();
-        Ok(Self { path, writer, flushed, channels: Vec::new(), counts, safe, chunk_bytes: 0, chunk_start_ns: 0 })
+        let (channels, first_published) = (Vec::new(), 0);
+        Ok(Self { path, writer, flushed, channels, first_published, counts, safe, chunk_bytes: 0, chunk_start_ns: 0 })
     }
 
-    /// Writes what stands before the first cycle.
-    pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered]) -> io::Result<()> {
+    /// Writes the beginning of the file, before its first cycle. Of `topics` the last `published` are those that the node publishes.
+    pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered], published: usize) -> io::Result<()> {
         let time = opening.log_ns;
         for (name, media_type, data) in opening.attachments {
             let (name, media_type) = (name.to_owned(), media_type.to_owned());
@@ -104,6 +107,8 @@ impl BagFile {
             let channel = self.writer.add_channel(schema, &name.to_string(), "cdr", &qos).map_err(io_error)?;
             self.channels.push(channel);
         }
+        self.chunk_start_ns = time;
+        self.first_published = self.channels.len().saturating_sub(published);
         self.counts.messages.resize(self.channels.len(), 0);
         Ok(())
     }
@@ -122,18 +127,32 @@ impl BagFile {
             self.chunk_start_ns = time;
         }
         // Frames of buses that this bag does not keep have no place.
-        for (place, message) in encoded.places() {
-            let (Some(&channel_id), Some(count)) = (self.channels.get(place), self.counts.messages.get_mut(place))
-            else {
-                continue;
-            };
-            let header = MessageHeader { channel_id, sequence: *count as u32, log_time: time, publish_time: time };
-            self.writer.write_to_known_channel(&header, message).map_err(io_error)?;
-            *count += 1;
-            self.chunk_bytes += message.len();
+        let first_published = self.first_published;
+        for (place, message) in encoded.places().filter(|(place, _)| *place < first_published) {
+            self.put(place, message, time)?;
+        }
+        for (topic, message) in encoded.published() {
+            self.put_published(topic, message, time)?;
         }
         self.counts.add(time);
         if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes a message that the node has published, also before the first cycle.
+    pub(super) fn put_published(&mut self, topic: usize, message: &[u8], time: u64) -> io::Result<()> {
+        self.put(self.first_published.saturating_add(topic), message, time)
+    }
+
+    /// Writes a message; without a channel at that place, nothing.
+    fn put(&mut self, place: usize, message: &[u8], time: u64) -> io::Result<()> {
+        let (Some(&channel_id), Some(count)) = (self.channels.get(place), self.counts.messages.get_mut(place)) else {
+            return Ok(());
+        };
+        let header = MessageHeader { channel_id, sequence: *count as u32, log_time: time, publish_time: time };
+        self.writer.write_to_known_channel(&header, message).map_err(io_error)?;
+        *count += 1;
+        self.chunk_bytes += message.len();
+        Ok(())
     }
 
     /// Ends the chunk and brings it to the disk. Schemas and channels alone make no chunk: behind a chunk without a

@@ -2,6 +2,7 @@
 
 mod full;
 pub(super) mod full_disk;
+mod published;
 mod splits;
 
 use super::super::Topic;
@@ -32,6 +33,7 @@ fn subject() -> Subject {
         cycle_ns: 1_000_000,
         version: "0.1.0".to_owned(),
         buses: Vec::new(),
+        published: Vec::new(),
     }
 }
 

@@ -6,7 +6,7 @@ use lineshaft_msgs::Message;
 use lineshaft_msgs::foreign::can_msgs::msg::Frame;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
-use lineshaft_ros::layer::{FullName, NameError, NodeName, Qos};
+use lineshaft_ros::layer::{FullName, NameError, NodeName, Qos, TappedTopic};
 
 /// A topic that a bag has.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub(super) struct Offered {
 }
 
 impl Offered {
-    /// All topics of a bag: those of [`Topic::ALL`], then two for each bus.
+    /// All topics of a bag: those of [`Topic::ALL`], two for each bus, and those that the node publishes.
     pub(super) fn all(subject: &Subject) -> Result<Vec<Self>, NameError> {
         let of = |topic: Topic| Ok(Self { name: topic.name(&subject.node)?, schema: topic.schema(), qos: topic.qos() });
         let frames = |(bus, way): (&String, Way)| {
@@ -26,12 +26,20 @@ impl Offered {
             Ok(Self { name, schema: schema::<Frame>(), qos: Qos::STREAM })
         };
         let buses = subject.buses.iter().flat_map(|bus| Way::ALL.map(|way| (bus, way)));
-        Topic::ALL.into_iter().map(of).chain(buses.map(frames)).collect()
+        let published =
+            |topic: &TappedTopic| Ok(Self { name: topic.name.clone(), schema: topic.schema, qos: topic.qos });
+        let published = subject.published.iter().map(published);
+        Topic::ALL.into_iter().map(of).chain(buses.map(frames)).chain(published).collect()
     }
 }
 
 fn schema<M: Message>() -> (&'static str, &'static str) {
     (M::NAME, M::SCHEMA)
+}
+
+/// Whether a topic is `~/errors` of a node, which repeats events of `~/events`.
+pub(crate) fn repeats_events(topic: &str) -> bool {
+    topic.ends_with("/errors")
 }
 
 impl Topic {
@@ -42,6 +50,16 @@ impl Topic {
     /// The topic whose messages are of that type.
     pub fn of_type(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|topic| topic.schema().0 == name)
+    }
+
+    /// The topic of a message by its type and the name of its topic. `~/errors` has the type of events, and repeats them.
+    pub fn of_message(topic: &str, type_name: &str) -> Option<Self> {
+        Self::of_type(type_name).filter(|found| *found != Topic::Events || !repeats_events(topic))
+    }
+
+    /// Whether a bag holds the topic that the node calls `name` by its cycles.
+    pub fn is_of_cycles(name: &str) -> bool {
+        Self::ALL.iter().any(|topic| topic.relative_name() == name)
     }
 
     /// As the node calls it.
@@ -88,6 +106,16 @@ impl Topic {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_of_a_node_are_no_events_of_a_cycle() {
+        let event = "lineshaft_msgs/msg/Event";
+        assert_eq!(Topic::of_message("/cell/press/events", event), Some(Topic::Events));
+        assert_eq!(Topic::of_message("/cell/press/errors", event), None);
+        assert_eq!(Topic::of_message("/errors/signals", "lineshaft_msgs/msg/Signals"), Some(Topic::Signals));
+        assert!(Topic::is_of_cycles("joint_states") && Topic::is_of_cycles("~/events"));
+        assert!(!Topic::is_of_cycles("~/errors") && !Topic::is_of_cycles("/rosout"));
+    }
 
     #[test]
     fn topics_stand_in_their_order_and_below_their_node() {

@@ -71,7 +71,7 @@ impl Group {
         }
         let bad =
             |reason: String| ReplayError::Message { topic: excerpt(message.topic), log_time: message.log_time, reason };
-        match Topic::of_type(message.kind) {
+        match Topic::of_message(message.topic, message.kind) {
             Some(Topic::Commands) => self.commands.push(message.decode().map_err(bad)?),
             Some(Topic::Inputs) => {
                 let inputs = inputs::decode(message).map_err(bad)?;

@@ -97,11 +97,11 @@ pub enum ReplayError {
     },
 }
 
-/// Replays a run up to its first difference. `progress` is told how many cycles were replayed.
+/// Replays a run up to its first difference.
 ///
 /// # Errors
 /// The run cannot be replayed at all, or is damaged.
-pub fn replay(run: &mut Run, mut progress: impl FnMut(u64)) -> Result<Report, ReplayError> {
+pub fn replay(run: &mut Run) -> Result<Report, ReplayError> {
     let cell = attached_cell(run)?;
     let record = run.metadata("lineshaft");
     // Bags from before this key have equal stamps and log times.
@@ -118,7 +118,6 @@ pub fn replay(run: &mut Run, mut progress: impl FnMut(u64)) -> Result<Report, Re
                 let is_last = next.is_none_or(|next| next.file != group.file);
                 let is_whole = !(is_last && cut.get(group.file) == Some(&true));
                 verdict = player.play(&group, is_whole)?;
-                progress(player.cycles);
                 group.clear();
                 match next {
                     Some(message) => group.add(&message)?,

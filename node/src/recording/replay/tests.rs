@@ -65,7 +65,7 @@ fn record(text: &str, path: &Path, max_duration_ns: Option<u64>) {
 }
 
 fn replayed(path: &Path) -> Report {
-    replay(&mut Run::open(path).unwrap(), |_| {}).unwrap()
+    replay(&mut Run::open(path).unwrap()).unwrap()
 }
 
 fn long() -> bool {
@@ -202,7 +202,7 @@ fn messages_that_are_not_cdr_are_left_out_or_refused() {
         bag.attach("cell.yaml", Cell::demo().text.as_bytes());
         bag.raw("/other", kind, "json", 5, b"{}");
         std::fs::write(&path, bag.finish()).unwrap();
-        replay(&mut Run::open(&path).unwrap(), |_| {}).unwrap_err().to_string()
+        replay(&mut Run::open(&path).unwrap()).unwrap_err().to_string()
     };
     assert!(replayed("foxglove.Pose").starts_with("there is no message of type lineshaft_msgs/msg/CycleInputs"));
     for kind in ["lineshaft_msgs/msg/CycleInputs", "lineshaft_msgs/msg/Signals", "lineshaft_msgs/msg/AppliedCommand"] {

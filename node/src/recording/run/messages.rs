@@ -68,6 +68,11 @@ impl Messages {
         })
     }
 
+    /// The byte of the file that comes next.
+    pub(super) fn at(&self) -> u64 {
+        self.records.at()
+    }
+
     /// Goes to the next message; none at the end of the file.
     pub(super) fn advance(&mut self) -> Result<Option<Place>, RunError> {
         loop {

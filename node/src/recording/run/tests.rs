@@ -57,6 +57,30 @@ fn refused(path: &Path) -> String {
     error.expect("an error").to_string().replace(&format!("{folder}/"), "")
 }
 
+#[test]
+fn progress_is_reported_every_256_messages_and_grows_to_the_size_of_the_file() {
+    let mut bag = TestBag::new();
+    for sample in 0..1000 {
+        bag.message("/t", sample, &text("some"));
+        if sample % 100 == 0 {
+            bag.end_chunk();
+        }
+    }
+    let bytes = bag.finish();
+    let disk = disk(&bytes);
+    let mut run = Run::open(&disk.path).unwrap();
+    let (sender, calls) = std::sync::mpsc::channel();
+    run.set_progress(move |done, of| sender.send((done, of)).unwrap());
+    while run.next_message().unwrap().is_some() {}
+    run.end_progress();
+    run.rewind();
+    while run.next_message().unwrap().is_some() {}
+    let calls: Vec<(u64, u64)> = calls.into_iter().collect();
+    assert_eq!(calls.len(), 3, "of 1000 messages, and none after the end");
+    let size = bytes.len() as u64;
+    assert!(calls.is_sorted() && calls.iter().all(|(done, of)| *done > 0 && *done <= size && *of == size), "{calls:?}");
+}
+
 fn text(text: &str) -> Text {
     Text { data: text.to_owned() }
 }

@@ -14,7 +14,7 @@ mod rhythm;
 mod tolerance;
 mod units;
 
-pub use report::{Line, Report};
+pub use report::{Line, Report, WorstValues};
 pub use tolerance::{Tolerance, ToleranceError};
 
 use super::clean::clean;

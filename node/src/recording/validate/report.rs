@@ -1,6 +1,6 @@
 //! What a comparison found, in words.
 
-use super::compare::{Judged, number, text};
+use super::compare::{Judged, Worst, number, text};
 use crate::recording::clean::clean;
 use lineshaft_core::signal::Type;
 use std::collections::HashSet;
@@ -39,12 +39,35 @@ impl Line {
         self.judged.worst.and_then(|worst| worst.deviation)
     }
 
+    /// Tolerance (SI); none for signals that change in steps.
+    pub fn tolerance(&self) -> Option<f64> {
+        (self.kind == Type::Real).then_some(self.tolerance)
+    }
+
+    /// Where both differ most; none where they are equal.
+    pub fn worst(&self) -> Option<WorstValues> {
+        let worst = self.shown()?;
+        Some(WorstValues { at_seconds: worst.at as f64 / 1e9, run: worst.run, expected: worst.expected })
+    }
+
+    /// What is wrong, with numbers; the name alone where nothing is.
+    pub fn sentence(&self) -> String {
+        let said = format!("{}: {}", self.name, self.judged.failures.join("; "));
+        let Some(worst) = self.shown() else { return said };
+        let deviation = worst.deviation.map_or_else(String::new, |far| format!("worst {} ", number(far)));
+        let tolerance = self.tolerance().map_or_else(String::new, |most| format!(", tolerance {}", number(most)));
+        let [run, expected] = [worst.run, worst.expected].map(|value| text(value, self.kind));
+        format!("{said}: {deviation}at {} s: {run}, expected {expected}{tolerance}", worst.at as f64 / 1e9)
+    }
+
+    fn shown(&self) -> Option<Worst> {
+        self.judged.worst.filter(|worst| worst.deviation != Some(0.0))
+    }
+
     fn cells(&self) -> [String; 8] {
         let none = || "-".to_owned();
-        let worst = self.judged.worst;
-        let is_exact = worst.is_some_and(|worst| worst.deviation == Some(0.0));
-        let shown = worst.filter(|_| !is_exact);
-        let tolerance = if self.kind == Type::Real { number(self.tolerance) } else { none() };
+        let shown = self.shown();
+        let tolerance = self.tolerance().map_or_else(none, number);
         [
             clean(&self.name).into_owned(),
             clean(&self.topic).into_owned(),
@@ -56,6 +79,17 @@ impl Line {
             if self.passed() { "ok".to_owned() } else { format!("FAIL: {}", self.judged.failures.join("; ")) },
         ]
     }
+}
+
+/// The values of a signal where both runs differ most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorstValues {
+    /// When (s), from where the times count.
+    pub at_seconds: f64,
+    /// In the run (SI).
+    pub run: f64,
+    /// As expected (SI).
+    pub expected: f64,
 }
 
 /// What a comparison found. Its text is for people; [`Report::passed`] for programs.
@@ -74,6 +108,11 @@ pub struct Report {
 }
 
 impl Report {
+    /// From where times count, for people.
+    pub fn zero(&self) -> &'static str {
+        self.zero
+    }
+
     /// Is everything as it is expected?
     pub fn passed(&self) -> bool {
         self.lines.iter().all(Line::passed)

@@ -119,7 +119,7 @@ fn command(command: u8) -> RecordRequest {
 }
 
 fn verdict(path: &Path) -> Verdict {
-    replay(&mut Run::open(path).unwrap(), |_| {}).unwrap().verdict
+    replay(&mut Run::open(path).unwrap()).unwrap().verdict
 }
 
 #[test]

@@ -33,7 +33,7 @@ expcet: []
 11:47: x.command.position: `5 deg` is an angle; a length such as `5 m` is expected
 12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, mark, limit, homed, parameter, overrun, warning is allowed
 12:35: count is `many`; a whole number 0..9223372036854775807 is allowed
-13:1: unknown key `expcet` in the scenario, known are scenario, for, cycles, trace, every, drive, steps, expect
+13:1: unknown key `expcet` in the scenario, known are scenario, cell, for, cycles, trace, every, drive, steps, expect
 ";
     assert_eq!(problems(text), expected);
 }
@@ -192,4 +192,27 @@ fn a_flood_of_commands_is_told() {
     let text = format!("scenario: s\ncycles: 2\nsteps: [{{at: 1, do: [{}]}}]", halts(65));
     let report = play(&text, 2).to_string();
     assert!(report.contains("halt was not answered"), "{report}");
+}
+
+#[test]
+fn key_cell_is_a_file() {
+    assert_eq!(problems("scenario: s\ncycles: 1\ncell: []\n"), "3:7: cell is a list; a text is expected\n");
+    assert_eq!(problems("scenario: s\ncycles: 1\ncell: ' '\n"), "3:7: cell is empty; the file of a cell is expected\n");
+    // Which file it is was settled before the scenario is read: any other cell may run it.
+    assert_eq!(scenario("scenario: s\ncycles: 1\ncell: none.yaml\n").cycles(), 1);
+}
+
+#[test]
+fn player_knows_the_step_that_fired_last() {
+    let scenario = scenario(
+        "scenario: s\ncycles: 10\nsteps:\n  - {at: 4, do: {set_memory: {feed: 1}}}\n  - {name: go, at: 2, do: {set_memory: {feed: 2}}}\n",
+    );
+    let mut player = Player::new(&scenario);
+    let mut last = Vec::new();
+    for cycle in 0..6 {
+        player.before(cycle, &mut 0, None, MAX_COMMANDS);
+        last.push(player.last_step());
+    }
+    let go = Some("step `go`".to_owned());
+    assert_eq!(last, [None, None, go.clone(), go, Some("step 1".to_owned()), Some("step 1".to_owned())]);
 }

@@ -31,6 +31,8 @@ const ON_THEIR_WAY: Duration = Duration::from_millis(50);
 /// The life of one node.
 pub(in crate::surface) struct Life {
     hub: Arc<Hub>,
+    /// Full name of the node, for remedies.
+    node: String,
     publisher: Publisher<TransitionEvent>,
     state: Mutex<State>,
     /// Held for the time of a transition.
@@ -44,9 +46,9 @@ pub(super) struct Begun {
 }
 
 impl Life {
-    pub(super) fn new(hub: Arc<Hub>, publisher: Publisher<TransitionEvent>) -> Self {
+    pub(super) fn new(hub: Arc<Hub>, node: String, publisher: Publisher<TransitionEvent>) -> Self {
         let state = Mutex::new(states::UNCONFIGURED);
-        Self { hub, publisher, state, turn: Arc::default() }
+        Self { hub, node, publisher, state, turn: Arc::default() }
     }
 
     pub(super) fn state(&self) -> State {
@@ -128,7 +130,8 @@ impl Life {
         let outcome = match result {
             Ok(()) => Outcome::Success,
             Err((outcome, sentence)) => {
-                let line = format!("{}: {sentence}", state.label);
+                let advice = state.after(outcome).and_then(|end| remedy(end.goal, &self.node));
+                let line = format!("{}: {sentence}{}", state.label, advice.unwrap_or_default());
                 tracing::error!(target: TOLD, "{line}");
                 self.hub.say(Severity::Error, &line);
                 outcome
@@ -235,6 +238,18 @@ impl Life {
                 return Ok(());
             }
         }
+    }
+}
+
+/// How to try again where a transition has failed and has ended in that state.
+fn remedy(end: State, node: &str) -> Option<String> {
+    match end {
+        states::UNCONFIGURED => Some(format!(
+            "; remove the cause, then `ros2 lifecycle set {node} configure` and `ros2 lifecycle set {node} activate`"
+        )),
+        states::INACTIVE => Some(format!("; remove the cause, then `ros2 lifecycle set {node} activate`")),
+        states::FINALIZED => Some("; remove the cause, then end the program and start it again".to_owned()),
+        _ => None,
     }
 }
 

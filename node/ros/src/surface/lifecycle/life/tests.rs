@@ -163,7 +163,7 @@ impl Bench {
         });
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, host.clone(), heard, &mut tasks).expect("a hub");
-        let life = Life::new(hub, table::TRANSITION_EVENT.publisher(&node).expect("a topic"));
+        let life = Life::new(hub, node.name().to_string(), table::TRANSITION_EVENT.publisher(&node).expect("a topic"));
         Self { life, host, _tasks: tasks, _node: node }
     }
 
@@ -200,6 +200,20 @@ async fn a_backend_that_does_not_start_leaves_the_node_unconfigured() {
     let bench = Bench::new(Script { no_backend: true, ..Script::default() });
     assert!(!bench.change("configure").await);
     assert_eq!((bench.life.state(), bench.host.gate()), (UNCONFIGURED, GateState::Closed));
+}
+
+#[test]
+fn failed_transition_says_how_to_try_again() {
+    let configure =
+        "; remove the cause, then `ros2 lifecycle set /a/b configure` and `ros2 lifecycle set /a/b activate`";
+    let activate = "; remove the cause, then `ros2 lifecycle set /a/b activate`";
+    let restart = "; remove the cause, then end the program and start it again";
+    for (end, advice) in [(UNCONFIGURED, configure), (INACTIVE, activate), (FINALIZED, restart)] {
+        assert_eq!(remedy(end, "/a/b").as_deref(), Some(advice));
+    }
+    // The end of the error is still to come.
+    assert_eq!(remedy(states::ERROR_PROCESSING, "/a/b"), None);
+    assert_eq!(remedy(ACTIVE, "/a/b"), None);
 }
 
 #[tokio::test(start_paused = true)]

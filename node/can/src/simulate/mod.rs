@@ -1,0 +1,240 @@
+//! Simulated drives of CiA 402 on a bus: devices of CANopen whose mechanics are those of the simulation.
+//!
+//! Law      in each SYNC the drives move by one cycle with what was applied at the SYNC before, send their PDOs, and apply what they have
+//!          received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by the clock
+//! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat that 1016h names, guarding
+//! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
+//! Refuses  modules, encoders, touch probes, modes that are not cyclic, drives by number: see [`unsupported`]
+//! Source   CiA 301, CiA 402-2
+
+mod device;
+mod pdo;
+mod server;
+mod table;
+
+use self::device::Device;
+use crate::config::{BusConfig, DeviceConfig};
+use crate::drive::DriveMode;
+use crate::transport::{Transport, TransportError};
+use crate::{Frame, Id, NodeId};
+use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::sim::Plant;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Error code of a drive that no longer hears its master (CiA 301: life guard error or heartbeat error).
+const CONNECTION_LOST: u16 = 0x8130;
+/// Time without SYNC after which the drives move by the clock.
+const SILENCE: Duration = Duration::from_millis(100);
+/// Between two looks at the bus.
+const LOOK: Duration = Duration::from_micros(200);
+/// Longest time that is made up for after the process was stopped.
+const LONGEST_GAP: Duration = Duration::from_secs(1);
+/// Time for which other devices are listened to before the drives boot: longer than most heartbeats.
+const LISTEN: Duration = Duration::from_millis(1_200);
+
+/// Modes of operation that are simulated.
+const MODES: [DriveMode; 3] = [DriveMode::Csp, DriveMode::Csv, DriveMode::Cst];
+
+/// Drives on a bus.
+pub struct SimulatedBus {
+    transport: Box<dyn Transport>,
+    plant: Plant,
+    devices: Vec<Device>,
+    inputs: Inputs,
+    outputs: Outputs,
+    cycle: Duration,
+    /// Frames to be sent.
+    frames: Vec<Frame>,
+    last_sync: Option<Duration>,
+    next_step: Duration,
+}
+
+/// Returns why a bus cannot be simulated; none if it can.
+pub fn unsupported(config: &BusConfig) -> Option<String> {
+    config.devices.iter().find_map(|device| {
+        let what = unsupported_device(device)?;
+        Some(format!("{}: {device}: {what}", config.name))
+    })
+}
+
+fn unsupported_device(device: &DeviceConfig) -> Option<String> {
+    let Some(drive) = device.drive() else {
+        return Some("modules and encoders are not simulated on a bus".to_owned());
+    };
+    if drive.drive_type.is_some() {
+        return Some("drives with drivetype are not simulated on a bus".to_owned());
+    }
+    if !MODES.contains(&drive.mode) {
+        return Some(format!("mode {} is not simulated on a bus; csp, csv and cst are allowed", drive.mode.name()));
+    }
+    if drive.probes.iter().any(Option::is_some) {
+        return Some("touch probes are not simulated on a bus".to_owned());
+    }
+    let long = device.startup.iter().find(|write| !table::LENGTHS.contains(&write.data.len()))?;
+    let (object, length) = (long.object, long.data.len());
+    Some(format!("startup writes {length} bytes to {object}; simulated drives have objects of 1 to 4 bytes"))
+}
+
+/// Listens whether other devices on a bus have the node ids of these drives; returns the first that does.
+///
+/// # Errors
+/// The way to the bus is lost.
+pub fn occupant(transport: &mut dyn Transport, config: &BusConfig) -> Result<Option<NodeId>, TransportError> {
+    let begin = Instant::now();
+    for device in &config.devices {
+        // Reads 1000h: one that sends no heartbeat answers.
+        transport.send(&Frame::of(device.node.sdo_request(), [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]))?;
+    }
+    while begin.elapsed() < LISTEN {
+        transport.flush()?;
+        while let Some(frame) = transport.receive()? {
+            let is_of = |node: NodeId| [node.heartbeat(), node.sdo_response(), node.emergency()].contains(&frame.id());
+            let found = config.devices.iter().map(|device| device.node).find(|node| is_of(*node));
+            if found.is_some() && !frame.is_remote() {
+                return Ok(found);
+            }
+        }
+        thread::sleep(LOOK);
+    }
+    Ok(None)
+}
+
+impl SimulatedBus {
+    /// The drives of a bus, switched off. `plant` has their mechanics; `inputs` and `outputs` have the shape of the machine.
+    pub fn new(
+        transport: Box<dyn Transport>,
+        config: &BusConfig,
+        mut plant: Plant,
+        mut inputs: Inputs,
+        outputs: Outputs,
+    ) -> Self {
+        let devices: Vec<_> = config.devices.iter().filter_map(Device::new).collect();
+        // The plant has the delay of a bus in it, which the bus itself has here.
+        let delay = devices.iter().filter_map(|device| plant.capabilities(device.place())).map(|offers| offers.delay);
+        for _ in 0..=delay.max().unwrap_or_default() {
+            plant.read(&mut inputs);
+        }
+        Self {
+            transport,
+            plant,
+            devices,
+            inputs,
+            outputs,
+            cycle: Duration::from_nanos(config.cycle_ns.max(1)),
+            frames: Vec::new(),
+            last_sync: None,
+            next_step: Duration::ZERO,
+        }
+    }
+
+    /// Boots the drives and serves the bus until `is_over`.
+    ///
+    /// # Errors
+    /// The way to the bus is lost.
+    pub fn run(&mut self, is_over: impl Fn() -> bool) -> Result<(), TransportError> {
+        let begin = Instant::now();
+        self.boot()?;
+        while !is_over() {
+            if !self.serve(begin.elapsed())? {
+                thread::sleep(LOOK);
+            }
+        }
+        self.transport.close();
+        Ok(())
+    }
+
+    /// Sends the boot-up messages.
+    ///
+    /// # Errors
+    /// The way to the bus is lost.
+    pub fn boot(&mut self) -> Result<(), TransportError> {
+        for device in &mut self.devices {
+            device.show(&self.inputs, &mut self.frames);
+            device.boot(&mut self.frames);
+        }
+        self.send()
+    }
+
+    /// Does what is due at `now`, the time since the start. Returns true if a frame had arrived.
+    ///
+    /// # Errors
+    /// The way to the bus is lost.
+    pub fn serve(&mut self, now: Duration) -> Result<bool, TransportError> {
+        let mut has_come = false;
+        while let Some(frame) = self.transport.receive()? {
+            has_come = true;
+            self.take(&frame, now);
+            self.send()?;
+        }
+        self.tick(now);
+        self.send()?;
+        Ok(has_come)
+    }
+
+    fn take(&mut self, frame: &Frame, now: Duration) {
+        if frame.id() == Id::SYNC && !frame.is_remote() {
+            self.last_sync = Some(now);
+            self.step();
+            for device in &mut self.devices {
+                device.synchronize(&mut self.frames);
+            }
+            return;
+        }
+        for device in &mut self.devices {
+            device.take(frame, now, &mut self.frames);
+        }
+        self.abandon();
+    }
+
+    fn tick(&mut self, now: Duration) {
+        for device in &mut self.devices {
+            device.tick(now, &mut self.frames);
+        }
+        self.abandon();
+        let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < SILENCE);
+        if has_sync || now.saturating_sub(self.next_step) > LONGEST_GAP {
+            self.next_step = now + self.cycle;
+        }
+        while self.next_step <= now {
+            self.step();
+            self.next_step += self.cycle;
+        }
+    }
+
+    /// One cycle of the mechanics.
+    fn step(&mut self) {
+        for device in &self.devices {
+            device.order(&self.inputs, &mut self.outputs);
+        }
+        self.plant.write(&self.outputs);
+        let cycle = self.inputs.cycle.wrapping_add(1);
+        self.inputs.begin(cycle, 0);
+        self.plant.read(&mut self.inputs);
+        for device in &mut self.devices {
+            device.show(&self.inputs, &mut self.frames);
+        }
+    }
+
+    /// Faults of drives that no longer hear their master.
+    fn abandon(&mut self) {
+        for device in &mut self.devices {
+            if device.take_loss()
+                && let Some(drive) = self.plant.drive(device.place())
+            {
+                drive.inject_fault(CONNECTION_LOST);
+            }
+        }
+    }
+
+    fn send(&mut self) -> Result<(), TransportError> {
+        for frame in self.frames.drain(..) {
+            match self.transport.send(&frame) {
+                // As a device whose controller has no room.
+                Ok(()) | Err(TransportError::Full(_)) => {}
+                Err(lost) => return Err(lost),
+            }
+        }
+        self.transport.flush()
+    }
+}

@@ -1,0 +1,308 @@
+//! The object dictionary of a simulated drive: numbers of 1 to 4 bytes.
+//!
+//! Refuses  what CiA 301 refuses: objects that are missing or can only be read, other lengths, modes that the drive lacks, mappings of a PDO
+//!          that is on, of objects that cannot be mapped, or of more than 8 bytes
+//! Source   CiA 301 (objects 1000h to 1BFFh, abort codes), CiA 402-2
+
+use crate::config::{DeviceConfig, DriveConfig};
+use crate::drive::layout::MOST_PDOS;
+use crate::drive::objects;
+use crate::eds::{CobId, Direction};
+use crate::sdo::{Abort, Object};
+use lineshaft_core::drive::MODE_HOMING;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+/// Bytes of an object.
+pub(super) const LENGTHS: RangeInclusive<usize> = 1..=4;
+/// Objects of a PDO, at most.
+pub(super) const MOST_MAPPED: u8 = 8;
+
+const READ_ONLY: Abort = Abort(0x0601_0002);
+const NO_OBJECT: Abort = Abort(0x0602_0000);
+const NOT_MAPPABLE: Abort = Abort(0x0604_0041);
+const PDO_LENGTH: Abort = Abort(0x0604_0042);
+const NO_SUBINDEX: Abort = Abort(0x0609_0011);
+const RANGE: Abort = Abort(0x0609_0030);
+const STATE: Abort = Abort(0x0800_0022);
+
+/// What may be done with an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Access {
+    /// Read by SDO.
+    Read,
+    /// Read and written by SDO.
+    Write,
+    /// Written by PDO as well.
+    Receive,
+    /// Read by SDO and PDO.
+    Transmit,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Entry {
+    bytes: u8,
+    access: Access,
+    value: u32,
+}
+
+impl Entry {
+    fn mask(self) -> u32 {
+        u32::MAX >> (32 - 8 * u32::from(self.bytes.clamp(1, 4)))
+    }
+}
+
+/// The objects of a drive.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Table(BTreeMap<Object, Entry>);
+
+const fn at(index: u16, sub: u8) -> Object {
+    Object { index, sub }
+}
+
+/// Error register (CiA 301).
+pub(super) const ERROR_REGISTER: Object = at(0x1001, 0);
+
+/// Objects of every drive: bytes, access, and the value after power-on.
+const OBJECTS: [(Object, u8, Access, u32); 28] = [
+    // A servo drive of profile 402.
+    (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
+    (ERROR_REGISTER, 1, Access::Transmit, 0),
+    (objects::SYNC_COB_ID, 4, Access::Write, 0x80),
+    (objects::CYCLE_PERIOD, 4, Access::Write, 0),
+    (objects::GUARD_TIME, 2, Access::Write, 0),
+    (objects::LIFE_TIME_FACTOR, 1, Access::Write, 0),
+    (at(0x1016, 0), 1, Access::Read, 1),
+    (objects::CONSUMER_HEARTBEAT, 4, Access::Write, 0),
+    (objects::PRODUCER_HEARTBEAT, 2, Access::Write, 0),
+    (at(0x1018, 0), 1, Access::Read, 4),
+    (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
+    (objects::ERROR_CODE, 2, Access::Transmit, 0),
+    (objects::CONTROL_WORD, 2, Access::Receive, 0),
+    (objects::STATUS_WORD, 2, Access::Transmit, 0),
+    (objects::MODE, 1, Access::Receive, 0),
+    (objects::MODE_DISPLAY, 1, Access::Transmit, 0),
+    (objects::POSITION, 4, Access::Transmit, 0),
+    (objects::VELOCITY, 4, Access::Transmit, 0),
+    (objects::TARGET_TORQUE, 2, Access::Receive, 0),
+    (objects::TORQUE, 2, Access::Transmit, 0),
+    (objects::TARGET_POSITION, 4, Access::Receive, 0),
+    (objects::HOMING_METHOD, 1, Access::Write, 0),
+    (objects::HOMING_SEARCH, 4, Access::Write, 0),
+    (objects::HOMING_ZERO, 4, Access::Write, 0),
+    (objects::HOMING_ACCELERATION, 4, Access::Write, 0),
+    (objects::DIGITAL_INPUTS, 4, Access::Transmit, 0),
+    (objects::DIGITAL_OUTPUTS, 4, Access::Receive, 0),
+    (objects::TARGET_VELOCITY, 4, Access::Receive, 0),
+];
+
+impl Table {
+    /// The objects of a drive that the cell describes, after power-on. What the cell writes at the start exists as well.
+    pub(super) fn new(device: &DeviceConfig, drive: &DriveConfig) -> Self {
+        let mut table = Self::default();
+        for write in &device.startup {
+            let bytes = write.data.len().clamp(*LENGTHS.start(), *LENGTHS.end()) as u8;
+            table.add(write.object, bytes, Access::Write, 0);
+        }
+        for (object, bytes, access, value) in OBJECTS {
+            table.add(object, bytes, access, value);
+        }
+        let identity = device.identity;
+        let numbers = [
+            (objects::VENDOR, identity.vendor),
+            (objects::PRODUCT, identity.product),
+            (objects::REVISION, identity.revision),
+            (objects::SERIAL, identity.serial),
+        ];
+        for (object, number) in numbers {
+            table.add(object, 4, Access::Read, number.unwrap_or_default());
+        }
+        // 1 ms, until the master writes its cycle.
+        table.add(objects::INTERPOLATION_VALUE, 1, Access::Write, 1);
+        table.add(objects::INTERPOLATION_INDEX, 1, Access::Write, (-3_i32).cast_unsigned());
+        table.add(objects::DIGITAL_OUTPUT_MASK, 4, Access::Write, u32::MAX);
+        if let Some((counts, turns)) = drive.per_revolution {
+            for (object, number) in objects::FEED_CONSTANT.into_iter().zip([counts, turns]) {
+                table.add(object, 4, Access::Read, u32::try_from(number).unwrap_or(u32::MAX));
+            }
+        }
+        let modes = [drive.mode.number(), MODE_HOMING].into_iter().fold(0, |modes, mode| modes | 1_u32 << (mode - 1));
+        table.add(objects::SUPPORTED_MODES, 4, Access::Read, modes);
+        for number in 1..=MOST_PDOS {
+            let ids = [(Direction::Receive, device.node.rpdo(number)), (Direction::Transmit, device.node.tpdo(number))];
+            for (direction, id) in ids {
+                table.add_pdo(direction, number, id.map_or(0, |id| id.get().into()));
+            }
+        }
+        table
+    }
+
+    /// A PDO that is off and maps nothing.
+    fn add_pdo(&mut self, direction: Direction, number: u8, id: u32) {
+        let (communication, mapping) = (direction.communication(number), direction.mapping(number));
+        self.add(at(communication, 0), 1, Access::Read, 2);
+        self.add(at(communication, 1), 4, Access::Write, 0x8000_0000 | id);
+        self.add(at(communication, 2), 1, Access::Write, 255);
+        self.add(at(mapping, 0), 1, Access::Write, 0);
+        for sub in 1..=MOST_MAPPED {
+            self.add(at(mapping, sub), 4, Access::Write, 0);
+        }
+    }
+
+    fn add(&mut self, object: Object, bytes: u8, access: Access, value: u32) {
+        let entry = Entry { bytes, access, value };
+        self.0.insert(object, Entry { value: value & entry.mask(), ..entry });
+    }
+
+    /// The value of an object, without its sign; 0 if it is missing.
+    pub(super) fn get(&self, object: Object) -> u32 {
+        self.0.get(&object).map_or(0, |entry| entry.value)
+    }
+
+    /// The value of an object with its sign; 0 if it is missing.
+    pub(super) fn signed(&self, object: Object) -> i32 {
+        self.0.get(&object).map_or(0, |entry| {
+            let unused = 32 - 8 * u32::from(entry.bytes.clamp(1, 4));
+            (entry.value << unused).cast_signed() >> unused
+        })
+    }
+
+    /// Sets an object from inside the drive; its upper bits are cut off. One that is missing stays so.
+    pub(super) fn put(&mut self, object: Object, value: u32) {
+        if let Some(entry) = self.0.get_mut(&object) {
+            entry.value = value & entry.mask();
+        }
+    }
+
+    /// Reads an object by SDO: its value and its bytes.
+    pub(super) fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
+        self.entry(object).map(|entry| (entry.value, entry.bytes))
+    }
+
+    /// Writes an object by SDO; without a length, as many bytes as it has.
+    pub(super) fn write(&mut self, object: Object, value: u32, bytes: Option<u8>) -> Result<(), Abort> {
+        let entry = self.entry(object)?;
+        if !matches!(entry.access, Access::Write | Access::Receive) {
+            return Err(READ_ONLY);
+        }
+        if bytes.is_some_and(|bytes| bytes != entry.bytes) {
+            return Err(Abort::LENGTH);
+        }
+        let value = value & entry.mask();
+        self.check(object, value)?;
+        self.put(object, value);
+        Ok(())
+    }
+
+    fn entry(&self, object: Object) -> Result<Entry, Abort> {
+        let has_index = || self.0.range(at(object.index, 0)..=at(object.index, u8::MAX)).next().is_some();
+        self.0.get(&object).copied().ok_or_else(|| if has_index() { NO_SUBINDEX } else { NO_OBJECT })
+    }
+
+    /// Checks a value of the right length.
+    fn check(&self, object: Object, value: u32) -> Result<(), Abort> {
+        match (object.index, object.sub) {
+            _ if object == objects::MODE => match value {
+                0 => Ok(()),
+                1..=32 if self.get(objects::SUPPORTED_MODES) >> (value - 1) & 1 == 1 => Ok(()),
+                _ => Err(RANGE),
+            },
+            // Reserved transmission types, and those that answer remote frames.
+            (0x1400..=0x15FF | 0x1800..=0x19FF, 2) if (241..=253).contains(&value) => Err(RANGE),
+            (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => self.check_mapping(object, value),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks a mapping: the number of objects, or one of them.
+    fn check_mapping(&self, object: Object, value: u32) -> Result<(), Abort> {
+        if CobId(self.get(at(object.index - 0x200, 1))).is_valid() {
+            return Err(STATE);
+        }
+        if object.sub == 0 {
+            let subs = 1..=value.min(MOST_MAPPED.into()) as u8;
+            let bits: u32 = subs.map(|sub| self.get(at(object.index, sub)) & 0xFF).sum();
+            return if value <= u32::from(MOST_MAPPED) && bits <= 64 { Ok(()) } else { Err(PDO_LENGTH) };
+        }
+        if self.get(at(object.index, 0)) != 0 {
+            return Err(STATE);
+        }
+        let access = if object.index < 0x1A00 { Access::Receive } else { Access::Transmit };
+        let fits = |entry: &Entry| entry.access == access && 8 * u32::from(entry.bytes) == value & 0xFF;
+        let is_mappable = self.0.get(&mapped(value).0).is_some_and(fits);
+        if is_mappable { Ok(()) } else { Err(NOT_MAPPABLE) }
+    }
+}
+
+/// The object of a mapping entry, and its bytes.
+pub(super) fn mapped(entry: u32) -> (Object, u8) {
+    let [bits, sub, low, high] = entry.to_le_bytes();
+    (at(u16::from_le_bytes([low, high]), sub), bits / 8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{NodeId, Watching};
+
+    fn table() -> Table {
+        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        Table::new(&device, device.drive().unwrap())
+    }
+
+    #[test]
+    fn a_mode_that_the_drive_lacks_is_out_of_range() {
+        let mut table = table();
+        // csp is bit 7 of 6502h, homing bit 5.
+        assert_eq!(table.read(objects::SUPPORTED_MODES), Ok((0xA0, 4)));
+        for (mode, result) in [(8, Ok(())), (6, Ok(())), (0, Ok(())), (9, Err(RANGE)), (0xFF, Err(RANGE))] {
+            assert_eq!(table.write(objects::MODE, mode, Some(1)), result, "{mode}");
+        }
+    }
+
+    #[test]
+    fn wrong_accesses_have_the_abort_codes_of_cia_301() {
+        let mut table = table();
+        assert_eq!(table.read(at(0x1008, 0)), Err(Abort(0x0602_0000)));
+        assert_eq!(table.read(at(0x1018, 9)), Err(Abort(0x0609_0011)));
+        assert_eq!(table.write(objects::STATUS_WORD, 0, Some(2)), Err(Abort(0x0601_0002)));
+        assert_eq!(table.write(objects::CONTROL_WORD, 0, Some(4)), Err(Abort(0x0607_0010)));
+        assert_eq!(table.write(objects::CONTROL_WORD, 0x1_000F, None), Ok(()));
+        assert_eq!(table.read(objects::CONTROL_WORD), Ok((0x000F, 2)));
+    }
+
+    /// The order of CiA 301: off, no objects, the objects, their number, on.
+    #[test]
+    fn a_pdo_is_mapped_only_while_it_is_off_and_empty() {
+        let mut table = table();
+        let (control, status, position) = (0x6040_0010, 0x6041_0010, 0x607A_0020);
+        assert_eq!(table.write(at(0x1600, 1), control, Some(4)), Ok(()));
+        assert_eq!(table.write(at(0x1600, 2), position, Some(4)), Ok(()));
+        assert_eq!(table.write(at(0x1600, 3), status, Some(4)), Err(NOT_MAPPABLE), "it is sent, not received");
+        assert_eq!(table.write(at(0x1600, 3), 0x6040_0008, Some(4)), Err(NOT_MAPPABLE), "it has 16 bits");
+        assert_eq!(table.write(at(0x1600, 0), 2, Some(1)), Ok(()));
+        assert_eq!(table.write(at(0x1600, 1), position, Some(4)), Err(STATE), "it has objects");
+        assert_eq!(table.write(at(0x1600, 0), 0, Some(1)), Ok(()));
+        assert_eq!(table.write(at(0x1400, 1), 0x203, Some(4)), Ok(()));
+        assert_eq!(table.write(at(0x1600, 0), 2, Some(1)), Err(STATE), "it is on");
+    }
+
+    #[test]
+    fn a_pdo_has_8_bytes_at_most() {
+        let mut table = table();
+        for sub in 1..=3 {
+            assert_eq!(table.write(at(0x1A00, sub), 0x6064_0020, Some(4)), Ok(()));
+        }
+        assert_eq!(table.write(at(0x1A00, 0), 3, Some(1)), Err(PDO_LENGTH));
+        assert_eq!(table.write(at(0x1A00, 0), 2, Some(1)), Ok(()));
+        assert_eq!(table.write(at(0x1A00, 0), 9, Some(1)), Err(PDO_LENGTH));
+    }
+
+    #[test]
+    fn values_keep_their_sign() {
+        let mut table = table();
+        table.put(objects::TARGET_TORQUE, (-250_i32).cast_unsigned());
+        assert_eq!((table.get(objects::TARGET_TORQUE), table.signed(objects::TARGET_TORQUE)), (0xFF06, -250));
+        assert_eq!(table.signed(objects::INTERPOLATION_INDEX), -3);
+    }
+}

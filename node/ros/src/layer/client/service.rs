@@ -1,0 +1,150 @@
+//! Client of a service: sends requests, and finds the reply of each.
+//!
+//! Law      a request is plain CDR without a mark. The server identifies it by its writer and its sequence number (OMG DDS-RPC 1.0,
+//!          basic mapping), and repeats both in the `related_sample_identity` of the reply. The library numbers the samples of a
+//!          writer from 1 on, so the number of a request is the number of requests so far
+//! Refuses  replies without that identity, and replies to requests of other clients; both are ignored
+
+use std::collections::HashMap;
+
+use lineshaft_msgs::{Service, cdr};
+use tokio::sync::watch;
+
+use crate::layer::endpoint::Context;
+use crate::layer::name::FullName;
+use crate::link::protocol::Sample;
+use crate::link::qos::Qos;
+use crate::link::{Reader, Writer};
+
+/// A request that was not sent, or a reply that was not received.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ClientError {
+    /// The DDS library does not keep up, or has ended.
+    #[error("{service}: the request was not sent: the DDS library does not take it")]
+    Unsent {
+        /// Full name of the service.
+        service: FullName,
+    },
+    /// The reply has another form than the service.
+    #[error("{service}: the reply cannot be read: {reason}; the node may be of another version")]
+    Unreadable {
+        /// Full name of the service.
+        service: FullName,
+        /// The error of the decoder.
+        reason: String,
+    },
+    /// The node of the client has ended.
+    #[error("{service}: no reply: the client's own node has ended")]
+    Closed {
+        /// Full name of the service.
+        service: FullName,
+    },
+}
+
+/// Number of a request of one client, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RequestNumber(i64);
+
+/// Sends the requests of one service. Any number of requests may be open at a time.
+///
+/// A request that is sent while no server is matched is lost: wait until [`ServiceClient::servers`] is 1.
+pub struct ServiceClient<S: Service> {
+    replies: Reader,
+    requests: Writer,
+    name: FullName,
+    /// Number of requests so far.
+    sent: i64,
+    /// Replies that came while another one was waited for.
+    early: HashMap<i64, Result<S::Response, ClientError>>,
+    closed: watch::Receiver<()>,
+}
+
+impl<S: Service> ServiceClient<S> {
+    pub(in crate::layer) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
+        Self {
+            replies: context.reader(&name.reply(), S::RESPONSE_DDS_NAME, qos),
+            requests: context.writer(&name.request(), S::REQUEST_DDS_NAME, qos),
+            name,
+            sent: 0,
+            early: HashMap::new(),
+            closed: context.closed.clone(),
+        }
+    }
+
+    /// Full name of the service.
+    pub fn name(&self) -> &FullName {
+        &self.name
+    }
+
+    /// Number of servers that are matched now. During a handover of the server's ROS side it is 2 for some seconds.
+    pub fn servers(&self) -> usize {
+        self.requests.matched()
+    }
+
+    /// Sends a request.
+    ///
+    /// # Errors
+    /// [`ClientError::Unsent`].
+    pub fn send(&mut self, request: &S::Request) -> Result<RequestNumber, ClientError> {
+        let unsent = |_| ClientError::Unsent { service: self.name.clone() };
+        self.requests.write(cdr::encode(request)).map_err(unsent)?;
+        self.sent += 1;
+        Ok(RequestNumber(self.sent))
+    }
+
+    /// Waits for the reply to a request. No reply is lost if the future is dropped.
+    ///
+    /// # Errors
+    /// [`ClientError::Unreadable`], [`ClientError::Closed`].
+    pub async fn reply(&mut self, number: RequestNumber) -> Result<S::Response, ClientError> {
+        loop {
+            if let Some(reply) = self.early.remove(&number.0) {
+                return reply;
+            }
+            let taken = tokio::select! {
+                taken = self.replies.next() => taken,
+                _ = self.closed.changed() => return Err(ClientError::Closed { service: self.name.clone() }),
+            };
+            // A sample that the library could not read belongs to no known request.
+            if let Ok(sample) = taken {
+                self.enter(&sample);
+            }
+        }
+    }
+
+    /// Stores a reply to one of this client's requests.
+    fn enter(&mut self, sample: &Sample) {
+        let Some(number) = answered(sample, self.sent) else { return };
+        let reply = cdr::decode(&sample.bytes, sample.endian());
+        let unreadable =
+            |error: cdr::DecodeError| ClientError::Unreadable { service: self.name.clone(), reason: error.to_string() };
+        self.early.insert(number, reply.map_err(unreadable));
+    }
+}
+
+/// Number of the request that a reply answers, if it is one of the first `sent`.
+fn answered(sample: &Sample, sent: i64) -> Option<i64> {
+    sample.related?.number.filter(|number| (1..=sent).contains(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::guid::Guid;
+    use crate::link::protocol::{Related, SampleId};
+
+    fn reply(related: Option<Related>) -> Sample {
+        let id = SampleId { writer: Guid([3; 16]), number: 1 };
+        Sample { id, related, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Vec::new().into() }
+    }
+
+    #[test]
+    fn reply_belongs_to_the_request_that_its_identity_names() {
+        let related = |number| Some(Related { guid: Guid([7; 16]), number });
+        assert_eq!(answered(&reply(related(Some(2))), 2), Some(2));
+        assert_eq!(answered(&reply(related(Some(3))), 2), None, "not sent yet");
+        assert_eq!(answered(&reply(related(Some(0))), 2), None);
+        assert_eq!(answered(&reply(related(None)), 2), None, "no number");
+        assert_eq!(answered(&reply(None), 2), None, "a reply without an identity is for clients of rmw_cyclonedds");
+    }
+}

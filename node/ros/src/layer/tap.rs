@@ -1,0 +1,157 @@
+//! Copies of the messages that a node publishes, for a recorder.
+//!
+//! Law      a publisher never waits for the recorder: a copy that finds no room is dropped and counted
+//! Reads    the serialized messages of publishers, chosen by the names that the node uses for them
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::name::{FullName, NodeName};
+use crate::link::qos::Qos;
+
+/// Messages that may wait for the recorder.
+const ROOM: usize = 4096;
+/// Encapsulation header of CDR in little endian, as bags hold it.
+const HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// A topic whose messages are copied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TappedTopic {
+    /// Full name, before it is remapped.
+    pub name: FullName,
+    /// Type of its messages, and their text for the schema encoding `ros2msg`.
+    pub schema: (&'static str, &'static str),
+    /// How it is offered.
+    pub qos: Qos,
+}
+
+/// A copy of a message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TappedMessage {
+    /// Place of its topic in [`Tap::topics`].
+    pub topic: usize,
+    /// System time at which it was published (ns since the Unix epoch).
+    pub published_ns: u64,
+    /// Serialized, with the CDR header of 4 bytes.
+    pub data: Vec<u8>,
+}
+
+/// Copies what a node publishes. Clones are handles to the same one.
+#[derive(Clone)]
+pub struct Tap(Arc<Inner>);
+
+struct Inner {
+    wants: Box<dyn Fn(&str) -> bool + Send + Sync>,
+    topics: Mutex<Vec<TappedTopic>>,
+    sender: SyncSender<TappedMessage>,
+    lost: AtomicU64,
+}
+
+impl Tap {
+    /// A tap for the publishers that `wants` chooses by their names (`~/errors`), and the copies.
+    pub fn new(wants: impl Fn(&str) -> bool + Send + Sync + 'static) -> (Self, Receiver<TappedMessage>) {
+        let (sender, receiver) = sync_channel(ROOM);
+        let inner = Inner { wants: Box::new(wants), topics: Mutex::default(), sender, lost: AtomicU64::new(0) };
+        (Self(Arc::new(inner)), receiver)
+    }
+
+    /// The topics so far, in the order in which they were opened.
+    pub fn topics(&self) -> Vec<TappedTopic> {
+        self.0.topics.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Messages that found no room so far.
+    pub fn lost(&self) -> u64 {
+        self.0.lost.load(Ordering::Relaxed)
+    }
+
+    /// Copies a publisher, if it is wanted.
+    pub(super) fn open(
+        &self,
+        node: &NodeName,
+        name: &str,
+        schema: (&'static str, &'static str),
+        qos: Qos,
+    ) -> Option<TappedPublisher> {
+        if !(self.0.wants)(name) {
+            return None;
+        }
+        let name = node.expand(name).ok()?;
+        let mut topics = self.0.topics.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = topics.iter().position(|topic| topic.name == name);
+        let topic = known.unwrap_or_else(|| {
+            topics.push(TappedTopic { name, schema, qos });
+            topics.len() - 1
+        });
+        Some(TappedPublisher { tap: self.clone(), topic })
+    }
+}
+
+impl fmt::Debug for Tap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Tap").field(&self.topics()).finish()
+    }
+}
+
+/// A publisher whose messages are copied.
+pub(super) struct TappedPublisher {
+    tap: Tap,
+    topic: usize,
+}
+
+impl TappedPublisher {
+    /// Copies a serialized message without header. Never waits.
+    pub(super) fn copy(&self, body: &[u8]) {
+        // A clock before 1970 gives 1970; the cast ends in the year 2554.
+        let published_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
+        let data = [&HEADER[..], body].concat();
+        let message = TappedMessage { topic: self.topic, published_ns, data };
+        // Without a recorder nothing is lost.
+        if let Err(TrySendError::Full(_)) = self.tap.0.sender.try_send(message) {
+            self.tap.0.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node() -> NodeName {
+        NodeName::new("/cell", "press").unwrap()
+    }
+
+    #[test]
+    fn tap_copies_chosen_publishers_with_header_and_place() {
+        let (tap, copies) = Tap::new(|name| name != "~/events");
+        let schema = ("std_msgs/msg/String", "string data");
+        assert!(tap.open(&node(), "~/events", schema, Qos::EVENTS).is_none());
+        let rosout = tap.open(&node(), "/rosout", schema, Qos::ROSOUT).unwrap();
+        let errors = tap.open(&node(), "~/errors", schema, Qos::HISTORY).unwrap();
+        let again = tap.open(&node(), "~/errors", schema, Qos::HISTORY).unwrap();
+        let names: Vec<_> = tap.topics().iter().map(|topic| topic.name.to_string()).collect();
+        assert_eq!(names, ["/rosout", "/cell/press/errors"]);
+        assert_eq!(tap.topics()[1].qos, Qos::HISTORY);
+        for (publisher, body) in [(&errors, [1, 2]), (&rosout, [3, 4]), (&again, [5, 6])] {
+            publisher.copy(&body);
+        }
+        let seen: Vec<_> = copies.try_iter().map(|copy| (copy.topic, copy.data)).collect();
+        assert_eq!(seen, [(1, vec![0, 1, 0, 0, 1, 2]), (0, vec![0, 1, 0, 0, 3, 4]), (1, vec![0, 1, 0, 0, 5, 6])]);
+    }
+
+    #[test]
+    fn publisher_never_waits_for_a_recorder_that_stands_still() {
+        let (tap, copies) = Tap::new(|_| true);
+        let publisher = tap.open(&node(), "~/errors", ("a/msg/B", ""), Qos::HISTORY).unwrap();
+        for _ in 0..ROOM + 3 {
+            publisher.copy(&[0]);
+        }
+        assert_eq!((tap.lost(), copies.try_iter().count()), (3, ROOM));
+        drop(copies);
+        publisher.copy(&[0]);
+        assert_eq!(tap.lost(), 3, "without a recorder nothing is lost");
+    }
+}

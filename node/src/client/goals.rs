@@ -1,0 +1,202 @@
+//! Goals of an action, from their requests to their ends.
+//!
+//! Law      the goals are sent one after the other and run side by side. Their results are waited for without limit, because a motion may
+//!          take long. A signal cancels all of them, and their ends are still waited for; another one ends the command
+//! Refuses  to go on when the node has ended, because it is not known what its axes do then
+
+use super::Failure;
+use super::node_log::NodeLog;
+use super::session::Session;
+use super::stop::Stop;
+use lineshaft_msgs::Action;
+use lineshaft_ros::layer::{ActionClient, GoalId, Progress, RequestNumber};
+use std::time::Duration;
+use tokio::time::{Instant, sleep, sleep_until};
+
+/// Maximum time in which the log shows why a goal was rejected.
+const REASON: Duration = Duration::from_millis(500);
+/// Maximum time from a cancel request to the end of its goal.
+const STOPPING: Duration = Duration::from_secs(60);
+
+/// How a goal ended.
+pub(super) enum Ended<R> {
+    /// It was not accepted, with the reason.
+    Rejected(String),
+    /// It was accepted and has ended: with its status, a constant of `GoalStatus`.
+    Over { status: i8, result: R },
+}
+
+/// Goals of one action.
+pub(super) struct Goals<'a, A: Action> {
+    session: &'a Session,
+    client: ActionClient<A>,
+    log: NodeLog,
+    stop: Stop,
+    /// Name of the action below the node.
+    action: &'static str,
+    /// Goals that were accepted.
+    accepted: Vec<GoalId>,
+    /// Time until which the canceled goals must have ended; `None`: they are not canceled.
+    stopping: Option<Instant>,
+}
+
+/// A goal that was accepted.
+struct Running {
+    index: usize,
+    id: GoalId,
+    result: RequestNumber,
+}
+
+impl<'a, A: Action> Goals<'a, A> {
+    /// Waits for the action.
+    ///
+    /// # Errors
+    /// The node has no such action.
+    pub(super) async fn open(session: &'a Session, action: &'static str) -> Result<Self, Failure> {
+        let client = session.action::<A>(action)?;
+        let (log, stop) = (NodeLog::open(session)?, Stop::listen()?);
+        session.matched(&client.name().to_string(), || servers(client.servers())).await?;
+        Ok(Self { session, client, log, stop, action, accepted: Vec::new(), stopping: None })
+    }
+
+    /// Runs the goals to their ends, which it returns in the same order. `show` gets the index of a goal and its feedback.
+    ///
+    /// # Errors
+    /// The node does not answer, or has ended.
+    pub(super) async fn run(
+        &mut self,
+        goals: Vec<A::Goal>,
+        mut show: impl FnMut(usize, A::Feedback),
+    ) -> Result<Vec<Ended<A::Result>>, Failure> {
+        self.log.skip().await;
+        let mut running = Vec::new();
+        let mut ends: Vec<_> = goals.iter().map(|_| None).collect();
+        for (index, goal) in goals.into_iter().enumerate() {
+            match self.begin(index, goal).await? {
+                Ok(goal) => running.push(goal),
+                Err(reason) => ends[index] = Some(Ended::Rejected(reason)),
+            }
+        }
+        for goal in &running {
+            let (status, result) = self.end(goal, &running, &mut show).await?;
+            ends[goal.index] = Some(Ended::Over { status, result });
+        }
+        // Each goal was rejected, or has ended.
+        Ok(ends.into_iter().flatten().collect())
+    }
+
+    /// Sends a goal. Returns it if it was accepted, otherwise the reason why it was not.
+    async fn begin(&mut self, index: usize, goal: A::Goal) -> Result<Result<Running, String>, Failure> {
+        if self.stopping.is_some() {
+            return Ok(Err("it was not begun, because a signal ended the command".to_owned()));
+        }
+        let (id, number) = self.client.send_goal(goal).map_err(Failure::failed)?;
+        let deadline = sleep(self.session.timeout());
+        tokio::pin!(deadline);
+        let accepted = loop {
+            tokio::select! {
+                accepted = self.client.accepted(number) => break accepted.map_err(Failure::failed)?,
+                // An accepted goal is canceled as soon as that is known.
+                () = self.stop.requested() => self.request_stop()?,
+                failure = self.session.gone() => return Err(failure),
+                () = &mut deadline => return Err(self.unanswered(id)),
+            }
+        };
+        if !accepted {
+            let prefix = format!("{}: goal rejected: ", self.action);
+            let reason = self.log.sentence(&prefix, REASON).await;
+            let unknown = || "the node rejected the goal; its log shows the reason".to_owned();
+            return Ok(Err(reason.unwrap_or_else(unknown)));
+        }
+        self.accepted.push(id);
+        let result = self.client.request_result(id).map_err(Failure::failed)?;
+        if self.stopping.is_some() {
+            self.client.cancel(id).map_err(Failure::failed)?;
+        }
+        Ok(Ok(Running { index, id, result }))
+    }
+
+    /// The node does not answer: a goal that it may still get is canceled.
+    fn unanswered(&mut self, id: GoalId) -> Failure {
+        // If that fails, the sentence below holds as well.
+        let _ = self.client.cancel(id);
+        Failure::Failed(format!(
+            "{}: no answer within {} s, so it is not known whether the goal runs; it was canceled; `lineshaft halt` stops all axes",
+            self.client.name(),
+            self.session.timeout().as_secs_f64()
+        ))
+    }
+
+    /// Waits for the end of a goal.
+    async fn end(
+        &mut self,
+        goal: &Running,
+        all: &[Running],
+        show: &mut impl FnMut(usize, A::Feedback),
+    ) -> Result<(i8, A::Result), Failure> {
+        loop {
+            let limit = self.stopping;
+            tokio::select! {
+                progress = self.client.result_or_feedback(goal.result) => match progress.map_err(Failure::failed)? {
+                    Progress::Ended { status, result } => return Ok((status, result)),
+                    Progress::Feedback { id, feedback } => {
+                        // Other clients' goals have feedback on the same topic.
+                        if let Some(goal) = all.iter().find(|goal| goal.id == id) {
+                            show(goal.index, feedback);
+                        }
+                    }
+                },
+                () = self.stop.requested() => self.request_stop()?,
+                failure = self.session.gone() => return Err(failure),
+                () = until(limit) => return Err(Failure::Failed(format!(
+                    "{}: the goal was canceled, but its end is not reported; `lineshaft state` shows what the axis does",
+                    self.client.name()
+                ))),
+            }
+        }
+    }
+
+    /// Handles a signal: the first one cancels the goals.
+    ///
+    /// # Errors
+    /// It was another one.
+    fn request_stop(&mut self) -> Result<(), Failure> {
+        if self.stopping.is_some() {
+            return Err(Failure::Failed(
+                "ended by a second signal; the goals were canceled, but their ends are not known".to_owned(),
+            ));
+        }
+        self.stopping = Some(Instant::now() + STOPPING);
+        for id in &self.accepted {
+            self.client.cancel(*id).map_err(Failure::failed)?;
+        }
+        Ok(())
+    }
+}
+
+/// The number of servers of an action, of which each has three services.
+fn servers(services: [usize; 3]) -> usize {
+    match services {
+        [goals, results, cancels] if goals == results && results == cancels => goals,
+        // Not all of them are matched yet.
+        _ => 0,
+    }
+}
+
+/// Waits until a time; without one for ever.
+async fn until(limit: Option<Instant>) {
+    match limit {
+        Some(limit) => sleep_until(limit).await,
+        None => std::future::pending().await,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn action_is_there_when_all_of_its_services_are() {
+        assert_eq!([[1, 1, 1], [1, 0, 1], [0, 0, 0], [2, 2, 2]].map(servers), [1, 0, 0, 2]);
+    }
+}

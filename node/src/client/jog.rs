@@ -1,0 +1,224 @@
+//! `lineshaft jog`: a stream of velocities for one axis.
+//!
+//! Law      the velocity is published 50 times per second. The axis stops by itself when the stream ends, whatever ends it: the node takes no
+//!          velocity for longer than `setpoint_timeout` (100 ms). At the end of the time, and at a signal, the velocity 0 stops it at once
+//! Writes   `~/setpoints`, which names axes; `~/jog` carries the same stream with the joint names of the axes, which the interface does not
+//!          report
+
+use super::amount::Given;
+use super::info::{AxisInfos, no_axis};
+use super::node_log::NodeLog;
+use super::output::{Progress, position_text, print, short, si_unit};
+use super::session::{Session, axis_states, own_end};
+use super::state::error_line;
+use super::stop::Stop;
+use super::{Failure, Options};
+use crate::recording::clean::clean;
+use lineshaft_core::unit::{ScaleKind, Unit};
+use lineshaft_msgs::msg::{AxisState, AxisStates, Setpoints};
+use lineshaft_ros::layer::{Publisher, Qos, Subscription};
+use std::time::Duration;
+use tokio::time::{Instant, Interval, MissedTickBehavior, interval, sleep_until, timeout};
+
+/// Time between two messages.
+const PERIOD: Duration = Duration::from_millis(20);
+/// Number of messages with velocity 0 at the end.
+const ZEROS: u32 = 3;
+/// Time within which the axis must begin to move.
+const BEGIN: Duration = Duration::from_secs(1);
+/// Time without a state of the axis after which the jog ends.
+const SILENCE: Duration = Duration::from_secs(1);
+/// Maximum time for the stop at the end.
+const STOPPING: Duration = Duration::from_secs(60);
+
+/// A jog that was asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Jog {
+    pub(crate) axis: String,
+    pub(crate) velocity: Given,
+    /// Time after which it ends; `None`: at a signal.
+    pub(crate) time: Option<Duration>,
+}
+
+/// Moves the axis at the velocity, stops it, and prints where it is.
+///
+/// # Errors
+/// The axis does not follow, or the node has ended.
+pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
+    let session = Session::open(options).await?;
+    let (kind, unit) = AxisInfos::open(&session)?.of(&session, &jog.axis).await?;
+    let velocity = jog.velocity.si(kind)?;
+    if velocity == 0.0 {
+        return Err(Failure::Usage("VELOCITY: 0 does not move the axis; `lineshaft halt` stops it".to_owned()));
+    }
+    let mut states = axis_states(&session)?;
+    let before = session.first_states(&mut states).await?;
+    let axis = of_axis(&before, &jog.axis).ok_or_else(|| no_axis(&session, &jog.axis))?;
+    if !axis.enabled {
+        let name = &jog.axis;
+        return Err(Failure::Failed(format!("{name}: the axis is not enabled; `lineshaft enable {name}` enables it")));
+    }
+    let (log, setpoints) = (NodeLog::open(&session)?, session.publisher::<Setpoints>("setpoints", Qos::STREAM)?);
+    // Recorders and other tools may read the topic as well.
+    session.matched(&setpoints.topic().to_string(), || setpoints.subscriptions().min(1)).await?;
+    let mut ticks = interval(PERIOD);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let shown = Shown { kind, unit, progress: Progress::new() };
+    let mut stream =
+        Stream { session: &session, states, log, setpoints, ticks, stop: Stop::listen()?, axis: &jog.axis, shown };
+    stream.log.skip().await;
+    let end = stream.run(velocity, jog.time).await;
+    // Also after a failure: the axis may move.
+    let stopped = stream.stop().await;
+    end?;
+    let state = stopped?;
+    if let Some(error) = error_line(&state) {
+        return Err(Failure::Failed(error));
+    }
+    print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)))?;
+    Ok(())
+}
+
+/// The state of an axis.
+fn of_axis<'a>(states: &'a AxisStates, axis: &str) -> Option<&'a AxisState> {
+    states.axes.iter().find(|state| state.name == axis)
+}
+
+/// The message with the velocity of an axis (m/s or rad/s). Without a stamp, because the clocks of two hosts may differ.
+fn message(axis: &str, velocity: f64) -> Setpoints {
+    Setpoints { axes: vec![axis.to_owned()], velocities: vec![velocity], ..Setpoints::default() }
+}
+
+/// How positions are shown.
+struct Shown {
+    kind: ScaleKind,
+    unit: Option<Unit>,
+    progress: Progress,
+}
+
+/// The stream to one axis.
+struct Stream<'a> {
+    session: &'a Session,
+    states: Subscription<AxisStates>,
+    log: NodeLog,
+    setpoints: Publisher<Setpoints>,
+    ticks: Interval,
+    stop: Stop,
+    axis: &'a str,
+    shown: Shown,
+}
+
+impl Stream<'_> {
+    /// Publishes the velocity until the time has passed or a signal comes.
+    async fn run(&mut self, velocity: f64, time: Option<Duration>) -> Result<(), Failure> {
+        let session = self.session;
+        let gone = session.gone();
+        tokio::pin!(gone);
+        let begun = Instant::now();
+        let (mut heard, mut has_moved, mut reason) = (begun, false, None);
+        loop {
+            tokio::select! {
+                _ = self.ticks.tick() => {
+                    if time.is_some_and(|time| begun.elapsed() >= time) {
+                        return Ok(());
+                    }
+                    if heard.elapsed() >= SILENCE {
+                        return Err(session.no_states().await);
+                    }
+                    self.setpoints.publish(&message(self.axis, velocity)).map_err(Failure::failed)?;
+                    if !has_moved && begun.elapsed() >= BEGIN {
+                        return Err(self.does_not_move(reason));
+                    }
+                }
+                states = self.states.next() => {
+                    let states = states.ok_or_else(own_end)?;
+                    let Some(state) = of_axis(&states, self.axis) else { return Err(no_axis(session, self.axis)) };
+                    heard = Instant::now();
+                    has_moved |= state.state == AxisState::CONTINUOUS_MOTION;
+                    self.show(state);
+                }
+                line = self.log.next() => {
+                    if let Some(refusal) = line.strip_prefix("setpoints: ") {
+                        return Err(Failure::Failed(refusal.to_owned()));
+                    }
+                    if line.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
+                        eprintln!("{}", clean(&line));
+                        reason = Some(line);
+                    }
+                }
+                failure = &mut gone => return Err(failure),
+                () = self.stop.requested() => return Ok(()),
+            }
+        }
+    }
+
+    fn does_not_move(&self, reason: Option<String>) -> Failure {
+        let unknown =
+            || format!("{}: the axis does not follow the velocity; `lineshaft state` shows its state", self.axis);
+        Failure::Failed(reason.unwrap_or_else(unknown))
+    }
+
+    fn show(&self, state: &AxisState) {
+        let Shown { kind, unit, progress } = &self.shown;
+        let position = position_text(state.position, Some(*kind), *unit);
+        progress.show(&format!("{}: {position}, {} {}", self.axis, short(state.velocity), si_unit(Some(*kind), 1)));
+    }
+
+    /// Stops the axis, and returns its state at rest.
+    async fn stop(&mut self) -> Result<AxisState, Failure> {
+        for _ in 0..ZEROS {
+            self.ticks.tick().await;
+            self.setpoints.publish(&message(self.axis, 0.0)).map_err(Failure::failed)?;
+        }
+        // States from before that do not show whether it rests now.
+        while matches!(timeout(Duration::ZERO, self.states.next()).await, Ok(Some(_))) {}
+        let session = self.session;
+        let gone = session.gone();
+        tokio::pin!(gone);
+        let limit = Instant::now() + STOPPING;
+        loop {
+            tokio::select! {
+                states = self.states.next() => {
+                    let states = states.ok_or_else(own_end)?;
+                    let Some(state) = of_axis(&states, self.axis) else { return Err(no_axis(session, self.axis)) };
+                    self.show(state);
+                    if state.state != AxisState::CONTINUOUS_MOTION && state.command_velocity == 0.0 {
+                        return Ok(state.clone());
+                    }
+                }
+                () = self.stop.requested() => {
+                    return Err(Failure::Failed(format!("ended by a second signal; {} may still be stopping", self.axis)));
+                }
+                failure = &mut gone => return Err(failure),
+                () = sleep_until(limit) => {
+                    let time = STOPPING.as_secs();
+                    return Err(Failure::Failed(format!("{}: the axis still moves after {time} s", self.axis)));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_msgs::cdr;
+
+    #[test]
+    fn message_names_the_axis_and_its_velocity_without_a_stamp() {
+        let bytes = cdr::encode(&message("x", -0.25));
+        // Stamp of 8 bytes, empty frame, 1 axis `x`, 1 velocity, aligned to 8.
+        let begin =
+            [&[0; 8][..], &[1, 0, 0, 0, 0, 0, 0, 0], &[1, 0, 0, 0, 2, 0, 0, 0], b"x\0\0\0", &[1, 0, 0, 0]].concat();
+        assert_eq!(bytes[..begin.len()], begin);
+        assert_eq!(bytes[begin.len()..], (-0.25_f64).to_le_bytes());
+    }
+
+    #[test]
+    fn state_is_that_of_the_axis_with_this_name() {
+        let axis = |name: &str| AxisState { name: name.to_owned(), ..AxisState::default() };
+        let states = AxisStates { axes: vec![axis("x"), axis("x2")], ..AxisStates::default() };
+        assert_eq!(of_axis(&states, "x2").map(|state| state.name.as_str()), Some("x2"));
+        assert_eq!(of_axis(&states, "y"), None);
+    }
+}

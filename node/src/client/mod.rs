@@ -1,0 +1,48 @@
+//! Commands to a node over its own ROS 2 interfaces: `lineshaft state`, `enable`, `move` and so on. They need no ROS.
+//!
+//! Each command is a node of its own in the DDS domain for as long as it runs. It sends nothing before exactly one node of the
+//! given name is matched, and it reports what that node answers. `session` finds the node and calls its services, `goals` runs
+//! goals of its actions to their end.
+
+mod amount;
+mod axes;
+mod find;
+mod goals;
+mod home;
+mod info;
+mod jog;
+mod motion;
+mod node_log;
+mod output;
+mod session;
+mod state;
+mod stop;
+
+pub(crate) use self::amount::Given;
+pub(crate) use self::axes::{AxesService, command_axes};
+pub(crate) use self::home::home;
+pub(crate) use self::jog::{Jog, jog};
+pub(crate) use self::motion::{Motion, move_axis};
+pub(crate) use self::session::Options;
+pub(crate) use self::state::{StateForm, state};
+
+/// Reason why a command failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The command line: nothing was sent.
+    #[error("{0}")]
+    Usage(String),
+    /// The node refused or aborted it, or did not answer.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl Failure {
+    fn usage(error: impl std::fmt::Display) -> Self {
+        Self::Usage(error.to_string())
+    }
+
+    fn failed(error: impl std::fmt::Display) -> Self {
+        Self::Failed(error.to_string())
+    }
+}

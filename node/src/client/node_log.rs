@@ -1,0 +1,49 @@
+//! Lines of the node's log on `/rosout`: replies of actions and streams have no room for the reason of a refusal.
+
+use super::Failure;
+use super::session::Session;
+use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
+use lineshaft_ros::layer::{Qos, Subscription};
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// The log of one node.
+pub(super) struct NodeLog {
+    lines: Subscription<Log>,
+    logger: String,
+}
+
+impl NodeLog {
+    pub(super) fn open(session: &Session) -> Result<Self, Failure> {
+        let logger = session.target().trim_start_matches('/').replace('/', ".");
+        Ok(Self { lines: session.shared_topic("/rosout", Qos::ROSOUT)?, logger })
+    }
+
+    /// Skips the lines so far: the topic repeats those of the last 10 s.
+    pub(super) async fn skip(&mut self) {
+        while timeout(Duration::ZERO, self.next()).await.is_ok() {}
+    }
+
+    /// The next line of the node.
+    pub(super) async fn next(&mut self) -> String {
+        loop {
+            match self.lines.next().await {
+                Some(line) if line.name == self.logger => return line.msg,
+                Some(_) => {}
+                None => std::future::pending().await,
+            }
+        }
+    }
+
+    /// The next line that begins with `prefix`, without it, if one comes within `patience`.
+    pub(super) async fn sentence(&mut self, prefix: &str, patience: Duration) -> Option<String> {
+        let find = async {
+            loop {
+                if let Some(sentence) = self.next().await.strip_prefix(prefix) {
+                    return sentence.to_owned();
+                }
+            }
+        };
+        timeout(patience, find).await.ok()
+    }
+}

@@ -1,0 +1,105 @@
+//! What a command prints.
+
+use super::Failure;
+use crate::recording::clean::clean;
+use indicatif::ProgressBar;
+use lineshaft_core::unit::{Fraction, Quantity, ScaleKind, Unit};
+use std::io::{ErrorKind, IsTerminal, Write};
+
+/// Prints a line to standard output. Returns false if its reader has ended.
+///
+/// # Errors
+/// Standard output cannot be written, because the disk is full for instance.
+pub(super) fn print(text: &str) -> Result<bool, Failure> {
+    let mut out = std::io::stdout();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(Failure::Failed(format!("standard output cannot be written: {error}"))),
+    }
+}
+
+/// Whether standard output is a terminal that can move its cursor.
+pub(super) fn is_screen() -> bool {
+    std::io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// One line that shows the progress, on a terminal only.
+pub(super) struct Progress(Option<ProgressBar>);
+
+impl Progress {
+    pub(super) fn new() -> Self {
+        let is_terminal = std::io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+        Self(is_terminal.then(ProgressBar::new_spinner))
+    }
+
+    pub(super) fn show(&self, text: &str) {
+        if let Some(bar) = &self.0 {
+            bar.set_message(clean(text).into_owned());
+            bar.tick();
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// SI unit of the derivative of this order (0 position, 1 velocity) of an axis; empty if its kind is unknown.
+pub(super) fn si_unit(kind: Option<ScaleKind>, order: u8) -> String {
+    kind.map(|kind| kind.dimension(order).si_unit().to_string()).unwrap_or_default()
+}
+
+/// A position in SI, with its unit, and in the unit of the axis where that is another one: `0.05 m (50 mm)`.
+pub(super) fn position_text(value: f64, kind: Option<ScaleKind>, unit: Option<Unit>) -> String {
+    let text = format!("{} {}", short(value), si_unit(kind, 0)).trim_end().to_owned();
+    match in_unit(value, kind, unit) {
+        Some(own) => format!("{text} ({own})"),
+        None => text,
+    }
+}
+
+/// A position in the unit of the axis, if that is known and is not the SI unit.
+pub(super) fn in_unit(value: f64, kind: Option<ScaleKind>, unit: Option<Unit>) -> Option<String> {
+    let (dimension, unit) = (kind?.dimension(0), unit?);
+    if unit.dimension() != dimension || unit == dimension.si_unit() {
+        return None;
+    }
+    let one = Quantity::new(Fraction::from(1), unit).si();
+    Some(format!("{} {unit}", short(value / one)))
+}
+
+/// At most nine decimals, without trailing zeros.
+pub(super) fn short(value: f64) -> String {
+    let text = format!("{value:.9}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text.as_str() };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_are_shown_in_si_and_in_the_unit_of_the_axis() {
+        let linear = Some(ScaleKind::Linear);
+        assert_eq!(position_text(0.05, linear, Some(Unit::MILLIMETRE)), "0.05 m (50 mm)");
+        assert_eq!(position_text(0.05, linear, Some(Unit::METRE)), "0.05 m");
+        assert_eq!(position_text(0.05, linear, None), "0.05 m");
+        let quarter = std::f64::consts::FRAC_PI_2;
+        assert_eq!(position_text(quarter, Some(ScaleKind::Rotary), Some(Unit::DEGREE)), "1.570796327 rad (90 deg)");
+        assert_eq!(position_text(0.05, None, None), "0.05");
+        // A unit of another kind is a contradiction, and is not shown.
+        assert_eq!(position_text(0.05, linear, Some(Unit::DEGREE)), "0.05 m");
+    }
+
+    #[test]
+    fn numbers_have_no_trailing_zeros_and_no_negative_zero() {
+        assert_eq!([0.0, -0.0, 1.0, -1e-12, 0.125, 100.0].map(short), ["0", "0", "1", "0", "0.125", "100"]);
+        assert_eq!(short(f64::NAN), "NaN");
+    }
+}

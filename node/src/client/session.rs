@@ -1,0 +1,232 @@
+//! Connection of a command to one Lineshaft node.
+
+use super::Failure;
+use super::find::{Found, domain_text, find};
+use lineshaft_msgs::foreign::lifecycle_msgs::srv::{GetState, GetStateRequest};
+use lineshaft_msgs::msg::AxisStates;
+use lineshaft_msgs::srv::AxesCommand;
+use lineshaft_msgs::{Action, Message, Service};
+use lineshaft_ros::layer::{
+    ActionClient, Environment, Loss, Node, NodeName, NodeOptions, OnLoss, Publisher, Qos, ServiceClient, Side,
+    SideOptions, Subscription,
+};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::sync::watch;
+use tokio::time::{sleep, timeout};
+
+/// Time between two looks at what is matched.
+pub(super) const LOOK: Duration = Duration::from_millis(10);
+/// Time after the first match in which a second node of the same name is found.
+const SETTLE: Duration = Duration::from_millis(100);
+/// Time after which a node that is not matched any more has ended.
+const GONE: Duration = Duration::from_secs(1);
+
+/// Which node, and how long it may take to be found.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// Its name; `None`: `/lineshaft`, or for a command that only reads, the only Lineshaft node.
+    pub(crate) node: Option<String>,
+    /// Maximum time to find it and for a first answer.
+    pub(crate) timeout: Duration,
+    /// Whether the command only reads, so that a wrong node does no harm.
+    pub(crate) is_reading: bool,
+}
+
+/// Connection to one Lineshaft node.
+pub(super) struct Session {
+    presence: ServiceClient<AxesCommand>,
+    node: Node,
+    target: String,
+    environment: Environment,
+    timeout: Duration,
+    /// Reason why the DDS library has ended.
+    loss: watch::Receiver<Option<String>>,
+}
+
+impl Session {
+    /// Joins the DDS domain and waits for the node.
+    ///
+    /// # Errors
+    /// The environment is invalid, no node answers, or several do.
+    pub(super) async fn open(options: &Options) -> Result<Self, Failure> {
+        let environment = Environment::read().map_err(Failure::usage)?;
+        let (lost, loss) = watch::channel(None);
+        let on_loss: OnLoss = Arc::new(move |why: &Loss| {
+            lost.send_replace(Some(why.reason.clone()));
+        });
+        let side = SideOptions { side: Side::of_this_program(), on_loss, ..SideOptions::default() };
+        // Tools of ROS 2 hide nodes whose name begins with an underscore.
+        let name = format!("_lineshaft_client_{}", std::process::id());
+        let name = NodeName::new("/", &name).map_err(Failure::failed)?;
+        let options_of_node = NodeOptions { side, rosout: false, ..NodeOptions::plain(name) };
+        let node = Node::with(options_of_node, &environment)
+            .map_err(|error| Failure::Failed(format!("the DDS domain cannot be joined: {error}")))?;
+        let Found { name: target, presence } = find(&node, &environment, options).await?;
+        let session = Self { presence, node, target, environment, timeout: options.timeout, loss };
+        sleep(SETTLE).await;
+        session.matched(&session.target, || session.presence.servers()).await?;
+        Ok(session)
+    }
+
+    /// Full name of the node.
+    pub(super) fn target(&self) -> &str {
+        &self.target
+    }
+
+    /// Maximum time for a first answer.
+    pub(super) fn timeout(&self) -> Duration {
+        self.timeout
+    }
+
+    fn below(&self, name: &str) -> String {
+        format!("{}/{name}", self.target)
+    }
+
+    /// Client of a service of the node.
+    pub(super) fn service<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceClient<S>, Failure> {
+        self.node.client(&self.below(name), qos).map_err(Failure::failed)
+    }
+
+    /// Client of an action of the node.
+    pub(super) fn action<A: Action>(&self, name: &str) -> Result<ActionClient<A>, Failure> {
+        self.node.action_client(&self.below(name)).map_err(Failure::failed)
+    }
+
+    /// Subscription of a topic of the node.
+    pub(super) fn topic<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, Failure> {
+        self.node.subscription(&self.below(name), qos).map_err(Failure::failed)
+    }
+
+    /// Subscription of a topic that all nodes share, by its full name.
+    pub(super) fn shared_topic<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, Failure> {
+        self.node.subscription(name, qos).map_err(Failure::failed)
+    }
+
+    /// Publisher of a topic that the node reads.
+    pub(super) fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, Failure> {
+        self.node.publisher(&self.below(name), qos).map_err(Failure::failed)
+    }
+
+    /// Waits until exactly one server or reader is matched.
+    ///
+    /// # Errors
+    /// None is matched in time, or several are.
+    pub(super) async fn matched(&self, what: &str, count: impl Fn() -> usize) -> Result<(), Failure> {
+        let begun = Instant::now();
+        loop {
+            self.check_loss()?;
+            match count() {
+                1 => return Ok(()),
+                0 if begun.elapsed() >= self.timeout => return Err(Failure::Failed(self.missing(what))),
+                several if begun.elapsed() >= self.timeout => {
+                    return Err(Failure::Usage(format!(
+                        "{several} nodes are called {}; nothing was sent; give each another name (-r __node:=NAME)",
+                        self.target
+                    )));
+                }
+                _ => sleep(LOOK).await,
+            }
+        }
+    }
+
+    fn missing(&self, what: &str) -> String {
+        format!(
+            "{what} is not found within {} s ({}); nothing was sent; the node may be starting or of another version",
+            self.timeout.as_secs_f64(),
+            domain_text(&self.environment)
+        )
+    }
+
+    /// Sends a request and waits for its reply, for at most `patience`.
+    ///
+    /// # Errors
+    /// No server, no reply, or the node has ended.
+    pub(super) async fn call<S: Service>(
+        &self,
+        client: &mut ServiceClient<S>,
+        request: &S::Request,
+        patience: Duration,
+    ) -> Result<S::Response, Failure> {
+        let name = client.name().to_string();
+        self.matched(&name, || client.servers()).await?;
+        let number = client.send(request).map_err(Failure::failed)?;
+        tokio::select! {
+            reply = client.reply(number) => reply.map_err(Failure::failed),
+            failure = self.gone() => Err(failure),
+            () = sleep(patience) => Err(Failure::Failed(format!(
+                "{name}: no answer within {} s, so it is not known whether it was done; see `lineshaft state`",
+                patience.as_secs_f64()
+            ))),
+        }
+    }
+
+    /// Waits until the node or the DDS library has ended, and returns why.
+    pub(super) async fn gone(&self) -> Failure {
+        let mut absent: Option<Instant> = None;
+        loop {
+            if let Err(failure) = self.check_loss() {
+                return failure;
+            }
+            if self.presence.servers() > 0 {
+                absent = None;
+            } else if absent.get_or_insert_with(Instant::now).elapsed() >= GONE {
+                return Failure::Failed(format!(
+                    "node {} has ended or is not reached any more, so it is not known what its axes do",
+                    self.target
+                ));
+            }
+            sleep(LOOK).await;
+        }
+    }
+
+    fn check_loss(&self) -> Result<(), Failure> {
+        let loss = self.loss.borrow().clone();
+        loss.map_or(Ok(()), |reason| Err(Failure::Failed(format!("the DDS library of this command {reason}"))))
+    }
+
+    /// The first message of `~/axis_states`.
+    ///
+    /// # Errors
+    /// None comes in time: with the state of the node's life cycle.
+    pub(super) async fn first_states(&self, states: &mut Subscription<AxisStates>) -> Result<AxisStates, Failure> {
+        tokio::select! {
+            message = timeout(self.timeout, states.next()) => match message {
+                Ok(Some(message)) => Ok(message),
+                Ok(None) => Err(own_end()),
+                Err(_) => Err(self.no_states().await),
+            },
+            failure = self.gone() => Err(failure),
+        }
+    }
+
+    /// Why no message of `~/axis_states` comes.
+    pub(super) async fn no_states(&self) -> Failure {
+        let label = match self.life_cycle().await {
+            Ok(label) => label,
+            Err(failure) => return failure,
+        };
+        Failure::Failed(format!(
+            "no message of {} within {} s; the node is {label}, and publishes them only where its machine runs and \
+             axis_states_rate of the cell is not 0",
+            self.below("axis_states"),
+            self.timeout.as_secs_f64()
+        ))
+    }
+
+    async fn life_cycle(&self) -> Result<String, Failure> {
+        let mut client = self.service::<GetState>("get_state", Qos::SERVICE)?;
+        let response = self.call(&mut client, &GetStateRequest::default(), self.timeout).await?;
+        Ok(response.current_state.label)
+    }
+}
+
+/// The node of the command itself has ended.
+pub(super) fn own_end() -> Failure {
+    Failure::Failed("the node of this command has ended".to_owned())
+}
+
+/// Topic of the states of all axes.
+pub(super) fn axis_states(session: &Session) -> Result<Subscription<AxisStates>, Failure> {
+    session.topic("axis_states", Qos::STREAM)
+}

@@ -1,0 +1,28 @@
+//! Keys of cells, scenarios and descriptions of tables.
+
+use super::section;
+use crate::reference::{File, Key};
+
+pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
+    keys().filter(|key| key.path == name || key.name() == name).map(|key| text(key, width)).collect()
+}
+
+pub(super) fn names() -> Vec<String> {
+    keys().map(|key| key.name().to_owned()).collect()
+}
+
+fn keys() -> impl Iterator<Item = &'static Key> {
+    File::ALL.into_iter().flat_map(File::keys)
+}
+
+fn text(key: &Key, width: usize) -> String {
+    let facts: [(&str, &str); 6] = [
+        ("what", key.meaning),
+        ("range", key.range),
+        ("default", if key.required { "must be given" } else { key.default }),
+        ("example", key.example),
+        ("since", key.since),
+        ("documented", "docs/keys.md"),
+    ];
+    section(&format!("{}: a key of a {}", key.path, key.file.name()), &facts, width)
+}

@@ -1,0 +1,74 @@
+//! Drives that `lineshaft can simulate` puts on a bus, reached by the commands of the program and by `lineshaft run`.
+
+use crate::support::can_cell::{CanCell, axis};
+use crate::support::{domain::Domain, program::Program};
+use std::net::UdpSocket;
+use std::time::Duration;
+
+/// Far more than a command takes.
+const END: Duration = Duration::from_secs(60);
+
+const SCENARIO: &str = "\
+scenario: simulated drives
+for: 8 s
+steps:
+  - name: enable
+    when: {all: [{signal: x.drive_state, is: SWITCH_ON_DISABLED}, {signal: y.drive_state, is: SWITCH_ON_DISABLED}]}
+    do: {enable: {axes: [x, y]}}
+  - name: move
+    when: {all: [{signal: x.state, is: STANDSTILL}, {signal: y.state, is: STANDSTILL}]}
+    do: {move_axis: {axis: x, mode: relative, position: 10 mm, velocity: 50 mm/s}}
+  - {name: home, when: {signal: y.state, is: STANDSTILL}, do: {home_axis: {axis: y}}}
+expect:
+  - {signal: x.actual.position, at: end, is: 10 mm, within: 10 um}
+  - {signal: y.homed, at: end, is: 1}
+  - {event: {kind: error}, count: 0}
+";
+
+/// A bus of datagrams that no other test uses: a group of these tests, and a port that is free.
+fn bus() -> String {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    format!("udp:239.74.163.46:{}", socket.local_addr().expect("it is bound").port())
+}
+
+/// A cell of two drives; y homes in its drive.
+fn cell(address: &str) -> CanCell {
+    let axes = axis("x", 1, "", "") + &axis("y", 2, "", ", homing: {method: 35, in_drive: true}");
+    CanCell::new(address, "10 ms", &axes)
+}
+
+/// Runs a command of the program to its end; its code, and what it wrote.
+fn run(arguments: &[&str]) -> (Option<i32>, String) {
+    let mut program = Program::start(arguments, &Domain::take());
+    let code = program.wait_exit(END).code();
+    (code, program.log())
+}
+
+#[test]
+fn simulated_drives_are_found_enabled_moved_and_homed() {
+    let address = bus();
+    let cell = cell(&address);
+    let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
+    drives.until_log("node 1 (x), node 2 (y) simulated");
+    let scan = ["can", "scan", "--bus", &address, "--from", "1", "--to", "3"];
+    for command in
+        [&scan[..], &["can", "info", "2", "--bus", &address], &["can", "sdo", "read", "1", "6041", "--bus", &address]]
+    {
+        let (code, said) = run(command);
+        assert_eq!(code, Some(0), "{command:?}: {said}");
+    }
+    cell.run(SCENARIO).passes();
+    drives.end();
+}
+
+#[test]
+fn a_node_that_is_on_the_bus_already_is_not_simulated_again() {
+    let cell = cell(&bus());
+    let path = cell.path("cell.yaml");
+    let mut drives = Program::start(&["can", "simulate", &path], &Domain::take());
+    drives.until_log("simulated");
+    let (code, said) = run(&["can", "simulate", &path]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("is on the bus already"), "{said}");
+    drives.end();
+}
