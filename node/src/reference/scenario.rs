@@ -103,6 +103,16 @@ macro_rules! bounds {
 
 const GENERAL: &[Key] = &[
     key("scenario", TEXT, ["any text", "required", "Name of the scenario.", "scenario: x moves"]).required(),
+    key(
+        "cell",
+        TEXT,
+        [
+            "a file, relative to the scenario",
+            "NAME.yaml next to NAME.scenario.yaml",
+            "Cell of the scenario.",
+            "cell: press.yaml",
+        ],
+    ),
     key("for", SPAN, [AT_LEAST_1, "required, or `cycles`", "Length of the scenario.", "for: 3 s"]),
     key("cycles", &[Integer(1, CYCLES)], ["", "required, or `for`", "Length of the scenario.", "cycles: 3000"]),
     key("trace", LIST, ["", "all signals", "Signals that are recorded.", "trace: [x.*]"]),

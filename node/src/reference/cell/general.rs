@@ -2,7 +2,7 @@
 
 use super::{BOOLEAN, FREQUENCY, LIST, MAP, RATE, TEXT, TIME, key};
 use crate::reference::Key;
-use crate::reference::Shape::Choice;
+use crate::reference::Shape::{Choice, List};
 
 pub(super) const GENERAL: &[Key] = &[
     key("lineshaft", &[Choice(&["1"])], ["", "required", "Version of the file format.", "lineshaft: 1"]).required(),
@@ -68,6 +68,12 @@ pub(super) const ROS: &[Key] = &[
             "robot_description: demo.urdf",
         ],
     ),
+    key(
+        "ros.record_topics",
+        &[Choice(&["all", "none"]), List],
+        ["", "all", "Topics of the node in a bag of `run --record`.", "record_topics: [/rosout, ~/errors]"],
+    ),
+    key("ros.record_topics[]", TEXT, ["a topic that the node publishes", "", "One topic.", ""]),
     key(
         "ros.controller_manager",
         TEXT,

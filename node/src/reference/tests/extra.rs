@@ -7,7 +7,7 @@ pub(super) const CELLS: &[&str] = &[CAN, PLANT];
 const CAN: &str = "
 lineshaft: 1
 cycle: 4 ms
-ros: {shaft_rate: 50 Hz, controller_manager: /controller_manager, interfaces: [eth0], on_loss: none, loss_timeout: 1 s, request_timeout: 5 s}
+ros: {shaft_rate: 50 Hz, controller_manager: /controller_manager, interfaces: [eth0], on_loss: none, loss_timeout: 1 s, request_timeout: 5 s, record_topics: [/rosout]}
 backends:
   bus0:
     type: can
@@ -177,6 +177,7 @@ axes:
 
 pub(super) const SCENARIO: &str = "
 scenario: keys that no example has
+cell: extra.yaml
 cycles: 2000
 drive:
   - {signal: start, csv: {file: none.csv, column: start}}
