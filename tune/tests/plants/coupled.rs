@@ -281,7 +281,7 @@ fn axes_that_are_drawn_do_not_swing() {
     assert!(count.iter().all(|count| 4 * count > 64), "{count:?}");
 }
 
-/// Without a ratio all axes have the gains that they had before there was one: those of docs/loops.md.
+/// Without a ratio all axes have the gains that they had before there was one.
 #[test]
 fn without_a_ratio_nothing_changes() {
     let expected = [
