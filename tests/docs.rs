@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Words in capitals and what stands for them where the parser wants a certain value.
-const VALUES: &[(&str, &str)] = &[("NODE", "1"), ("ADDRESS", "socketcan:can0")];
+const VALUES: &[(&str, &str)] = &[("NODE", "1"), ("ADDRESS", "socketcan:can0"), ("TIME", "1 s"), ("COMMAND", "sim")];
 
 /// Cells and scenarios that stand for placeholders and for files of the user: page or any, word, file of the repository.
 const STANDS_FOR: &[(&str, &str, &str)] = &[
@@ -23,6 +23,7 @@ const STANDS_FOR: &[(&str, &str, &str)] = &[
     ("docs/shaft.md", "SCENARIO", "launch-configs/shaft/01_labeller.scenario.yaml"),
     ("docs/storage.md", "FILE", "store.yaml"),
     ("docs/contract.md", "FILE", "joint_limits.yaml"),
+    ("docs/ci.md", "FILE", "launch-configs/arm6/arm6.scenario.yaml"),
     ("", "CELL", "launch-configs/demo.yaml"),
     ("", "CELL.yaml", "launch-configs/demo.yaml"),
     ("", "cell.yaml", "launch-configs/demo.yaml"),
@@ -45,6 +46,8 @@ const FIXTURES: &[(&str, &str)] = &[
     ("arm6.urdf", "launch-configs/arm6/arm6.urdf"),
     ("pick.scenario.yaml", "launch-configs/arm6/arm6.scenario.yaml"),
     ("plan.yaml", "launch-configs/arm6/plan.yaml"),
+    ("machine.yaml", "launch-configs/demo.yaml"),
+    ("cell.yaml", "launch-configs/demo.yaml"),
 ];
 
 /// Runs that pages assume: first_move.yaml on the demo.
@@ -73,6 +76,10 @@ const OUTPUTS: [&str; 7] = ["-o", "--output", "--csv", "--record", "--graph", "-
 const NOT_RUN: &[&str] = &[
     // Of a cell with other limits; tests/table_cli.rs compares the output on the page.
     "lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed 18000",
+    // Of the scenarios of the user; tests/ci.rs plays some.
+    "lineshaft sim --all . --junit report.xml",
+    // The name of a field; its factors need options.
+    "lineshaft functions sak",
 ];
 
 fn commands() -> Vec<Quote> {

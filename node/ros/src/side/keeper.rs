@@ -6,7 +6,8 @@
 //!          fragments of a sample, and then gets such a GAP, loops endlessly at the topic's next sample while it holds its lock.
 //!          The readers of a process with Cyclone DDS have the same address, and share the GAPs of a writer: a GAP to one of them
 //!          must not overtake a sample to another. So a reader at the address of another one first gets a GAP over the samples that
-//!          are surely sent, and with the first repeat a GAP over all of them.
+//!          are surely sent. With the repeats it gets a GAP over all samples before its own first one: also over those that were written to
+//!          other readers since it joined.
 
 use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::net::SocketAddrV4;
@@ -70,6 +71,8 @@ struct Reader {
     since: Instant,
     /// The samples before this number are not for it.
     first: i64,
+    /// Whether a sample was written to it.
+    has_sample: bool,
     /// Number of repeated GAPs.
     repeats: usize,
 }
@@ -119,7 +122,7 @@ impl<T: Target> Keeper<T> {
                 false => VecDeque::new(),
             };
             let addresses = self.target.addresses(*guid);
-            let reader = Reader { addresses, pending, since: now, first: self.last + 1, repeats: 0 };
+            let reader = Reader { addresses, pending, since: now, first: self.last + 1, has_sample: false, repeats: 0 };
             let is_at = |address| reader.addresses.contains(address);
             let has_sibling = self.readers.values().any(|other| other.addresses.iter().any(is_at));
             let before = if has_sibling { self.first_unsent(now) } else { reader.first };
@@ -138,9 +141,13 @@ impl<T: Target> Keeper<T> {
 
     /// Repeats the GAPs that are due.
     pub(super) fn repeat_gaps(&mut self, now: Instant) {
+        let sent = self.first_unsent(now);
         for (guid, reader) in &mut self.readers {
             if reader.next_repeat().is_some_and(|due| due <= now) {
-                self.target.skip(*guid, reader.first);
+                let before = reader.first.min(sent);
+                if before > 1 {
+                    self.target.skip(*guid, before);
+                }
                 // If several repetitions are due after a long sleep, one GAP replaces them.
                 let passed = GAP_REPEATS.iter().take_while(|after| reader.since + **after <= now).count();
                 reader.repeats = passed.max(reader.repeats + 1);
@@ -162,6 +169,10 @@ impl<T: Target> Keeper<T> {
                     Ok(number) => {
                         self.last = number;
                         self.sending.push_back((now, number));
+                        // Those that were written to others since it joined: the library may not know it yet, and would send them to it.
+                        if !reader.has_sample {
+                            (reader.first, reader.has_sample) = (number, true);
+                        }
                     }
                     Err(ReplyFailure::Broken(reason)) => {
                         tracing::error!("a latched value was not published: {reason}");

@@ -133,6 +133,20 @@ async fn a_late_reader_gets_the_newest_value_alone() {
     assert_eq!(record.take_samples(), [(8, 62)]);
 }
 
+/// Two readers that join at once: the sample of the first one is not for the second one, which would wait for it.
+#[tokio::test(start_paused = true)]
+async fn second_of_two_new_readers_gets_a_gap_over_the_sample_of_the_first() {
+    let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
+    latched.set(vec![1]);
+    a_moment().await;
+    matches.note(comes(7));
+    matches.note(comes(8));
+    tokio::time::sleep(SETTLED).await;
+    let mut expected = vec![(7, Sent::Sample(1, 1)), (8, Sent::Sample(1, 2))];
+    expected.extend([(8, Sent::Gap(2)); GAP_REPEATS.len()]);
+    assert_eq!(record.take(), expected);
+}
+
 #[tokio::test(start_paused = true)]
 async fn a_volatile_reader_gets_what_is_set_after_its_match() {
     let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
