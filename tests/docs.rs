@@ -22,6 +22,8 @@ const STANDS_FOR: &[(&str, &str, &str)] = &[
     ("docs/shaft.md", "CELL", "launch-configs/shaft/01_labeller.yaml"),
     ("docs/shaft.md", "SCENARIO", "launch-configs/shaft/01_labeller.scenario.yaml"),
     ("docs/storage.md", "FILE", "store.yaml"),
+    ("docs/ci.md", "FILE", "launch-configs/arm6/arm6.scenario.yaml"),
+    ("docs/contract.md", "CELL", "arm.yaml"),
     ("docs/contract.md", "FILE", "joint_limits.yaml"),
     ("", "CELL", "launch-configs/demo.yaml"),
     ("", "CELL.yaml", "launch-configs/demo.yaml"),
@@ -73,6 +75,8 @@ const OUTPUTS: [&str; 7] = ["-o", "--output", "--csv", "--record", "--graph", "-
 const NOT_RUN: &[&str] = &[
     // Of a cell with other limits; tests/table_cli.rs compares the output on the page.
     "lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed 18000",
+    // Of the folder of a user; tests/ci.rs runs it.
+    "lineshaft sim --all . --junit report.xml",
 ];
 
 fn commands() -> Vec<Quote> {
