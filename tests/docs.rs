@@ -22,6 +22,7 @@ const STANDS_FOR: &[(&str, &str, &str)] = &[
     ("docs/shaft.md", "CELL", "launch-configs/shaft/01_labeller.yaml"),
     ("docs/shaft.md", "SCENARIO", "launch-configs/shaft/01_labeller.scenario.yaml"),
     ("docs/storage.md", "FILE", "store.yaml"),
+    ("docs/contract.md", "CELL", "arm.yaml"),
     ("docs/contract.md", "FILE", "joint_limits.yaml"),
     ("docs/ci.md", "FILE", "launch-configs/arm6/arm6.scenario.yaml"),
     ("", "CELL", "launch-configs/demo.yaml"),

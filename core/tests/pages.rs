@@ -102,6 +102,27 @@ fn every_page_that_a_page_names_is_there() {
     assert!(count > 100, "{count} names");
 }
 
+/// The contents of the book list every page of docs; mdBook shows no other page.
+#[test]
+fn summary_lists_every_page_of_docs_once() {
+    let (summary, all) = (read("docs/SUMMARY.md"), files(&[".md"]));
+    let listed: Vec<&str> = summary.lines().flat_map(links).collect();
+    let pages = all.iter().filter_map(|file| file.strip_prefix("docs/"));
+    let pages: Vec<&str> = pages.filter(|page| !page.contains('/') && *page != "SUMMARY.md").collect();
+    let mut wrong = Vec::new();
+    for page in &pages {
+        let count = listed.iter().filter(|name| *name == page).count();
+        if count != 1 {
+            wrong.push(format!("docs/SUMMARY.md lists {page} {count} times"));
+        }
+    }
+    for name in listed.iter().filter(|name| !pages.contains(name)) {
+        wrong.push(format!("docs/SUMMARY.md lists {name}, which is no page of docs"));
+    }
+    assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
+    assert!(pages.len() > 30, "{} pages", pages.len());
+}
+
 #[test]
 fn links_names_and_headings_are_read_as_a_browser_does() {
     let line = "see [io](docs/io.md#a-b), ![x](../images/x.svg) and [it](https://a.b/c.md); `x.wf.md*`, wf.md42, spec/macs.md.";

@@ -28,7 +28,7 @@ lineshaft schema cell > cell.schema.json
 lineshaft schema scenario > scenario.schema.json
 ```
 
-```yaml
+```
 # yaml-language-server: $schema=cell.schema.json
 ```
 
