@@ -42,7 +42,7 @@ pub(crate) async fn command_axes(options: &Options, service: AxesService, axes: 
     if !success {
         return Err(Failure::Failed(message));
     }
-    print(&clean(&message))?;
+    print(&clean(&message));
     Ok(())
 }
 

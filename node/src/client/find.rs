@@ -16,6 +16,9 @@ use tokio::time::sleep;
 const DEFAULT: &str = "/lineshaft";
 /// Time after which all nodes are known.
 const COMPLETE: Duration = Duration::from_secs(2);
+/// Time from which on the names of nodes are read. A reader that is created before its participant has found the writers misses what they
+/// send it at once, and may wait for it for seconds.
+const NAMES: Duration = Duration::from_millis(700);
 /// Maximum number of other nodes that are asked whether they are Lineshaft nodes.
 const MOST: usize = 100;
 
@@ -34,13 +37,15 @@ pub(super) struct Found {
 pub(super) async fn find(node: &Node, environment: &Environment, options: &Options) -> Result<Found, Failure> {
     let wanted = rooted(options.node.as_deref().unwrap_or(DEFAULT));
     let presence = halt_of(node, &wanted)?;
-    let mut others = Others { names: node.node_names(), asked: BTreeMap::new() };
+    let mut others = Others { names: None, asked: BTreeMap::new() };
     let begun = Instant::now();
     loop {
         if presence.servers() > 0 {
             return Ok(Found { name: wanted, presence });
         }
-        others.ask(node, &wanted);
+        if begun.elapsed() >= NAMES {
+            others.ask(node, &wanted);
+        }
         let found = others.found();
         if options.is_reading && options.node.is_none() && begun.elapsed() >= COMPLETE {
             match found.as_slice() {
@@ -65,14 +70,14 @@ pub(super) async fn find(node: &Node, environment: &Environment, options: &Optio
 
 /// Nodes of other names.
 struct Others {
-    names: NodeNames,
+    names: Option<NodeNames>,
     asked: BTreeMap<String, ServiceClient<AxesCommand>>,
 }
 
 impl Others {
     /// Looks for the service `~/halt` of nodes that are new.
     fn ask(&mut self, node: &Node, wanted: &str) {
-        for name in self.names.so_far() {
+        for name in self.names.get_or_insert_with(|| node.node_names()).so_far() {
             let is_new = name != wanted && !is_hidden(&name) && !self.asked.contains_key(&name);
             if is_new && self.asked.len() < MOST {
                 // A name that ROS does not allow is no Lineshaft node.

@@ -35,7 +35,7 @@ pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failu
     for (axis, end) in axes.iter().zip(ends) {
         match end {
             Ended::Over { status: GoalStatus::STATUS_SUCCEEDED, .. } => {
-                print(&format!("{axis}: homed"))?;
+                print(&format!("{axis}: homed"));
             }
             Ended::Over { result, .. } => failures.push(result.message),
             Ended::Rejected(reason) => failures.push(format!("{axis}: {reason}")),

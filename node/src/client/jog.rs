@@ -75,7 +75,7 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     if let Some(error) = error_line(&state) {
         return Err(Failure::Failed(error));
     }
-    print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)))?;
+    print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)));
     Ok(())
 }
 

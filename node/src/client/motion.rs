@@ -42,7 +42,7 @@ pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), 
     match ends.into_iter().next() {
         Some(Ended::Over { status: GoalStatus::STATUS_SUCCEEDED, result }) => {
             let MoveAxisResult { position, position_increments, .. } = result;
-            print(&format!("{axis}: {}, {position_increments} inc", at(position)))?;
+            print(&format!("{axis}: {}, {position_increments} inc", at(position)));
             Ok(())
         }
         Some(Ended::Over { result: MoveAxisResult { message, position, .. }, .. }) => {

@@ -1,27 +1,19 @@
 //! What a command prints.
 
-use super::Failure;
+use crate::output;
 use crate::recording::clean::clean;
 use indicatif::ProgressBar;
 use lineshaft_core::unit::{Fraction, Quantity, ScaleKind, Unit};
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::IsTerminal;
 
-/// Prints a line to standard output. Returns false if its reader has ended.
-///
-/// # Errors
-/// Standard output cannot be written, because the disk is full for instance.
-pub(super) fn print(text: &str) -> Result<bool, Failure> {
-    let mut out = std::io::stdout();
-    match writeln!(out, "{text}").and_then(|()| out.flush()) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        Err(error) => Err(Failure::Failed(format!("standard output cannot be written: {error}"))),
-    }
+/// Prints a line to standard output. Returns false if its reader has ended, or if it cannot be written, which the command line reports.
+pub(super) fn print(text: &str) -> bool {
+    output::print_line(&text)
 }
 
 /// Whether standard output is a terminal that can move its cursor.
 pub(super) fn is_screen() -> bool {
-    std::io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+    output::columns().is_some() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 /// One line that shows the progress, on a terminal only.

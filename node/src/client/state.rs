@@ -57,7 +57,7 @@ pub(crate) async fn state(options: &Options, form: StateForm) -> Result<(), Fail
                 let is_next = lines > 0 && !form.is_json && is_screen();
                 let back = if is_next { format!("\x1b[{lines}A\x1b[J") } else { String::new() };
                 lines = text.lines().count();
-                if !print(&format!("{back}{text}"))? || !form.is_watch {
+                if !print(&format!("{back}{text}")) || !form.is_watch {
                     return Ok(());
                 }
             }

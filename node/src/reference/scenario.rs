@@ -1,4 +1,4 @@
-//! Keys of scenarios. docs/interfaces.md has the verbs and their arguments.
+//! Keys of scenarios. docs/contract.md, section 5, has the verbs and their arguments.
 
 use super::Shape::{Boolean, Choice, Integer, List, Map, Number, Quantity, Text};
 use super::{File, Key, Shape};
@@ -181,7 +181,7 @@ const STEPS: &[Key] = &[
         [
             "",
             "required",
-            "A verb with its arguments, or a list of them; docs/interfaces.md lists them.",
+            "A verb with its arguments, or a list of them; docs/contract.md, section 5, lists them.",
             "do: {enable: {axes: [x]}}",
         ],
     )
