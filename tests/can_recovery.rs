@@ -247,7 +247,7 @@ expect:
     let lines = log.lines().count();
     println!("{lines} lines for {boots} boots");
     assert!(lines <= LINES_ELSE + LINES_OF_A_BOOT * boots, "{lines} lines for {boots} boots: {log}");
-    assert_eq!(log.matches("node 2 (y)").count(), 1, "{log}");
+    assert_eq!(log.matches("WARN backend bus0: node 2 (y)").count(), 1, "{log}");
 }
 
 #[test]
