@@ -7,17 +7,17 @@ use std::fmt::Write;
 const INTRODUCTION: &str = "\
 # Codes
 
-This page is made of the tables that the program uses: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors` writes it anew.
+This page is made of the tables that the program uses: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors` regenerates it.
 
-A code stands in `x.error`, in `error_code` of ~/axis_states, in events, in the result of an action. 0 is none. Below 1000 they are the
+A code is in `x.error`, in `error_code` of ~/axis_states, in events, in the result of an action. 0 is none. Below 1000 they are the
 error numbers of MACS, from 1000 on alarms of the WF modules (1000 + number), from 2000 on those of the SAIA module, from 3000 on those of function slots, from 10000 on
 our own, from 65536 (10000h) on what a drive reports (10000h + its object 603Fh).
 
 ## What an error does
 
-Every axis is watched in every cycle; an error is told and answered in the cycle in which it is found. The first error of an axis
-stands in `x.error` until it is reset; how the axis stood then stands in the signals `x.fault.code .cycle .command .velocity .actual
-.following_error`, until the next error. What else goes wrong before the reset is told as an event. A drive that fails while its axis is
+Every axis is watched in every cycle; an error is reported and answered in the cycle in which it is found. The first error of an axis
+is in `x.error` until it is reset; the state of the axis at that time is in the signals `x.fault.code .cycle .command .velocity .actual
+.following_error`, until the next error. A further error before the reset is reported as an event. A drive that fails while its axis is
 off stops nothing: that is a warning with its code, at most once a second, and the next enable ends in the error. `~/errors` brings the last 32 errors
 and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
 
@@ -33,12 +33,12 @@ The reaction is one of:
 | 2 | stops with `max_deceleration`, and holds |
 | 3 | stops with `max_deceleration`; then its brake closes |
 | 4 | is left to the quick stop of its drive |
-| 5 | goes on; the error is told, and of a following error again every second while it lasts |
+| 5 | goes on; the error is reported, a following error again every second while it lasts |
 
-A following error that 5 has told, and that lasts or comes again after another value was set, is answered as that says. A brake that
+A following error that 5 has reported, and that lasts or comes again after another value was set, is answered as that says. A brake that
 `o_brake` names closes with 1 and 3 also where a fault takes the power at once.
 
-What becomes of that, by what column *reaction* says of a code (its text, as far as it stands here), and by `error_reaction`, of a skew by `skew_reaction`:
+The reaction follows from column *reaction* of a code, which begins with the text given here, and from `error_reaction`, of a skew from `skew_reaction`:
 
 | reaction | where | 0 | 1 | 2 | 3 | 4 | 5 |
 |-|-|-|-|-|-|-|-|
@@ -92,9 +92,9 @@ the axis begins where it stands.
 
 ## Limit switches
 
-A switch is a bit of the drive (60FDh) or the input that `i_poslimitsw`, `i_neglimitsw` assign; the positive one stands at the end of
+A switch is a bit of the drive (60FDh) or the input that `i_poslimitsw`, `i_neglimitsw` assign; the positive one is at the end of
 rising counts. Its edge stops the axis, also one at rest; not one that moves away from it. Its level blocks every motion towards
-it, also after power-on: what is known beforehand is refused with 98, a coupling that leads there is stopped with it. After the
+it, also after power-on: a motion known beforehand is refused with 98, a coupling that leads there is stopped with it. After the
 reset the way back is open. `endswmod` 1 stops with `max_deceleration` and holds; with 0 `error_reaction` decides, of which 5 stops as
 2 does. A motor that coasts into a switch has no brake: choose 1 or 2 for those. While an axis homes its switches belong to
 homing.

@@ -93,7 +93,7 @@ codes! {
     /// What the zero depends on was changed.
     HOMING_LOST = 10313, Search {
         says: "the zero is no longer known; home the axis again",
-        cause: "The zero is not known any more: the drive counts anew, or a parameter of encoder, sense or homing was \
+        cause: "The zero is not known any more: the drive restarted its counts, or a parameter of encoder, direction or homing was \
             changed.",
         remedy: "Home the axis.",
     }
@@ -116,7 +116,7 @@ codes! {
     /// Homing in the drive lasts.
     HOMING_LASTS = 10316, NoError {
         says: "homing in the drive has lasted for {asked} and goes on; homing.max_time limits it",
-        cause: "The drive homes by itself and has not shown an end for a minute, two, and so on.",
+        cause: "The drive homes by itself and has shown no end for a minute, two, and so on.",
         remedy: "Look at the axis: halt ends homing; set homing.max_time to have it end by itself.",
     }
 
@@ -130,7 +130,7 @@ codes! {
     /// ENCODERTYPE or MENCODERTYPE has no such number.
     ENCODER_UNKNOWN_TYPE = 10321, NoError {
         says: "",
-        cause: "encodertype or mencodertype has a number that there is not.",
+        cause: "encodertype or mencodertype has a number that does not exist.",
         remedy: "Choose one of docs/encoders.md.",
     }
 
@@ -191,7 +191,7 @@ codes! {
         says: "no master is named, and mencodertype {plain} names none that the cell has; name one, or set it to -n \
             (axis n), 10, 20, 30 (an entry of encoders) or 6 (a simulated one)",
         cause: "synchronize names no master, and neither does mencodertype of the axis; or mencodertype names an axis \
-            that there is not.",
+            that does not exist.",
         remedy: "Name a master, or set mencodertype.",
     }
 
@@ -268,7 +268,7 @@ codes! {
     /// REVERS asks for outputs of an axis whose drive gets positions.
     REVERSING_BY_POSITION = 10347, NoError {
         says: "",
-        cause: "revers asks for outputs that tell the sign of a velocity, and the drive gets positions.",
+        cause: "revers asks for outputs that show the sign of a velocity, and the drive gets positions.",
         remedy: "Use interface velocity or open_loop, or a revers of 0, 1 or 2.",
     }
 
@@ -345,7 +345,7 @@ codes! {
     /// The coordinate of a window is another one.
     COORDINATE_CHANGED = 10274, NoError {
         says: "the axis has another coordinate: the window of the touch probe is not valid any more; arm it again",
-        cause: "Homing, a new position of a shared encoder, another source or sense, or a drive that counts anew have changed the coordinate of the axis while a touch \
+        cause: "Homing, a new position of a shared encoder, another source or direction, or a drive that restarts its counts have changed the coordinate of the axis while a touch \
             probe with a window was armed.",
         remedy: "Arm it again, with a window in the coordinate of now.",
     }
@@ -636,7 +636,7 @@ codes! {
     /// Homing finds the two drives further from square than it may bring them.
     NOT_SQUARE = 10234, Search {
         says: "the reference switches find the two drives {asked} from square; squaring_distance {limit} is allowed",
-        cause: "The reference switch of one drive of an axis came further behind that of the other than squaring_distance: it is stuck, cut \
+        cause: "The reference switch of one drive of an axis came more than squaring_distance after that of the other: it is stuck, cut \
             off or out of its place, or the axis is bent.",
         remedy: "Check both switches, bring the axis square by hand; or raise squaring_distance; then reset_errors and home again.",
     }
@@ -644,15 +644,15 @@ codes! {
     /// The second drive of the axis tells no position.
     SECOND_UNREAD = 10235, Drive {
         says: "the second drive tells no position",
-        cause: "The words of the second drive of an axis cannot be used, so nobody knows whether it is square.",
+        cause: "The words of the second drive of an axis cannot be used, so it is unknown whether it is square.",
         remedy: "Check its encoder and cable, then reset_errors.",
     }
 
     /// What is square is where the drives stand.
     SQUARE_ASSUMED = 10236, NoError {
         says: "a drive counts anew; what was moved meanwhile counts as square",
-        cause: "A drive of an axis with two counts anew, and nothing tells how both stand to each other: what is square is where they \
-            stand now.",
+        cause: "A drive of an axis with two restarted its counts, and the offset between both is unknown: their present positions count as \
+            square.",
         remedy: "See to it that the axis is square, and home it.",
     }
 
@@ -661,7 +661,7 @@ codes! {
         says: "the loop does not bring the axis back: following error {asked}, {limit} is allowed",
         cause: "After an error the loop that is closed here was to stop the axis, and its following error grew to twice what is allowed, or \
             became no smaller: motor or encoder are wired the wrong way, the encoder is dead, or the drive does not follow.",
-        remedy: "Check the sense of motor and encoder (posdrct), the encoder and its cable, then reset_errors.",
+        remedy: "Check the direction of motor and encoder (posdrct), the encoder and its cable, then reset_errors.",
     }
 
     /// The encoder stands while the loop that is closed here asks its drive to move.
@@ -725,7 +725,7 @@ codes! {
     /// One input for the reference switches of both drives of an axis.
     GANTRY_ONE_SWITCH = 10365, NoError {
         says: "",
-        cause: "The reference switches of both drives of an axis are to be one input, which tells nothing of what is square.",
+        cause: "The reference switches of both drives of an axis are to be one input, which does not show what is square.",
         remedy: "Give each drive a reference switch of its own.",
     }
 

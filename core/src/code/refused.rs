@@ -6,42 +6,42 @@ codes! {
     /// The goal's target lies above `max_position`.
     ABOVE_MAX_POSITION = 10001, NoError {
         says: "target {asked} lies above max_position {limit}",
-        cause: "The target lies above max_position.",
+        cause: "The target exceeds max_position.",
         remedy: "Choose a target within the limits.",
     }
 
     /// The goal's target lies below `min_position`.
     BELOW_MIN_POSITION = 10002, NoError {
         says: "target {asked} lies below min_position {limit}",
-        cause: "The target lies below min_position.",
+        cause: "The target is below min_position.",
         remedy: "Choose a target within the limits.",
     }
 
     /// Velocity beyond `max_velocity`.
     VELOCITY_TOO_HIGH = 10003, NoError {
         says: "velocity {asked} lies above max_velocity {limit}",
-        cause: "The velocity lies beyond max_velocity.",
+        cause: "The velocity exceeds max_velocity.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Acceleration beyond `max_acceleration`.
     ACCELERATION_TOO_HIGH = 10004, NoError {
         says: "acceleration {asked} lies above max_acceleration {limit}",
-        cause: "The acceleration lies beyond max_acceleration.",
+        cause: "The acceleration exceeds max_acceleration.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Deceleration beyond `max_deceleration`.
     DECELERATION_TOO_HIGH = 10005, NoError {
         says: "deceleration {asked} lies above max_deceleration {limit}",
-        cause: "The deceleration lies beyond max_deceleration.",
+        cause: "The deceleration exceeds max_deceleration.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Jerk beyond `max_jerk`.
     JERK_TOO_HIGH = 10006, NoError {
         says: "jerk {asked} lies above max_jerk {limit}",
-        cause: "The jerk lies beyond max_jerk.",
+        cause: "The jerk exceeds max_jerk.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
@@ -76,7 +76,7 @@ codes! {
     /// |position| must stay below 2^62 increments.
     POSITION_OUT_OF_RANGE = 10011, Search {
         says: "target {asked} does not lie within +-2^62 increments",
-        cause: "A position lies beyond 2^62 increments.",
+        cause: "A position exceeds 2^62 increments.",
         remedy: "Give a nearer one.",
     }
 
@@ -190,7 +190,7 @@ codes! {
     /// abort_trigger without a touch probe.
     TOUCH_PROBE_NOT_ARMED = 10273, NoError {
         says: "no touch probe is armed; arm one with touch_probe",
-        cause: "abort_trigger was asked for a trigger that no touch probe of the axis waits for: it is over, or was never armed.",
+        cause: "abort_trigger was asked for a trigger that no touch probe of the axis waits for: it has ended, or was never armed.",
         remedy: "Nothing, if it has recorded its latch.",
     }
 
@@ -290,7 +290,7 @@ codes! {
     CAM_MARKS_PERIOD = 10067, NoError {
         says: "marks of a cam need a cyclic table, whose period is of whole increments of the side with the marks, by these scales",
         cause: "A mode by marks of a cam was asked for, and its table is not cyclic, or a period of the side with the marks, scaled, is not of whole increments.",
-        remedy: "Use a cyclic table, and scales with which its length, or the way of the slave in a period, is whole.",
+        remedy: "Use a cyclic table, and scales with which its length, or the travel of the slave in a period, is whole.",
     }
 
     /// Marks of a slave that its cam does not feed.
@@ -395,7 +395,7 @@ codes! {
     READ_ONLY = 10033, NoError {
         says: "",
         cause: "The machine computes the parameter, or the cell gives it.",
-        remedy: "Change the cell, and start anew.",
+        remedy: "Change the cell, and start again.",
     }
 
     /// A set that gives one value twice, by two names, and not the same.
@@ -508,7 +508,7 @@ codes! {
     CURRENT_LOOP = 10245, NoError {
         says: "",
         cause: "torque_constant or full_current is missing for an axis with interface voltage, whose current loop (ampmode 0 and 2) needs both.",
-        remedy: "Give torque_constant, the effort that the drive tells for each ampere, and full_current; or use ampmode 1 or 3.",
+        remedy: "Give torque_constant, the effort that the drive reports for each ampere, and full_current; or use ampmode 1 or 3.",
     }
 
     /// AMPCOMMTYPE asks for a motor that is not commutated here.
@@ -521,14 +521,14 @@ codes! {
     /// More than a voltage of 10 V asks for.
     ANALOG_FULL = 10247, NoError {
         says: "{key} {asked} lies above {limit}, which is what its drive does at 10 V",
-        cause: "max_velocity or max_effort lies above what the drive of the axis does at 10 V, its full reference.",
+        cause: "max_velocity or max_effort exceeds what the drive of the axis does at 10 V, its full reference.",
         remedy: "Give less; or set the amplifier so that 10 V are more, and full_velocity or full_effort of the cell with it.",
     }
 
     /// A drive without a bus tells nothing.
     ANALOG_SILENT = 10249, NoError {
         says: "",
-        cause: "ampencno, torque_constant or encodertype asks for what a drive on a bus tells, and this one is given a voltage.",
+        cause: "ampencno, torque_constant or encodertype asks for what a drive on a bus reports, and this one is given a voltage.",
         remedy: "Give the axis an entry of encoders by feedback, and leave the others out.",
     }
 
@@ -787,7 +787,7 @@ codes! {
     /// A length beyond its range.
     CAM_LENGTH = 10094, NoError {
         says: "it is {asked} increments of its master long; 1 to 2147483647 are possible",
-        cause: "The last place of the table of a cam lies beyond its range.",
+        cause: "The last place of the table of a cam is outside its range.",
         remedy: "Give shorter tables, and a smaller master_scale.",
     }
 
@@ -801,7 +801,7 @@ codes! {
     /// A value beyond its range.
     CAM_VALUE = 10096, NoError {
         says: "point {asked} has the value {limit}; -1073741824 to 1073741824 are possible",
-        cause: "A value of the table of a cam lies beyond its range.",
+        cause: "A value of the table of a cam is outside its range.",
         remedy: "Give smaller values, and a larger slave_scale.",
     }
 

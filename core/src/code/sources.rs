@@ -57,7 +57,7 @@ codes! {
     WF_ENCODER_CABLE = 1007, Drive {
         says: "alarm 7: the encoder gives no value; its cable may be broken",
         cause: "Alarm 7: the encoder gives no value: its cable is cut, missing or bent, or the encoder is dead.",
-        remedy: "Mend cable or encoder, then wf {reset: true}; before, it is refused.",
+        remedy: "Repair cable or encoder, then wf {reset: true}; before, it is refused.",
     }
 
     /// WF alarm 8: pulses of the encoder are missing or too many.
@@ -71,7 +71,7 @@ codes! {
     /// WF alarm 10: following error beyond `wf.max_following_error` in travel.
     WF_FOLLOWING_ERROR_IN_TRAVEL = 1010, Parameter {
         says: "alarm 10: following error {asked} lies beyond wf.max_following_error {limit} in travel",
-        cause: "Alarm 10: the following error lies beyond wf.max_following_error in travel: a weak or blocked drive, \
+        cause: "Alarm 10: the following error exceeds wf.max_following_error in travel: a weak or blocked drive, \
             a coupling, an encoder.",
         remedy: "Check coupling, encoder and load, then wf {reset: true}.",
     }
@@ -79,7 +79,7 @@ codes! {
     /// WF alarm 11: following error beyond `wf.max_following_error` at standstill.
     WF_FOLLOWING_ERROR_AT_STANDSTILL = 1011, Parameter {
         says: "alarm 11: following error {asked} lies beyond wf.max_following_error {limit} at standstill",
-        cause: "Alarm 11: the following error lies beyond wf.max_following_error at standstill: the axis was pushed, \
+        cause: "Alarm 11: the following error exceeds wf.max_following_error at standstill: the axis was pushed, \
             or its drive is off.",
         remedy: "Check drive and load, then wf {reset: true}.",
     }
@@ -172,21 +172,21 @@ codes! {
     /// A destination or break position beyond the range of counts.
     SAIA_POSITION_OUT_OF_RANGE = 2003, Command {
         says: "{key} with saia.mcfac makes {plain} counts; -1073741824 to 1073741823 is allowed",
-        cause: "A destination or break position lies beyond the range of counts.",
+        cause: "A destination or break position is outside the range of counts.",
         remedy: "Load a smaller one, or check saia.mcfac.",
     }
 
     /// A velocity beyond its register.
     SAIA_VELOCITY_OUT_OF_RANGE = 2004, Command {
         says: "saia.veloc with saia.mcfac makes {plain} in the velocity register; 0 to 1073741823 is allowed",
-        cause: "A velocity lies beyond its register.",
+        cause: "A velocity exceeds its register.",
         remedy: "Load a smaller one, or check saia.mcfac.",
     }
 
     /// An acceleration beyond its register.
     SAIA_ACCELERATION_OUT_OF_RANGE = 2005, Command {
         says: "saia.accel with saia.mcfac makes {plain} in the acceleration register; 0 to 1073741823 is allowed",
-        cause: "An acceleration lies beyond its register.",
+        cause: "An acceleration exceeds its register.",
         remedy: "Load a smaller one, or check saia.mcfac.",
     }
 
@@ -270,7 +270,7 @@ codes! {
     /// A value beyond the range of its field.
     FUNCTION_RANGE = 3004, NoError {
         says: "",
-        cause: "A value of the set lies beyond the range of its field; `lineshaft functions TYPE` lists the ranges.",
+        cause: "A value of the set is outside the range of its field; `lineshaft functions TYPE` lists the ranges.",
         remedy: "Give a value within the range; nothing of the set was taken.",
     }
 
@@ -355,13 +355,13 @@ codes! {
     AMK_NO_MODULO = 3027, NoError {
         says: "x begins anew at {asked}; {limit} or more is possible",
         cause: "The modulo of a cam controller, or the last point of an output table, is 0 in a mode that runs round.",
-        remedy: "Give the increments, or the time, after which x begins anew.",
+        remedy: "Give the increments, or the time, after which x begins again.",
     }
 
     /// A time of a table beyond its range.
     AMK_TIME_LONG = 3028, NoError {
         says: "DW{asked} of the table is a time above {limit} half milliseconds",
-        cause: "A time in the table of a cam controller lies beyond its range.",
+        cause: "A time in the table of a cam controller is outside its range.",
         remedy: "Give a shorter one; a negative word is none.",
     }
 
@@ -417,7 +417,7 @@ codes! {
     /// A track that there is not.
     AMK_TRACK_SELECT = 3036, NoError {
         says: "DR1 of the table names track {asked}; 0 to {limit} are there",
-        cause: "A cam table selects a track that there is not for the offset in the sink.",
+        cause: "A cam table selects a track that does not exist for the offset in the sink.",
         remedy: "Name one of the tracks 0 to 7.",
     }
 
@@ -431,8 +431,8 @@ codes! {
     /// A threshold in a table that is no 15-bit number.
     AMK_THRESHOLD = 3043, NoError {
         says: "the first table has a threshold of {asked}; 0 to {limit} is possible",
-        cause: "A threshold of a chosen drive lies beyond its range, or the word behind it is not 0.",
-        remedy: "Give one of 0 to 32767, and 0 behind it.",
+        cause: "A threshold of a chosen drive is outside its range, or the word after it is not 0.",
+        remedy: "Give one of 0 to 32767, and 0 after it.",
     }
 
     /// A divider of a ratio in a table that is too small.
@@ -459,14 +459,14 @@ codes! {
     /// A value that a mode has no use for.
     AMK_MODE_FIELD = 3047, NoError {
         says: "{asked} has no meaning in mode {limit}",
-        cause: "A field of a function has a value that its mode does not use, or a function bit that this version or this mode has not.",
+        cause: "A field of a function has a value that its mode does not use, or a function bit that this version or this mode lacks.",
         remedy: "Set the field to 0, table_count and tables_total to 1, or choose the mode that uses it.",
     }
 
     /// A value that the other fields leave no room for.
     AMK_BEYOND = 3048, NoError {
         says: "{asked} is not allowed; the bound is {limit}",
-        cause: "A field lies beyond the bound that the mode or the other fields of its set leave.",
+        cause: "A field violates the bound that the mode or the other fields of its set leave.",
         remedy: "Tables last 50 to 32767 inc, or 1 to 32767 calls; offsets and windows end before the table does, start_tables below table_count. \
             dfkt: active_table within table_count, with bit 2 of `ba` mult times last point / in_final within 32767. \
             epos: stop_decel no less than acceleration; with bit 1 of `ba` 1 to 9 ms between two calls, sf_cycle 2 to 18. \
@@ -525,7 +525,7 @@ codes! {
     /// A table that is too long or too short.
     AMK_CURVE_LENGTH = 3056, NoError {
         says: "Tab{asked} ends at place {limit}; 50 to 32767 inc are possible, by time 1 to 32767",
-        cause: "The last place of a table of form xy lies beyond its range.",
+        cause: "The last place of a table of form xy is outside its range.",
         remedy: "Give one within it.",
     }
 
@@ -574,13 +574,13 @@ codes! {
     AMK_OUTPUT_TABLE = 3063, NoError {
         says: "Tab7 would be a table that the function writes, which does not exist here; Tab0 to Tab6 are read",
         cause: "A dfkt has an eighth table.",
-        remedy: "Name seven at most; the signals of the function tell what it does.",
+        remedy: "Name seven at most; the signals of the function show what it does.",
     }
 
     /// A speed in a table beyond its range.
     AMK_SPEED_POINT = 3064, NoError {
         says: "point {limit} of Tab{asked} is not within -32767 to 32767 rpm",
-        cause: "A point of a table of speeds lies beyond its range.",
+        cause: "A point of a table of speeds is outside its range.",
         remedy: "Points are whole rpm; reach higher speeds by mult and div.",
     }
 
@@ -601,14 +601,14 @@ codes! {
     /// A table of speeds that ends before its last point.
     AMK_SPEED_WORDS = 3067, NoError {
         says: "Tab{asked} has {limit} words, too few for the points that its DW0 counts",
-        cause: "A table of speeds ends before its last point: point i stands in DW 2 i.",
+        cause: "A table of speeds ends before its last point: point i is in DW 2 i.",
         remedy: "Add the missing words, or count fewer.",
     }
 
     /// Increments without the turn that they are of.
     AMK_NO_RESOLUTION = 3068, NoError {
         says: "{asked} increments make no turn; 1 to {limit} is possible where the input is a way",
-        cause: "Bit 0 of `ba` makes a speed of the way of the source, and in_resolution is 0.",
+        cause: "Bit 0 of `ba` makes a speed of the travel of the source, and in_resolution is 0.",
         remedy: "Set in_resolution to the increments of one turn of the master.",
     }
 
@@ -623,7 +623,7 @@ codes! {
     AMK_NOT_ZERO = 3070, NoError {
         says: "{asked} is no value of it in this `ba`; 1 to {limit} is possible",
         cause: "A field of a fgen or an epos that its `ba` uses is 0 or was left out, or is a negative velocity.",
-        remedy: "fgen: give cycle_time where bit 0 of `ba` is 0, accel2 where bit 2 is 1. epos: give velocity, the sense of a relative order is \
+        remedy: "fgen: give cycle_time where bit 0 of `ba` is 0, accel2 where bit 2 is 1. epos: give velocity, the direction of a relative order is \
             the sign of travel; with bit 0 master_resolution.",
     }
 
@@ -673,7 +673,7 @@ codes! {
     AMK_NO_APPROACH = 3083, NoError {
         says: "{asked} has no sense to approach in; -2147483648 to -1 and 1 to {limit} are possible",
         cause: "velocity of an epos is 0 or was left out, with bit 1 of `ba`.",
-        remedy: "Give it; its sign is the sense of the approach, also where the source is the velocity.",
+        remedy: "Give it; its sign is the direction of the approach, also where the source is the velocity.",
     }
 
     /// An end that is not ahead.
@@ -729,70 +729,70 @@ codes! {
     AMK_OUT_OF_FUEL = 3091, Ends {
         says: "the program took more than {limit} instructions in a call",
         cause: "A program of the user has a loop without an end, or does more in a call than `fuel` of its function lets it.",
-        remedy: "Mend the loop, do less in a call, or raise `fuel`; START begins the program anew.",
+        remedy: "Fix the loop, do less in a call, or raise `fuel`; START restarts the program.",
     }
 
     /// A program that calls too deep.
     AMK_STACK = 3092, Ends {
         says: "the program calls itself too deep: 256 calls within each other and 8192 values are possible",
         cause: "A program of the user calls itself without an end, or has very large frames.",
-        remedy: "Mend the recursion; START begins the program anew.",
+        remedy: "Fix the recursion; START restarts the program.",
     }
 
     /// A program that gives up.
     AMK_UNREACHABLE = 3093, Ends {
         says: "the program came to what it says is never reached: a panic of its own",
         cause: "A program of the user panicked: an index beyond an array, an overflow, an `unwrap` of nothing, an abort.",
-        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START restarts the program.",
     }
 
     /// A program that leaves its memory.
     AMK_MEMORY_BOUNDS = 3094, Ends {
         says: "the program read or wrote beside its memory",
         cause: "A program of the user has a wrong address.",
-        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START restarts the program.",
     }
 
     /// A program that calls nothing.
     AMK_NO_FUNCTION = 3095, Ends {
         says: "the program called what is no function, or one of another signature",
         cause: "A program of the user has a wrong pointer to a function.",
-        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START restarts the program.",
     }
 
     /// A program that divides by 0.
     AMK_DIVISION_BY_ZERO = 3096, Ends {
         says: "the program divided a whole number by 0",
         cause: "A program of the user divides by something that became 0.",
-        remedy: "Look for 0 before it divides; START begins the program anew.",
+        remedy: "Look for 0 before it divides; START restarts the program.",
     }
 
     /// A program that leaves the range of a whole number.
     AMK_INTEGER_OVERFLOW = 3097, Ends {
         says: "the program got a whole number that does not fit: a quotient, or a float that it converted",
         cause: "A program of the user converts a float that is too large, or divides the least number by -1.",
-        remedy: "Limit the value before it is converted; START begins the program anew.",
+        remedy: "Limit the value before it is converted; START restarts the program.",
     }
 
     /// A program that makes a whole number of NaN.
     AMK_NOT_A_NUMBER = 3098, Ends {
         says: "the program converted NaN to a whole number",
         cause: "A program of the user calculates 0 / 0, the root of something below 0, or the like.",
-        remedy: "Look for it before the value is converted; START begins the program anew.",
+        remedy: "Look for it before the value is converted; START restarts the program.",
     }
 
     /// A program that writes over its image.
     AMK_IMAGE = 3099, Ends {
         says: "the program wrote over the first word of its image, which says how long that is",
-        cause: "A program of the user writes beside what it means to.",
-        remedy: "Try it with `lineshaft program run` and the same inputs; START begins the program anew.",
+        cause: "A program of the user writes where it should not.",
+        remedy: "Try it with `lineshaft program run` and the same inputs; START restarts the program.",
     }
 
     /// A real that is none.
     AMK_NOT_FINITE = 3100, Ends {
         says: "the program left a memory cell NaN or infinite",
         cause: "A program of the user wrote a real number that is not finite into `writes` of its image.",
-        remedy: "Limit the value before it is written; START begins the program anew.",
+        remedy: "Limit the value before it is written; START restarts the program.",
     }
 
     /// State that no other program can keep.

@@ -36,7 +36,7 @@ pub(super) const FIELDS: &[Field] = &[
     Field::new("dead_time_mean", 0, 30_000, "calls", "over how many the velocity is averaged; 0: 20", "AMK-CAM-32"),
     Field::new("cams", 0, 1000, "", "cams of each track; 0: unused", "AMK-CAM-33").list(LINES),
     Field::new("mode", 0, 63, "bits", "logic of each track", "AMK-CAM-34").list(LINES),
-    Field::new("modulo", 0, (1 << 30) - 1, "inc", "where x begins anew in ba 1 and 2", "AMK-CAM-35"),
+    Field::new("modulo", 0, (1 << 30) - 1, "inc", "where x begins again in ba 1 and 2", "AMK-CAM-35"),
     Field::new("hysteresis", 0, 65_535, "100 inc", "hysteresis of each track; 0: none", "AMK-CAM-36").list(LINES),
 ];
 

@@ -29,7 +29,7 @@ pub(super) const FIELDS: &[Field] = &[
         0,
         7,
         "bits",
-        "bit 0: the input is the way of the source, not a speed; bit 1: inputs run it and choose its table; \
+        "bit 0: the input is the travel of the source, not a speed; bit 1: inputs run it and choose its table; \
          bit 2: mult / div is the ratio of the whole table",
         "AMK-DFKT-08",
     ),

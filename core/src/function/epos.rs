@@ -52,7 +52,7 @@ pub(super) const FIELDS: &[Field] = &[
         i32::MIN as i64,
         i32::MAX as i64,
         "0.0001 rpm",
-        "n_comm; with bit 1 of ba its sign is the sense of the approach",
+        "n_comm; with bit 1 of ba its sign is the direction of the approach",
         "AMK-EPOS-52",
     )
     .live(),

@@ -178,7 +178,7 @@ pub const TYPES: &[Description] = &[
         ..Description::of(
             Kind::Sidiff,
             "sidiff",
-            "tells which drives have a larger difference than allowed",
+            "reports which drives have a larger difference than allowed",
             types::SIDIFF,
         )
     },
@@ -234,7 +234,12 @@ pub const TYPES: &[Description] = &[
         outputs: 1,
         tables: 8,
         shows: OF_MARKS,
-        ..Description::of(Kind::Fipw, "fipw", "runs through tables by the way of its source, or by time", types::FIPW)
+        ..Description::of(
+            Kind::Fipw,
+            "fipw",
+            "runs through tables by the travel of its source, or by time",
+            types::FIPW,
+        )
     },
     Description {
         source: Need::Never,
@@ -262,7 +267,7 @@ pub const TYPES: &[Description] = &[
         ..Description::of(
             Kind::Xfipw,
             "xfipw",
-            "runs through large tables and sets of them by the way of its source, or by time",
+            "runs through large tables and sets of them by the travel of its source, or by time",
             types::XFIPW,
         )
     },
@@ -302,7 +307,7 @@ pub const TYPES: &[Description] = &[
         outputs: 2,
         words: &["src1_addr", "src2_addr"],
         renews: true,
-        ..Description::of(Kind::Regl, "regl", "controls a speed by what a source tells (PID)", types::REGL)
+        ..Description::of(Kind::Regl, "regl", "controls a speed by what a source reports (PID)", types::REGL)
     },
     Description {
         moves_axes: true,

@@ -25,7 +25,7 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
     facts.push(("outputs", outputs(row)));
     facts.push(("tables", tables(row)));
     for word in row.words {
-        facts.push(("word", format!("`{word}` names the signal that is read in each call beside the source")));
+        facts.push(("word", format!("`{word}` names the signal that is read in each call as well as the source")));
     }
     let value_new = if row.renews { "takes the live fields" } else { "is refused" };
     facts.push(("VALUE_NEW", value_new.to_owned()));

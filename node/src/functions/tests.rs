@@ -62,7 +62,7 @@ fn a_type_tells_what_it_reads_and_writes() {
     for line in [
         "  sink      none",
         "  tables    1, which keeps its numbers while the function runs",
-        "  word      mw_offset_addr names the signal that is read in each call beside the source",
+        "  word      mw_offset_addr names the signal that is read in each call as well as the source",
         "  VALUE_NEW takes the live fields",
         "  dead_time  0 to 32000 (0.5 ms), left out: 0, live",
         "  tracks  1 to 8, must be given, from START on",
@@ -76,7 +76,7 @@ fn a_type_tells_what_it_reads_and_writes() {
     );
     let fgen = text(Kind::Fgen);
     for line in [
-        "  word      override_addr names the signal that is read in each call beside the source",
+        "  word      override_addr names the signal that is read in each call as well as the source",
         "  shows     feedback1 to feedback8, actual position of the axis with that number, since it was zeroed (inc)",
         "  pos_limit[0..6]  0 to 2147483647 (inc), left out: 0, live",
     ] {

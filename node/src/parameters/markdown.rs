@@ -14,8 +14,8 @@ everything about one (`--name max_velocity`). With a cell it shows the values th
 
 ## Names
 
-A parameter of an axis is `<axis>.<key>`, in ROS 2 as in a scenario; in a cell the key stands in the axis. Native names are those
-of MoveIt and ros2_control. What comes from another controller has the name that it has there, in small letters: of MACS as it
+A parameter of an axis is `<axis>.<key>`, in ROS 2 as in a scenario; in a cell the key is in the axis. Native names are those
+of MoveIt and ros2_control. A parameter of another controller has the name that it has there, in small letters: of MACS as it
 is (`x.kprop`), of the others behind a prefix (`x.saia.kprop`, `x.amc.rotary_mode`, `x.wf.md42`). Parameters of the whole machine
 are `machine.<key>`. An axis has only those that apply to it.
 
@@ -29,10 +29,10 @@ A parameter whose function does not exist yet is there and has its default; anyt
 A quantity is `NUMBER UNIT`: `120 mm`, `0.5 m/s`, `20 ms`, `4000 inc`. A bare number is in the unit of the column *unit*: SI (m for
 linear axes, rad for rotary ones) for native names, the source's own unit for the others. *Axis unit* is the key `unit` of the axis, the
 user unit (UU) of the sources: a unit, or so many of one (`0.1 mm`). A parameter that counts increments (inc, the qc of MACS)
-takes whole numbers. Ranges and defaults that are lengths stand here in increments, times in ms. An axis moves at most 2^31 increments in a
+takes whole numbers. Ranges and defaults that are lengths are given here in increments, times in ms. An axis moves at most 2^31 increments in a
 cycle, which is where limits of its velocity end: 2147483648000 inc/s with a cycle of 1 ms.
 
-Whole numbers have the step 1. What lies outside its range is refused, with the value and the range, and changes nothing. A default that
+Whole numbers have the step 1. A value outside its range is refused, with the value and the range, and changes nothing. A default that
 lies outside its range means *not set* and is taken too.
 
 ## Layers
@@ -52,7 +52,7 @@ Column *kept*:
 | | |
 |-|-|
 | saved | may be set at any time; `~/save_parameters` keeps it |
-| until the power goes | may be set at any time; begins anew with each start |
+| until the power goes | may be set at any time; begins again with each start |
 | cell, read-only | part of the structure: changes with the cell and a new start |
 | computed, read-only | follows from others |
 | signal | no parameter here: read the signal of that name behind the axis |

@@ -52,7 +52,7 @@ pub(in super::super) const FIELDS: &[Field] = &[
         0,
         32_767,
         "user",
-        "FL: the user's units in the way of the working table",
+        "FL: the user's units in the travel of the working table",
         "AMK-PMC-10",
     ),
     Field::new(

@@ -72,7 +72,7 @@ pub(in super::super) const FIELDS: &[Field] = &[
     ),
     Field::new("start_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock in", "AMK-XFIPW-108"),
     Field::new("stop_angle", 0, 32_767, "inc, 0.5 ms", "so far behind its zero x may clock out", "AMK-XFIPW-109"),
-    live("format_length", 32_767, "user", "FL: the user's units in the way of the working table", "AMK-XFIPW-110"),
+    live("format_length", 32_767, "user", "FL: the user's units in the travel of the working table", "AMK-XFIPW-110"),
     live(
         "sensor_distance",
         i32::MAX as i64,

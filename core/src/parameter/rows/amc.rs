@@ -151,7 +151,7 @@ pub(super) const ROWS: &[Row] = &[
         mnemonic: "Software Limit Stop Mode",
         number: "41.024",
         range: Range::Int(0, 3),
-        description: "Amc.stop_mode while the axis stands at a software limit.",
+        description: "Amc.stop_mode while the axis is at a software limit.",
         source: "AMC-PAR-11, AMC-STP-07",
         get: |p| Value::Int(p.vocabularies.amc.software_limit_stop_mode),
         set: |p, v| {

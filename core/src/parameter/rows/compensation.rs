@@ -22,7 +22,7 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Velocity,
         range: REAL,
         default_text: "a tenth of max_velocity",
-        description: "How fast the drive is led to what is compensated, backlash and pitch error alike, beside its motion; at most max_velocity.",
+        description: "How fast the drive is led to what is compensated, backlash and pitch error alike, in addition to its motion; at most max_velocity.",
         source: "WF-INC-04",
         get: |p| option(p.compensation.velocity),
         set: |p, v| p.compensation.velocity = real(v),

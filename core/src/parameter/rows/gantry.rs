@@ -30,7 +30,7 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 5),
         default: Value::Int(0),
         description: "What a skew beyond max_skew does, by the numbers of error_reaction: 0 both drives off at once, 1 off and the brake \
-                      closed, 2 stop and hold, 3 stop, then the brake closed, 4 the drives stop by themselves, 5 go on, and tell it.",
+                      closed, 2 stop and hold, 3 stop, then the brake closed, 4 the drives stop by themselves, 5 go on, and report it.",
         source: "contract section 3",
         get: |p| Value::Int(p.gantry.skew_reaction),
         set: |p, v| p.gantry.skew_reaction = int(v).unwrap_or(0),
@@ -58,7 +58,7 @@ pub(super) const ROWS: &[Row] = &[
         effect: Effect::Start,
         default_text: "as the drives stand when they are read first",
         description: "Counts of the second drive minus counts of the first where the axis is square, as drives know it that keep their counts \
-                      without power; homing squares it anew.",
+                      without power; homing squares it again.",
         source: "contract section 3",
         get: |p| whole(p.gantry.square_offset),
         set: |p, v| p.gantry.square_offset = int(v),

@@ -46,7 +46,7 @@ pub(super) const ROWS: &[Row] = &[
         range: Range::Int(0, 1),
         default: Value::Int(0),
         effect: Effect::AtOnce,
-        description: "No motion before homing is done: after a start, and after a change of encoder, sense of rotation or homing.",
+        description: "No motion before homing is done: after a start, and after a change of encoder, direction of rotation or homing.",
         source: "contract section 3, MACS-HOME-09",
         get: |p| Value::Int(p.homing.required.into()),
         set: |p, v| p.set_home_force(i64::from(int(v) == Some(1))),
@@ -73,7 +73,7 @@ pub(super) const ROWS: &[Row] = &[
         range: REAL,
         default_text: "a tenth of max_velocity",
         description: "Velocity of the last approach to the edge of a switch and of the search for the index, up to \
-                      homing.velocity. An edge without a latch is exact to the way of one cycle at it.",
+                      homing.velocity. An edge without a latch is exact to the travel of one cycle at it.",
         source: "CiA 402 part 2 object 6099h, MACS-HOME-06",
         get: |p| option(p.homing.index_velocity),
         set: |p, v| {
@@ -125,7 +125,7 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Distance,
         range: DISTANCE,
         default_text: "twice the way from min_position to max_position; where one of them is left out twice the modulo, none without one",
-        description: "Longest way of each search for a switch, and of an axis that its drive homes from the start; beyond it homing ends in an error.",
+        description: "Longest travel of each search for a switch, and of an axis that its drive homes from the start; beyond it homing ends in an error.",
         source: "contract section 7",
         get: |p| whole(p.homing.max_distance),
         set: |p, v| p.homing.max_distance = int(v),

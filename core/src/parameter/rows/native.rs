@@ -195,7 +195,7 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Time,
         range: Range::Int(0, HOUR_NS),
         default: Value::Int(0),
-        description: "How long the actual position has to stay within in_position_window; leaving it starts anew.",
+        description: "How long the actual position has to stay within in_position_window; leaving it starts again.",
         source: "MACS-TGT-04, MACS-TGT-05",
         get: |p| Value::Int(p.in_position_time),
         set: |p, v| p.in_position_time = int(v).unwrap_or(p.in_position_time),

@@ -41,7 +41,7 @@ pub(super) const ROWS: &[Row] = &[
         measure: Measure::Time,
         range: Range::Int(0, HOUR_NS),
         default: Value::Int(0),
-        description: "After the end of its profile a goal that waits that long for its target window is told of, once; \
+        description: "A goal that waits that long for its target window after the end of its profile is reported, once; \
                       it goes on waiting. 0: never.",
         source: "MACS-TGT-06",
         get: |p| Value::Int(p.supervision.in_position_timeout),

@@ -208,7 +208,7 @@ pub(super) const ERRORS: Topic<Event> = Topic::published(
     "the last 32 errors and resets, with how the axis stood and the remedy, also for who comes later; see [errors.md](errors.md)",
 );
 pub(super) const PARAMETER_EVENTS: Topic<ParameterEvent> =
-    Topic::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, whoever made it; see below");
+    Topic::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, from any source; see below");
 pub(super) const ROSOUT: Topic<Log> = Topic::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
 pub(super) const ROBOT_DESCRIPTION: Topic<Text> = Topic::published(
     "robot_description",
@@ -286,7 +286,7 @@ pub(super) const ABORT_TRIGGER: Served<AbortTrigger> =
 pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
     "~/set_output",
     Qos::SERVICE,
-    "sets digital outputs (0, 1) and analog ones (V) for good, all of a request in one cycle, or none; see [io.md](io.md)",
+    "sets digital outputs (0, 1) and analog ones (V) permanently, all of a request in one cycle, or none; see [io.md](io.md)",
 ).in_time();
 pub(super) const SET_MEMORY: Served<SetMemory> = Served::new(
     "~/set_memory",
@@ -303,7 +303,7 @@ pub(super) const COMMAND_FUNCTION: Served<CommandFunction> = Served::new(
 pub(super) const LOAD_PROGRAM: Served<LoadProgram> = Served::new(
     "~/load_program",
     Qos::SERVICE,
-    "another module for a program, in the functions that run it, which go on with their state or begin anew; refused where it is no program, or its state is not as long",
+    "another module for a program, in the functions that run it, which go on with their state or begin again; refused where it is no program, or its state is not as long",
 )
 .in_time();
 pub(super) const LOAD_TABLE: Served<LoadTable> = Served::new(
@@ -317,7 +317,7 @@ pub(super) const GET_TABLE: Served<GetTable> =
 pub(super) const SDO_READ: Served<SdoRead> = Served::new(
     "~/sdo_read",
     Qos::SERVICE,
-    "an object of a device on CAN, by its name in the EDS or its index, beside the cycles; see [can.md](can.md#objects-by-ros)",
+    "an object of a device on CAN, by its name in the EDS or its index, while the cycles run; see [can.md](can.md#objects-by-ros)",
 )
 .in_time();
 pub(super) const SDO_WRITE: Served<SdoWrite> = Served::new(

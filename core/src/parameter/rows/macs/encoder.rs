@@ -32,7 +32,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         storage: Storage::Cell,
         effect: Effect::Start,
         applies: Applies::Any,
-        description: "User factor, numerator: posfact_z / posfact_n increments are one axis unit. In a cell it stands in the place of scale.",
+        description: "User factor, numerator: posfact_z / posfact_n increments are one axis unit. In a cell it replaces scale.",
         source: "MACS-UNIT-02",
         note: "D20: the name is damaged in the text; the spelling of the number is taken.",
         get: |p| p.macs.scale.map_or(Value::Unset, |scale| Value::Int(scale.posfact_z)),
@@ -228,7 +228,7 @@ pub(in super::super) const SENSE: &[Row] = &[Row {
     range: Range::Among(&[(-22, -21), (-12, -11), (-2, -1), (1, 2), (11, 12), (21, 22)]),
     default: Value::Int(1),
     effect: Effect::Disabled,
-    description: "Sense of rotation: a minus sign inverts the axis' units, ones digit 2 the output of its position loop, tens \
+    description: "Direction of rotation: a minus sign inverts the axis' units, ones digit 2 the output of its position loop, tens \
                       digit 2 its velocity loop; one digit is for both. The places that limits guard stay where they are.",
     source: "MACS-DIR-01, MACS-DIR-02, MACS-DIR-03",
     note: "A-07: two entries of the table are damaged; 1 and -1 are taken. Digits that differ need an encoder of the velocity \

@@ -98,7 +98,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Input that aborts what runs: every goal ends and every axis stops with its largest deceleration, locked until i_continue or reset_errors. n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-08",
-        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        note: "A-47: sign and edge are described in two ways; the table is taken.",
         get_machine: |m| Value::Int(m.i_break),
         set_machine: |m, v| m.i_break = int(v).unwrap_or(0),
         ..GLOBAL_ROW
@@ -111,7 +111,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Input that lets axes that i_break stopped take goals again: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-09",
-        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        note: "A-47: sign and edge are described in two ways; the table is taken.",
         get_machine: |m| Value::Int(m.i_continue),
         set_machine: |m, v| m.i_continue = int(v).unwrap_or(0),
         ..GLOBAL_ROW
@@ -124,7 +124,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Input that clears the errors of all axes as reset_errors does: n with the rising edge, -n with the falling one, 0 none.",
         source: "MACS-IO-10",
-        note: "A-47: sign and edge are told in two ways; the table is taken.",
+        note: "A-47: sign and edge are described in two ways; the table is taken.",
         get_machine: |m| Value::Int(m.i_errclr),
         set_machine: |m, v| m.i_errclr = int(v).unwrap_or(0),
         ..GLOBAL_ROW
@@ -188,7 +188,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "inc",
         range: Range::Int(0, 65_535),
         default: Value::Int(500),
-        description: "Increments between two index pulses of machine.vmaster, which stand at its multiples; 0 none.",
+        description: "Increments between two index pulses of machine.vmaster, which are at its multiples; 0 none.",
         source: "MACS-VM-06",
         get_machine: |m| Value::Int(m.vmencres),
         set_machine: |m, v| m.vmencres = int(v).unwrap_or(0),

@@ -12,9 +12,9 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Among(&[(0, 1), (255, 255)]),
         default: Value::Int(0),
         view_of: "homing.required",
-        description: "1: no motion before homing is done, after a start and after a change of encoder, units or homing. 255, compulsory and done, acts as 1 and is shown as it was set; whether homing has been done tells the signal homed.",
+        description: "1: no motion before homing is done, after a start and after a change of encoder, units or homing. 255, compulsory and done, acts as 1 and is shown as it was set; the signal homed shows whether homing has been done.",
         source: "MACS-HOME-09",
-        note: "A-15: which changes ask for a new homing is not said; those of encoder, sense, units and homing do.",
+        note: "A-15: which changes ask for a new homing is not said; those of encoder, direction, units and homing do.",
         get: |p| Value::Int(p.home_force()),
         set: |p, v| p.set_home_force(int(v).unwrap_or(0)),
         ..HOMING_ROW

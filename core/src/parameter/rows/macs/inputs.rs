@@ -189,7 +189,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Output of the brake: n is high while the brake is closed, -n is low, 0 none. Errors close it with errcond 1 and 3; only a program opens it.",
         source: "MACS-IO-04",
-        note: "A-49: when the brake closes is told twice; errors with errcond 1 and 3, an abort always.",
+        note: "A-49: when the brake closes is described twice; errors with errcond 1 and 3, an abort always.",
         get: |p| Value::Int(p.outputs.brake),
         set: |p, v| p.outputs.brake = int(v).unwrap_or(0),
         ..INPUTS_ROW

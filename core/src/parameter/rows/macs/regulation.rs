@@ -72,7 +72,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         range: Range::Int(-194, 194),
         default: Value::Int(0),
         missing: "the choice of a drive by number other than by key drivetype of the drive in the cell",
-        description: "Kind of drive: 0 an analog output, 1 to 13 a drive on the bus, 91 to 94 an output on the bus, 100 more: its control word is left alone; negative without guarding. Setting it builds the objects of the bus anew.",
+        description: "Kind of drive: 0 an analog output, 1 to 13 a drive on the bus, 91 to 94 an output on the bus, 100 more: its control word is left alone; negative without guarding. Setting it builds the objects of the bus again.",
         source: "MACS-CAN-01",
         note: "D09: the range is +-94 though 110 is used; +-194 in AXR is taken.",
         effect: Effect::Disabled,
@@ -149,9 +149,9 @@ pub(in super::super) const ROWS: &[Row] = &[
         unit: "1/10 %",
         range: Range::Int(0, 1000),
         default: Value::Int(1000),
-        description: "Share of the output that the position loop may use; feed-forward comes on top.",
+        description: "Share of the output that the position loop may use; feed-forward is added to it.",
         source: "MACS-REG-08",
-        note: "D04: the unit is % in the overview; 1/10 % is taken, so that 1000 is all of it. A-24: clamp or scale is told in two ways; a clamp is taken.",
+        note: "D04: the unit is % in the overview; 1/10 % is taken, so that 1000 is all of it. A-24: clamp or scale is described in two ways; a clamp is taken.",
         get: |p| Value::Int(p.pid.bandwidth),
         set: |p, v| p.pid.bandwidth = int(v).unwrap_or(p.pid.bandwidth),
         ..PID_ROW
@@ -193,7 +193,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Error beyond which the position loop switches on again; with regwmin 0, too, it is always on.",
         source: "MACS-REG-11",
-        note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
+        note: "A-26: the compared value is lost with a figure; command minus actual position is taken.",
         get: |p| Value::Int(p.pid.window.max),
         set: |p, v| p.pid.window.max = int(v).unwrap_or(p.pid.window.max),
         ..PID_ROW
@@ -207,7 +207,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Error inside which the position loop switches off until regwmax is exceeded.",
         source: "MACS-REG-11",
-        note: "A-26: what is compared is lost with a figure; command minus actual position is taken.",
+        note: "A-26: the compared value is lost with a figure; command minus actual position is taken.",
         get: |p| Value::Int(p.pid.window.min),
         set: |p, v| p.pid.window.min = int(v).unwrap_or(p.pid.window.min),
         ..PID_ROW

@@ -115,7 +115,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Bits of the filter of marks: 1 with a fixed time, 2 without a correction of the gear, 4 corrections by syncmftime, 16 the correction alone is filtered, 64 also while not coupled.",
         source: "MACS-MARK-08",
-        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-36: bits 2, 4 and 16 are told in two ways; the formulas are taken.",
+        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-36: bits 2, 4 and 16 are described in two ways; the formulas are taken.",
         get: |p| Value::Int(p.marks.options),
         set: |p, v| p.marks.options = int(v).unwrap_or(p.marks.options),
         ..SYNCHRONIZATION_ROW
@@ -129,7 +129,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Time in which the filter of the master's marks settles; 0 no filter.",
         source: "MACS-MARK-09",
-        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-37: what is negative is not said; it is taken as 0.",
+        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-37: negative values are not explained; they are treated as 0.",
         get: |p| Value::Int(p.marks.filter_time),
         set: |p, v| p.marks.filter_time = int(v).unwrap_or(p.marks.filter_time),
         ..SYNCHRONIZATION_ROW
@@ -208,7 +208,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(10),
         description: "Inaccurate comparisons of marks in a row that are tolerated; one more is a fault.",
         source: "MACS-MARK-21",
-        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-42: what counts anew is not said; a comparison of the other kind does.",
+        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-42: the reset of the count is not explained; a comparison of the other kind does it.",
         get: |p| Value::Int(p.marks.fault),
         set: |p, v| p.marks.fault = int(v).unwrap_or(p.marks.fault),
         ..SYNCHRONIZATION_ROW
@@ -277,7 +277,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         effect: Effect::NextSynchronize,
         description: "Which marks are brought together first: 0 to 6 by their order or nearness, 7 along a smooth curve, 1000 more: with the offset after the first correction only, 2000 for cams.",
         source: "MACS-MARK-14",
-        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-33: when the offset begins is told in two ways.",
+        note: "D20: the name is damaged in the text; the spelling of the number is taken. A-33: when the offset begins is described in two ways.",
         get: |p| Value::Int(p.marks.start),
         set: |p, v| p.marks.start = int(v).unwrap_or(p.marks.start),
         ..SYNCHRONIZATION_ROW
@@ -372,7 +372,7 @@ pub(in super::super) const ROWS: &[Row] = &[
         default: Value::Int(0),
         description: "Error of the filtered master beyond which its filter becomes faster; 0: never.",
         source: "MACS-SYNC-11",
-        note: "A-32: which error it is is told in two ways; that of the filter is taken.",
+        note: "A-32: which error is meant is described in two ways; that of the filter is taken.",
         get: |p| Value::Int(p.sync.filter_limit),
         set: |p, v| p.sync.filter_limit = int(v).unwrap_or(p.sync.filter_limit),
         ..SYNCHRONIZATION_ROW
