@@ -161,7 +161,7 @@ fn interrupted_motion_is_canceled_and_its_axis_halts() {
     demo.until("x", "DISCRETE_MOTION");
     motion.interrupt();
     assert_eq!(motion.wait_exit(PATIENCE).code(), Some(1), "{}", motion.log());
-    assert!(motion.log().contains("x is commanded to 0."), "{}", motion.log());
+    assert!(motion.log().contains("command position 0."), "{}", motion.log());
     let x = demo.axis("x");
     assert_eq!(x["state"], "STANDSTILL");
     assert!(x["position"].as_f64().expect("a number") < 0.7, "{x}");

@@ -89,6 +89,11 @@ fn message(axis: &str, velocity: f64) -> Setpoints {
     Setpoints { axes: vec![axis.to_owned()], velocities: vec![velocity], ..Setpoints::default() }
 }
 
+/// Whether a refusal names an axis. Streams of other clients are refused on the same topic.
+fn names(refusal: &str, axis: &str) -> bool {
+    refusal.split(|sign: char| !(sign.is_alphanumeric() || sign == '_')).any(|word| word == axis)
+}
+
 /// How positions are shown.
 struct Shown {
     kind: ScaleKind,
@@ -138,7 +143,9 @@ impl Stream<'_> {
                     self.show(state);
                 }
                 line = self.log.next() => {
-                    if let Some(refusal) = line.strip_prefix("setpoints: ") {
+                    if let Some(refusal) = line.strip_prefix("setpoints: ")
+                        && names(refusal, self.axis)
+                    {
                         return Err(Failure::Failed(refusal.to_owned()));
                     }
                     if line.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
@@ -212,6 +219,12 @@ mod tests {
             [&[0; 8][..], &[1, 0, 0, 0, 0, 0, 0, 0], &[1, 0, 0, 0, 2, 0, 0, 0], b"x\0\0\0", &[1, 0, 0, 0]].concat();
         assert_eq!(bytes[..begin.len()], begin);
         assert_eq!(bytes[begin.len()..], (-0.25_f64).to_le_bytes());
+    }
+
+    #[test]
+    fn refusal_of_another_axis_is_no_refusal_of_this_one() {
+        let refusal = "velocity 3000 mm/s of x lies above max_velocity 1200 mm/s";
+        assert!(names(refusal, "x") && !names(refusal, "y") && !names(refusal, "max"));
     }
 
     #[test]

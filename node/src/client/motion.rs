@@ -46,7 +46,7 @@ pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), 
             Ok(())
         }
         Some(Ended::Over { result: MoveAxisResult { message, position, .. }, .. }) => {
-            Err(Failure::Failed(format!("{message}; {axis} is commanded to {}", at(position))))
+            Err(Failure::Failed(format!("{message}; command position {}", at(position))))
         }
         Some(Ended::Rejected(reason)) => Err(Failure::Failed(reason)),
         None => Err(Failure::Failed(format!("{axis}: the goal has no end"))),

@@ -16,10 +16,12 @@ pub(super) struct NodeLog {
 impl NodeLog {
     pub(super) fn open(session: &Session) -> Result<Self, Failure> {
         let logger = session.target().trim_start_matches('/').replace('/', ".");
-        Ok(Self { lines: session.shared_topic("/rosout", Qos::ROSOUT)?, logger })
+        // A reader of the latched topic would get the lines of the last 10 s as well: reasons of earlier refusals.
+        let qos = Qos { latched: false, ..Qos::ROSOUT };
+        Ok(Self { lines: session.shared_topic("/rosout", qos)?, logger })
     }
 
-    /// Skips the lines so far: the topic repeats those of the last 10 s.
+    /// Skips the lines so far.
     pub(super) async fn skip(&mut self) {
         while timeout(Duration::ZERO, self.next()).await.is_ok() {}
     }
