@@ -48,10 +48,19 @@ macro_rules! device {
             key(
                 concat!($at, ".identity"),
                 MAP,
-                ["", "not checked", "Identity object 1018h that the device must have.", "identity: {vendor: 0x5A}"],
+                [
+                    "",
+                    "vendor and product of the EDS, if there is one",
+                    "Identity object 1018h that the device must have.",
+                    "identity: {vendor: 0x5A}",
+                ],
             ),
-            key(concat!($at, ".identity.vendor"), U32, ["", "not checked", "Vendor ID, 1018h:01.", "vendor: 0x5A"]),
-            key(concat!($at, ".identity.product"), U32, ["", "not checked", "Product code, 1018h:02.", "product: 1"]),
+            key(concat!($at, ".identity.vendor"), U32, ["", "that of the EDS", "Vendor ID, 1018h:01.", "vendor: 0x5A"]),
+            key(
+                concat!($at, ".identity.product"),
+                U32,
+                ["", "that of the EDS", "Product code, 1018h:02.", "product: 1"],
+            ),
             key(
                 concat!($at, ".identity.revision"),
                 U32,

@@ -47,7 +47,7 @@ pub(super) const BACKENDS: &[Key] = &[
         U32,
         [
             "the usual rates of serial lines",
-            "as the line is set",
+            "115200",
             "Baud rate of the serial line of an slcan adapter (bit/s).",
             "serial_baudrate: 2000000",
         ],
