@@ -419,7 +419,7 @@ codes! {
         says: "",
         cause: "A motion without a target, or a coupled one, came to max_position and was stopped there. As an event `limit` alone: a jog or \
             stream, which jog_at_limit stop ends without an error.",
-        remedy: "reset_errors, then move back; after a jog move back.",
+        remedy: "In ERROR_STOP, reset_errors first. Then move or jog away from the limit.",
     }
 
     /// The axis stopped at `min_position`.
@@ -427,7 +427,7 @@ codes! {
         says: "",
         cause: "A motion without a target, or a coupled one, came to min_position and was stopped there. As an event `limit` alone: a jog or \
             stream, which jog_at_limit stop ends without an error.",
-        remedy: "reset_errors, then move back; after a jog move back.",
+        remedy: "In ERROR_STOP, reset_errors first. Then move or jog away from the limit.",
     }
 
     /// The drive left operation enabled by itself.
