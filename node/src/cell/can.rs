@@ -2,7 +2,7 @@
 
 use super::names::{Once, quote};
 use super::scale::Travel;
-use super::times::time_up_to;
+use super::times::time_within;
 use crate::document::{Allowed, Map, Place, Value};
 use lineshaft_can::config::{HEARTBEATS_MISSED, Identity, Master, VelocityFactor, Write};
 use lineshaft_can::drive::drive_type::Kind;
@@ -236,18 +236,15 @@ fn listed(numbers: impl Iterator<Item = u32>) -> String {
 
 /// A time of whole milliseconds (ns).
 fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
-    /// The longest of the ranges (s).
-    const LONGEST: u32 = 3600;
-    let time = time_up_to(value, LONGEST)?;
-    let in_range = time.is_multiple_of(1_000_000) && range.contains(&(time / 1_000_000));
-    if !in_range {
-        let (given, low, high) = (quote(value.peek().unwrap_or_default()), range.start(), range.end());
-        value.refuse(
-            format!("{} is {given}; {low} ms to {high} ms in whole milliseconds is allowed", value.label()),
-            None,
-        );
+    let (low, high) = (range.start(), range.end());
+    let allowed = format!("{low} ms to {high} ms in whole milliseconds");
+    let time = time_within(value, low * 1_000_000..=high * 1_000_000, &allowed)?;
+    let is_whole = time.is_multiple_of(1_000_000);
+    if !is_whole {
+        let given = quote(value.peek().unwrap_or_default());
+        value.refuse(format!("{} is {given}; {allowed} is allowed", value.label()), None);
     }
-    in_range.then_some(time)
+    is_whole.then_some(time)
 }
 
 /// `none`, which says that there is none.

@@ -1,10 +1,12 @@
 //! Keys of cells, scenarios and descriptions of tables.
 
 use super::section;
-use crate::reference::{File, Key};
+use crate::reference::{File, Key, range};
 
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
-    keys().filter(|key| key.path == name || key.name() == name).map(|key| text(key, width)).collect()
+    let end = format!(".{name}");
+    let is_it = |key: &&Key| key.path == name || key.name() == name || key.path.ends_with(&end);
+    keys().filter(is_it).map(|key| text(key, width)).collect()
 }
 
 pub(super) fn names() -> Vec<String> {
@@ -16,9 +18,10 @@ fn keys() -> impl Iterator<Item = &'static Key> {
 }
 
 fn text(key: &Key, width: usize) -> String {
+    let range = range(key);
     let facts: [(&str, &str); 6] = [
         ("what", key.meaning),
-        ("range", key.range),
+        ("range", range.as_str()),
         ("default", if key.required { "must be given" } else { key.default }),
         ("example", key.example),
         ("since", key.since),

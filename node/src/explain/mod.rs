@@ -61,6 +61,7 @@ fn unknown(name: &str) -> String {
     let mut near: Vec<String> = SUBJECTS.iter().filter_map(|subject| meant(&small, &(subject.names)())).collect();
     near.sort_by_cached_key(|known| (strsim::damerau_levenshtein(&small, &known.to_lowercase()), known.clone()));
     near.dedup();
+    near.retain(|known| !known.eq_ignore_ascii_case(name));
     near.truncate(MOST_MEANT);
     let near: Vec<_> = near.iter().map(|known| format!("`{known}`")).collect();
     let hint = if near.is_empty() {

@@ -149,7 +149,7 @@ fn variable_text(variable: &SystemVariable, width: usize) -> String {
     let shown = match variable.shown {
         Shown::Signal(end) => format!("signal AXIS.{end}"),
         Shown::Encoder(end) => format!("signal ENCODER.{end}"),
-        Shown::Missing(what) => format!("not yet: {what}"),
+        Shown::Missing(what) => format!("no signal: {what}"),
     };
     let name = if variable.name.is_empty() { number.as_str() } else { variable.name };
     let facts: [(&str, &str); 4] = [

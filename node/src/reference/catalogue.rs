@@ -1,5 +1,6 @@
 //! All keys of a file with their paths step by step: those of the reference, and those that have tables of their own in the core.
 
+use super::markdown::is_key;
 use super::{File, Shape};
 use lineshaft_core::function::TYPES;
 use lineshaft_core::parameter::{Applies, Group, Measure, ROWS, Row};
@@ -35,7 +36,7 @@ pub(super) fn entries(file: File) -> Vec<Entry> {
         entries.push(entry);
     }
     if file == File::Cell {
-        ROWS.iter().for_each(|row| entries.extend(of_row(row)));
+        ROWS.iter().filter(|row| is_key(row)).for_each(|row| entries.extend(of_row(row)));
         entries.extend(of_functions());
     }
     entries

@@ -102,7 +102,7 @@ fn kind(shape: Shape) -> String {
 }
 
 /// Allowed values: the words of the key, or those of its shapes.
-fn range(key: &Key) -> String {
+pub(crate) fn range(key: &Key) -> String {
     if !key.range.is_empty() {
         return key.range.to_owned();
     }
@@ -137,7 +137,7 @@ fn parameters(page: &mut String) {
 }
 
 /// Can a cell give it?
-fn is_key(row: &Row) -> bool {
+pub(super) fn is_key(row: &Row) -> bool {
     !matches!(row.storage, Storage::Derived | Storage::Signal(_))
 }
 

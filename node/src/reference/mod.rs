@@ -20,6 +20,7 @@ mod scenario;
 mod schema;
 
 pub use markdown::markdown;
+pub(crate) use markdown::range;
 pub use schema::schema;
 
 /// The version that the first keys came with.

@@ -208,7 +208,8 @@ impl Device {
         {
             self.send_state(0, out);
             // One that is late is not made up for.
-            self.next_heartbeat = Some((due + time).max(now));
+            let next = due + time;
+            self.next_heartbeat = Some(if next > now { next } else { now + time });
         }
         if self.master_until.is_some_and(|until| now >= until) {
             self.master_until = None;

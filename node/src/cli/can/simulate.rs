@@ -10,7 +10,7 @@ use lineshaft_can::config::BusConfig;
 use lineshaft_can::simulate::{SimulatedBus, occupant, unsupported};
 use lineshaft_can::transport::{Address, Obstacle, Options, Transport, open};
 use lineshaft_core::machine::Machine;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub(super) const HELP: &str = "\
 The drives have the nodes, identities and mechanics (key sim of an axis) of the cell, and serve csp, csv, cst and homing. Nodes that answer on \
@@ -74,7 +74,10 @@ fn address(config: &BusConfig, given: Option<&Address>) -> Result<Address, Failu
     }
     let is_virtual = match &config.transport {
         Address::Udp { .. } => true,
-        Address::SocketCan(interface) => interface.starts_with("vcan"),
+        // A physical interface has a device, whatever its name.
+        Address::SocketCan(interface) => {
+            interface.starts_with("vcan") && !Path::new("/sys/class/net").join(interface).join("device").exists()
+        }
         Address::Slcan(_) | Address::SlcanTcp(_) => false,
     };
     if is_virtual {

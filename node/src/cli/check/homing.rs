@@ -18,10 +18,14 @@ fn outside(axis: &AxisConfig) -> Option<String> {
     let below = p.min_position.filter(|min| rest < *min).map(|min| ("is below min_position", min));
     let above = || p.max_position.filter(|max| rest > *max).map(|max| ("exceeds max_position", max));
     let (verb, limit) = below.or_else(above)?;
+    let remedy = match p.homing.method {
+        1.. => "change homing.offset or the limit",
+        _ => "change the limit, as this sequence ends at the zero",
+    };
     let text = |position| axis.scale.format_increments(position);
     Some(format!(
         "{}: homing ends at about {}, which {verb} {}: the axis is then outside its software limits; \
-         change homing.offset or the limit",
+         {remedy}",
         axis.name,
         text(rest),
         text(limit)

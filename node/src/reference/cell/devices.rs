@@ -126,7 +126,7 @@ macro_rules! drive {
                 &[Choice(&["position", "velocity", "torque", "voltage", "open_loop"])],
                 [
                     "",
-                    "position",
+                    "position; with `reference` required",
                     "Setpoint that the drive takes; docs/loops.md explains the loops.",
                     "interface: velocity",
                 ],

@@ -39,7 +39,12 @@ pub(super) const TABLES: &[Key] = &[
     key(
         "tables.*.cam.length",
         &[Integer(1, i32::MAX as i128)],
-        ["", "one per point", "Master increments of one period, of form y.", "length: 20000"],
+        [
+            "",
+            "required of form y",
+            "Master increments of one period; not of form xy, which has its own.",
+            "length: 20000",
+        ],
     ),
     key("tables.*.cam.cyclic", BOOLEAN, ["", "true", "Whether the cam repeats.", "cyclic: false"]),
     key(

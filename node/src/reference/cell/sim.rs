@@ -148,7 +148,7 @@ pub(super) const SIM: &[Key] = &[
     key(
         "axes.*.sim.inertia",
         &[Quantity("inertia")],
-        [POSITIVE, "required of motor", "Inertia of the motor.", "inertia: 0.0003 kg*m^2"],
+        ["1e-9 kg*m^2 to 1e6 kg*m^2", "required of motor", "Inertia of the motor.", "inertia: 0.0003 kg*m^2"],
     ),
     key(
         "axes.*.sim.load_inertia",
@@ -205,7 +205,11 @@ pub(super) const SIM: &[Key] = &[
             "load_static_friction: 0.03 Nm",
         ],
     ),
-    key("axes.*.sim.load_torque", TORQUE, [ANY, "0", "Constant torque on the load.", "load_torque: 0.1 Nm"]),
+    key(
+        "axes.*.sim.load_torque",
+        TORQUE,
+        ["-1e6 Nm to 1e6 Nm", "0", "Constant torque on the load.", "load_torque: 0.1 Nm"],
+    ),
     key(
         "axes.*.sim.stiffness",
         &[Quantity("stiffness")],
@@ -219,17 +223,27 @@ pub(super) const SIM: &[Key] = &[
     key(
         "axes.*.sim.backlash",
         &[Quantity("angle")],
-        [NOT_NEGATIVE, "0", "Backlash of the coupling; needs `stiffness`.", "backlash: 0.1 deg"],
+        ["0 to one turn", "0", "Backlash of the coupling; needs `stiffness`.", "backlash: 0.1 deg"],
     ),
     key(
         "axes.*.sim.rated_torque",
         TORQUE,
-        [POSITIVE, "required of motor without `voltage`", "Rated torque of the motor.", "rated_torque: 1.3 Nm"],
+        [
+            "1e-6 Nm to 1e6 Nm",
+            "required of motor without `voltage`",
+            "Rated torque of the motor.",
+            "rated_torque: 1.3 Nm",
+        ],
     ),
     key(
         "axes.*.sim.max_torque",
         TORQUE,
-        [POSITIVE, "3 times `rated_torque`", "Torque that the motor makes at most.", "max_torque: 4 Nm"],
+        [
+            "0.001 to 1000 times `rated_torque`",
+            "3 times `rated_torque`",
+            "Torque that the motor makes at most.",
+            "max_torque: 4 Nm",
+        ],
     ),
     key("axes.*.sim.torque_lag", TIME, ["0 s to 1 s", "0 s", "Time constant of the torque loop.", "torque_lag: 1 ms"]),
     key(
@@ -261,7 +275,7 @@ pub(super) const SIM: &[Key] = &[
         "axes.*.sim.counts_per_turn",
         &[Quantity("increments")],
         [
-            POSITIVE,
+            "1 inc to 2^32 inc",
             "required of motor",
             "Increments of the axis per revolution of the motor.",
             "counts_per_turn: 131072",
