@@ -96,8 +96,8 @@ A switch is a bit of the drive (60FDh) or the input that `i_poslimitsw`, `i_negl
 rising counts. Its edge stops the axis, also one at rest; not one that moves away from it. Its level blocks every motion towards
 it, also after power-on: a motion known beforehand is refused with 98, a coupling that leads there is stopped with it. After the
 reset the way back is open. `endswmod` 1 stops with `max_deceleration` and holds; with 0 `error_reaction` decides, of which 5 stops as
-2 does. A motor that coasts into a switch has no brake: choose 1 or 2 for those. While an axis homes its switches belong to
-homing.
+2 does. With `endswmod` 0 (the default) and `error_reaction` 0 or 1 the axis coasts past the switch: set `endswmod: 1` or
+`error_reaction: 2`. While an axis homes its switches belong to homing.
 
 ## Contacts of the cell
 
