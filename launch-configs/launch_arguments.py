@@ -72,6 +72,9 @@ def checked(file, given, launched, declared, switches):
         raise RuntimeError(unknown_argument(file, unknown[0], declared))
     values = {name: given[name] for name in declared if name in given}
     for spelling, name in SPELLINGS.items():
+        # What an including file calls so may mean something else. For `sim` alone that cannot be ignored.
+        if not launched and (name != "sim" or "sim" in values):
+            continue
         if spelling in given and name in declared:
             value = values.setdefault(name, given[spelling])
             both = [switch_value(name, text) if name in switches else text for text in (value, given[spelling])]

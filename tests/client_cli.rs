@@ -1,6 +1,7 @@
 //! Commands to a node without ROS: `lineshaft state`, `enable`, `move`, `home`, `jog` and so on.
 
 use crate::support::domain::Domain;
+use crate::support::machine::alone;
 use crate::support::program::Program;
 use serde_json::{Value, json};
 use std::process::Command;
@@ -170,10 +171,11 @@ fn interrupted_motion_is_canceled_and_its_axis_halts() {
 
 #[test]
 fn jog_stops_at_its_time_at_a_signal_and_when_it_is_killed() {
+    // A jog whose messages are late by more than setpoint_timeout (100 ms) ends.
+    let _alone = alone();
     let demo = Demo::start();
     demo.good(&["enable", "x"]);
     let begin = demo.increments("x");
-    // On a busy machine the axis may report that the stream stopped coming, on standard error.
     let (code, out, error) = demo.client(&["jog", "x", "20 mm/s", "--for", "500 ms"]);
     assert!(code == 0 && out.starts_with("x: 0.0"), "{code}: {out}{error}");
     let first = demo.increments("x");
@@ -198,6 +200,26 @@ fn jog_stops_at_its_time_at_a_signal_and_when_it_is_killed() {
     thread::sleep(Duration::from_millis(300));
     // It may still settle by some micrometres: 1048 inc are 10 um.
     assert!((demo.increments("x") - third).abs() < 1048, "it moves on");
+}
+
+/// A stream moves an axis again after a halt; the command ends instead.
+#[test]
+fn jog_ends_for_good_when_the_axis_is_halted_or_disabled() {
+    let _alone = alone();
+    let demo = Demo::start();
+    for stop in ["halt", "disable"] {
+        demo.good(&["enable", "x"]);
+        let mut jog = demo.begin(&["jog", "x", "5 mm/s"]);
+        demo.until("x", "CONTINUOUS_MOTION");
+        demo.good(&[stop, "x"]);
+        assert_eq!(jog.wait_exit(PATIENCE).code(), Some(1), "{stop}: {}", jog.log());
+        assert!(jog.log().contains("the jog has ended"), "{stop}: {}", jog.log());
+        demo.good(&["enable", "x"]);
+        let rest = demo.increments("x");
+        thread::sleep(Duration::from_millis(300));
+        // It may still settle by some micrometres: 1048 inc are 10 um.
+        assert!((demo.increments("x") - rest).abs() < 1048, "{stop}: it moves again");
+    }
 }
 
 #[test]

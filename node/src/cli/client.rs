@@ -92,7 +92,7 @@ pub(super) struct NodeArgs {
 
 impl NodeArgs {
     fn options(&self) -> Options {
-        Options { node: self.node.clone(), timeout: self.timeout, is_reading: false }
+        Options { node: self.node.clone(), timeout: self.timeout, is_reading: false, is_stop: false }
     }
 }
 

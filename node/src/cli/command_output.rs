@@ -7,7 +7,7 @@
 use super::{Exit, complain, say};
 use crate::document::{Place, Problem, Problems};
 use crate::progress::{MOMENT, Progress};
-use crate::recording::clean::{clean, escape_json};
+use crate::recording::clean::{clean, clean_lines, escape_json};
 use crate::recording::run::Run;
 use crate::scenario::Failure;
 use serde_json::{Map, Value as Json, json};
@@ -46,7 +46,7 @@ impl Output {
     /// Prints a text for people.
     pub(super) fn say(&self, text: &dyn Display) {
         if !self.is_json() {
-            say(text);
+            say(&clean_lines(&text.to_string()));
         }
     }
 
@@ -72,7 +72,7 @@ impl Output {
                 collected.problems.extend(problems.sorted().iter().map(problem));
                 collected.errors.extend(omitted(problems));
             }
-            None => eprint!("{problems}"),
+            None => eprint!("{}", clean_lines(&problems.to_string())),
         }
     }
 
@@ -105,7 +105,7 @@ impl Output {
     pub(super) fn remark(&mut self, line: &str) {
         match &mut self.collected {
             Some(collected) => collected.notes.push(line.to_owned()),
-            None => say(&line),
+            None => say(&clean(line)),
         }
     }
 

@@ -46,6 +46,18 @@ pub(super) enum Outcome {
 }
 
 impl Suite {
+    /// A suite with one case that could not run.
+    pub(super) fn not_run(reason: &str) -> Self {
+        let case = Case { name: "scenarios".to_owned(), outcome: Outcome::Error(reason.to_owned()) };
+        Self {
+            name: "lineshaft".to_owned(),
+            properties: Vec::new(),
+            seconds: 0.0,
+            class: "lineshaft".to_owned(),
+            cases: vec![case],
+        }
+    }
+
     fn count(&self, is_it: impl Fn(&Outcome) -> bool) -> usize {
         self.cases.iter().filter(|case| is_it(&case.outcome)).count()
     }
@@ -84,7 +96,8 @@ pub(super) fn class_of(path: &Path) -> String {
 /// The whole file.
 fn xml(command: &str, suites: &[Suite]) -> String {
     let sum = |of: fn(&Suite) -> usize| suites.iter().map(of).sum::<usize>();
-    let seconds: f64 = suites.iter().map(|suite| suite.seconds).sum();
+    // The sum of none is -0.
+    let seconds = suites.iter().fold(0.0, |sum, suite| sum + suite.seconds);
     let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     push(
         &mut text,

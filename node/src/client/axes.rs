@@ -36,7 +36,8 @@ impl AxesService {
 /// # Errors
 /// The node refuses, or does not answer.
 pub(crate) async fn command_axes(options: &Options, service: AxesService, axes: &[String]) -> Result<(), Failure> {
-    let session = Session::open(options).await?;
+    let is_stop = matches!(service, AxesService::Halt | AxesService::Disable);
+    let session = Session::open(&Options { is_stop, ..options.clone() }).await?;
     let mut client = session.service::<AxesCommand>(service.name(), Qos::SERVICE)?;
     let AxesCommandResponse { success, message } = session.call(&mut client, &request(axes), PATIENCE).await?;
     if !success {

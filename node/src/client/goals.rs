@@ -9,14 +9,20 @@ use super::node_log::NodeLog;
 use super::session::Session;
 use super::stop::Stop;
 use lineshaft_msgs::Action;
+use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 use lineshaft_ros::layer::{ActionClient, GoalId, Progress, RequestNumber};
 use std::time::Duration;
-use tokio::time::{Instant, sleep, sleep_until};
+use tokio::time::{Instant, sleep_until, timeout};
 
 /// Maximum time in which the log shows why a goal was rejected.
 const REASON: Duration = Duration::from_millis(500);
 /// Maximum time from a cancel request to the end of its goal.
 const STOPPING: Duration = Duration::from_secs(60);
+
+/// Further time for the answer to a goal, after which it is canceled.
+const LATE: Duration = Duration::from_secs(3);
+/// Time without feedback after which the result is asked for again.
+const QUIET: Duration = Duration::from_secs(5);
 
 /// How a goal ended.
 pub(super) enum Ended<R> {
@@ -72,9 +78,13 @@ impl<'a, A: Action> Goals<'a, A> {
         let mut running = Vec::new();
         let mut ends: Vec<_> = goals.iter().map(|_| None).collect();
         for (index, goal) in goals.into_iter().enumerate() {
-            match self.begin(index, goal).await? {
-                Ok(goal) => running.push(goal),
-                Err(reason) => ends[index] = Some(Ended::Rejected(reason)),
+            match self.begin(index, goal).await {
+                Ok(Ok(goal)) => running.push(goal),
+                Ok(Err(reason)) => ends[index] = Some(Ended::Rejected(reason)),
+                Err(failure) => {
+                    self.abandon(&running, &mut show).await;
+                    return Err(failure);
+                }
             }
         }
         for goal in &running {
@@ -85,21 +95,44 @@ impl<'a, A: Action> Goals<'a, A> {
         Ok(ends.into_iter().flatten().collect())
     }
 
+    /// Cancels the goals that run already, and waits for their ends.
+    async fn abandon(&mut self, running: &[Running], show: &mut impl FnMut(usize, A::Feedback)) {
+        if self.stopping.is_none() && self.request_stop().is_err() {
+            return;
+        }
+        for goal in running {
+            // The first failure is reported.
+            let _ = self.end(goal, running, show).await;
+        }
+    }
+
     /// Sends a goal. Returns it if it was accepted, otherwise the reason why it was not.
     async fn begin(&mut self, index: usize, goal: A::Goal) -> Result<Result<Running, String>, Failure> {
+        // A signal that came before: the goal is not sent.
+        if self.stopping.is_none() && timeout(Duration::ZERO, self.stop.requested()).await.is_ok() {
+            self.request_stop()?;
+        }
         if self.stopping.is_some() {
             return Ok(Err("it was not begun, because a signal ended the command".to_owned()));
         }
         let (id, number) = self.client.send_goal(goal).map_err(Failure::failed)?;
-        let deadline = sleep(self.session.timeout());
-        tokio::pin!(deadline);
+        let mut deadline = Instant::now() + self.session.timeout();
+        let mut is_late = false;
         let accepted = loop {
             tokio::select! {
                 accepted = self.client.accepted(number) => break accepted.map_err(Failure::failed)?,
                 // An accepted goal is canceled as soon as that is known.
                 () = self.stop.requested() => self.request_stop()?,
                 failure = self.session.gone() => return Err(failure),
-                () = &mut deadline => return Err(self.unanswered(id)),
+                () = sleep_until(deadline) => {
+                    if is_late {
+                        return Err(self.unanswered(id));
+                    }
+                    // The node may get the cancel before the goal: a goal that it accepts after all is canceled once more.
+                    self.client.cancel(id).map_err(Failure::failed)?;
+                    (is_late, deadline) = (true, deadline + LATE);
+                    self.stopping.get_or_insert_with(|| Instant::now() + STOPPING);
+                }
             }
         };
         if !accepted {
@@ -121,9 +154,9 @@ impl<'a, A: Action> Goals<'a, A> {
         // If that fails, the sentence below holds as well.
         let _ = self.client.cancel(id);
         Failure::Failed(format!(
-            "{}: no answer within {} s, so it is not known whether the goal runs; it was canceled; `lineshaft halt` stops all axes",
+            "{}: no answer within {} s; a cancel was sent, and it is not known whether the goal runs; `lineshaft halt` stops all axes",
             self.client.name(),
-            self.session.timeout().as_secs_f64()
+            (self.session.timeout() + LATE).as_secs_f64()
         ))
     }
 
@@ -134,12 +167,18 @@ impl<'a, A: Action> Goals<'a, A> {
         all: &[Running],
         show: &mut impl FnMut(usize, A::Feedback),
     ) -> Result<(i8, A::Result), Failure> {
+        let (mut request, mut heard) = (goal.result, Instant::now());
         loop {
             let limit = self.stopping;
             tokio::select! {
-                progress = self.client.result_or_feedback(goal.result) => match progress.map_err(Failure::failed)? {
+                progress = self.client.result_or_feedback(request) => match progress.map_err(Failure::failed)? {
+                    Progress::Ended { status: GoalStatus::STATUS_UNKNOWN, .. } => return Err(Failure::Failed(format!(
+                        "{}: the node does not know the goal any more: it was started again",
+                        self.client.name()
+                    ))),
                     Progress::Ended { status, result } => return Ok((status, result)),
                     Progress::Feedback { id, feedback } => {
+                        heard = Instant::now();
                         // Other clients' goals have feedback on the same topic.
                         if let Some(goal) = all.iter().find(|goal| goal.id == id) {
                             show(goal.index, feedback);
@@ -148,6 +187,11 @@ impl<'a, A: Action> Goals<'a, A> {
                 },
                 () = self.stop.requested() => self.request_stop()?,
                 failure = self.session.gone() => return Err(failure),
+                // A node that was started again meanwhile, or lost the request, is asked once more.
+                () = sleep_until(heard + QUIET) => {
+                    request = self.client.request_result(goal.id).map_err(Failure::failed)?;
+                    heard = Instant::now();
+                }
                 () = until(limit) => return Err(Failure::Failed(format!(
                     "{}: the goal was canceled, but its end is not reported; `lineshaft state` shows what the axis does",
                     self.client.name()

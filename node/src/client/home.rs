@@ -9,6 +9,7 @@ use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal};
 use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{GetParameters, GetParametersRequest};
 use lineshaft_ros::layer::Qos;
+use std::collections::HashSet;
 
 /// Homes these axes, without names all that have a homing method, and waits for their ends.
 ///
@@ -64,7 +65,9 @@ async fn known(session: &Session, axes: &[String]) -> Result<Vec<String>, Failur
             return Err(no_axis(session, axis));
         }
     }
-    Ok(axes.to_vec())
+    // An axis that is named twice is homed once.
+    let mut seen = HashSet::new();
+    Ok(axes.iter().filter(|axis| seen.insert(axis.as_str())).cloned().collect())
 }
 
 /// All axes that have a homing method.

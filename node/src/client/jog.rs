@@ -1,7 +1,9 @@
 //! `lineshaft jog`: a stream of velocities for one axis.
 //!
 //! Law      the velocity is published 50 times per second. The axis stops by itself when the stream ends, whatever ends it: the node takes no
-//!          velocity for longer than `setpoint_timeout` (100 ms). At the end of the time, and at a signal, the velocity 0 stops it at once
+//!          velocity for longer than `setpoint_timeout` (100 ms). At the end of the time, and at a signal, the velocity 0 stops it at once.
+//!          A jog ends for good as soon as anything else stops the axis (halt, disable, an error, a limit) or moves it, or if this program
+//!          was frozen: it never starts the axis a second time
 //! Writes   `~/setpoints`, which names axes; `~/jog` carries the same stream with the joint names of the axes, which the interface does not
 //!          report
 
@@ -15,7 +17,7 @@ use super::stop::Stop;
 use super::{Failure, Options};
 use crate::recording::clean::clean;
 use lineshaft_core::unit::{ScaleKind, Unit};
-use lineshaft_msgs::msg::{AxisState, AxisStates, Setpoints};
+use lineshaft_msgs::msg::{AxisState, AxisStates, Event, Setpoints};
 use lineshaft_ros::layer::{Publisher, Qos, Subscription};
 use std::time::Duration;
 use tokio::time::{Instant, Interval, MissedTickBehavior, interval, sleep_until, timeout};
@@ -28,6 +30,12 @@ const ZEROS: u32 = 3;
 const BEGIN: Duration = Duration::from_secs(1);
 /// Time without a state of the axis after which the jog ends.
 const SILENCE: Duration = Duration::from_secs(1);
+/// The states are that many of their periods late at most.
+const LATE_PERIODS: u32 = 3;
+/// Time between two messages after which this program counts as frozen. The axis has stopped by then.
+const FROZEN: Duration = Duration::from_millis(500);
+/// `AxisState.reference` of an axis that is led by a stream.
+const BY_STREAM: u8 = 9;
 /// Maximum time for the stop at the end.
 const STOPPING: Duration = Duration::from_secs(60);
 
@@ -58,14 +66,25 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
         let name = &jog.axis;
         return Err(Failure::Failed(format!("{name}: the axis is not enabled; `lineshaft enable {name}` enables it")));
     }
-    let (log, setpoints) = (NodeLog::open(&session)?, session.publisher::<Setpoints>("setpoints", Qos::STREAM)?);
+    let (log, events) = (NodeLog::open(&session)?, session.topic::<Event>("events", Qos::EVENTS)?);
+    let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM)?;
     // Recorders and other tools may read the topic as well.
     session.matched(&setpoints.topic().to_string(), || setpoints.subscriptions().min(1)).await?;
     let mut ticks = interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let shown = Shown { kind, unit, progress: Progress::new() };
-    let mut stream =
-        Stream { session: &session, states, log, setpoints, ticks, stop: Stop::listen()?, axis: &jog.axis, shown };
+    let mut stream = Stream {
+        session: &session,
+        states,
+        events,
+        log,
+        setpoints,
+        ticks,
+        stop: Stop::listen()?,
+        axis: &jog.axis,
+        shown,
+        has_moved: false,
+    };
     stream.log.skip().await;
     let end = stream.run(velocity, jog.time).await;
     // Also after a failure: the axis may move.
@@ -105,12 +124,15 @@ struct Shown {
 struct Stream<'a> {
     session: &'a Session,
     states: Subscription<AxisStates>,
+    events: Subscription<Event>,
     log: NodeLog,
     setpoints: Publisher<Setpoints>,
     ticks: Interval,
     stop: Stop,
     axis: &'a str,
     shown: Shown,
+    /// Whether the axis has followed the stream.
+    has_moved: bool,
 }
 
 impl Stream<'_> {
@@ -120,27 +142,47 @@ impl Stream<'_> {
         let gone = session.gone();
         tokio::pin!(gone);
         let begun = Instant::now();
-        let (mut heard, mut has_moved, mut reason) = (begun, false, None);
+        let (mut heard, mut sent, mut silence, mut reason) = (begun, begun, SILENCE, None);
         loop {
             tokio::select! {
+                biased;
                 _ = self.ticks.tick() => {
-                    if time.is_some_and(|time| begun.elapsed() >= time) {
-                        return Ok(());
+                    let frozen = sent.elapsed();
+                    sent = Instant::now();
+                    if frozen >= FROZEN {
+                        return Err(self.frozen(frozen));
                     }
-                    if heard.elapsed() >= SILENCE {
+                    if time.is_some_and(|time| begun.elapsed() >= time) {
+                        let fails = !self.has_moved && (reason.is_some() || begun.elapsed() >= BEGIN);
+                        return if fails { Err(self.does_not_move(reason)) } else { Ok(()) };
+                    }
+                    if heard.elapsed() >= silence {
                         return Err(session.no_states().await);
                     }
                     self.setpoints.publish(&message(self.axis, velocity)).map_err(Failure::failed)?;
-                    if !has_moved && begun.elapsed() >= BEGIN {
+                    if !self.has_moved && begun.elapsed() >= BEGIN.max(silence) {
                         return Err(self.does_not_move(reason));
                     }
                 }
                 states = self.states.next() => {
                     let states = states.ok_or_else(own_end)?;
                     let Some(state) = of_axis(&states, self.axis) else { return Err(no_axis(session, self.axis)) };
+                    silence = silence.max(heard.elapsed() * LATE_PERIODS);
                     heard = Instant::now();
-                    has_moved |= state.state == AxisState::CONTINUOUS_MOTION;
+                    let follows = state.state == AxisState::CONTINUOUS_MOTION && state.reference == BY_STREAM;
                     self.show(state);
+                    if self.has_moved && !follows {
+                        return Err(self.ended_by_other(reason));
+                    }
+                    self.has_moved |= follows;
+                }
+                // A halt may be shorter than the time between two states.
+                event = self.events.next() => {
+                    let event = event.ok_or_else(own_end)?;
+                    let ends = event.kind == "error" || event.kind == "state" && !event.text.ends_with("CONTINUOUS_MOTION");
+                    if self.has_moved && event.source == self.axis && ends {
+                        return Err(self.ended_by_other(Some(event.text)));
+                    }
                 }
                 line = self.log.next() => {
                     if let Some(refusal) = line.strip_prefix("setpoints: ")
@@ -157,6 +199,20 @@ impl Stream<'_> {
                 () = self.stop.requested() => return Ok(()),
             }
         }
+    }
+
+    fn frozen(&self, time: Duration) -> Failure {
+        Failure::Failed(format!(
+            "{}: this command was frozen for {} ms; the jog has ended",
+            self.axis,
+            time.as_millis()
+        ))
+    }
+
+    /// Something else has stopped the axis or moves it.
+    fn ended_by_other(&self, reason: Option<String>) -> Failure {
+        let reason = reason.map_or_else(String::new, |reason| format!(" ({})", clean(&reason)));
+        Failure::Failed(format!("{}: the axis does not follow the jog any more{reason}; the jog has ended", self.axis))
     }
 
     fn does_not_move(&self, reason: Option<String>) -> Failure {
@@ -177,6 +233,11 @@ impl Stream<'_> {
             self.ticks.tick().await;
             self.setpoints.publish(&message(self.axis, 0.0)).map_err(Failure::failed)?;
         }
+        // Nothing of this command moves it, and it may move for another one.
+        if !self.has_moved {
+            let states = self.session.first_states(&mut self.states).await?;
+            return of_axis(&states, self.axis).cloned().ok_or_else(|| no_axis(self.session, self.axis));
+        }
         // States from before that do not show whether it rests now.
         while matches!(timeout(Duration::ZERO, self.states.next()).await, Ok(Some(_))) {}
         let session = self.session;
@@ -189,7 +250,8 @@ impl Stream<'_> {
                     let states = states.ok_or_else(own_end)?;
                     let Some(state) = of_axis(&states, self.axis) else { return Err(no_axis(session, self.axis)) };
                     self.show(state);
-                    if state.state != AxisState::CONTINUOUS_MOTION && state.command_velocity == 0.0 {
+                    let is_moved_by_other = state.state != AxisState::STOPPING && state.reference != BY_STREAM;
+                    if is_moved_by_other || state.state != AxisState::CONTINUOUS_MOTION && state.command_velocity == 0.0 {
                         return Ok(state.clone());
                     }
                 }

@@ -31,6 +31,8 @@ pub(crate) struct Options {
     pub(crate) timeout: Duration,
     /// Whether the command only reads, so that a wrong node does no harm.
     pub(crate) is_reading: bool,
+    /// Whether the command only stops axes: of several nodes of the name, all get it.
+    pub(crate) is_stop: bool,
 }
 
 /// Connection to one Lineshaft node.
@@ -40,6 +42,7 @@ pub(super) struct Session {
     target: String,
     environment: Environment,
     timeout: Duration,
+    is_stop: bool,
     /// Reason why the DDS library has ended.
     loss: watch::Receiver<Option<String>>,
 }
@@ -63,7 +66,8 @@ impl Session {
         let node = Node::with(options_of_node, &environment)
             .map_err(|error| Failure::Failed(format!("the DDS domain cannot be joined: {error}")))?;
         let Found { name: target, presence } = find(&node, &environment, options).await?;
-        let session = Self { presence, node, target, environment, timeout: options.timeout, loss };
+        let session =
+            Self { presence, node, target, environment, timeout: options.timeout, is_stop: options.is_stop, loss };
         sleep(SETTLE).await;
         session.matched(&session.target, || session.presence.servers()).await?;
         Ok(session)
@@ -118,6 +122,8 @@ impl Session {
             self.check_loss()?;
             match count() {
                 1 => return Ok(()),
+                // While a node hands over its ROS side there are two for some seconds. A stop does no harm twice.
+                2.. if self.is_stop => return Ok(()),
                 0 if begun.elapsed() >= self.timeout => return Err(Failure::Failed(self.missing(what))),
                 several if begun.elapsed() >= self.timeout => {
                     return Err(Failure::Usage(format!(

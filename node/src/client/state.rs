@@ -5,7 +5,7 @@ use super::output::{in_unit, is_screen, position_text, print, short, si_unit};
 use super::session::{Session, axis_states, own_end};
 use super::stop::Stop;
 use super::{Failure, Options};
-use crate::recording::clean::clean;
+use crate::recording::clean::{clean, escape_json};
 use lineshaft_core::code::Code;
 use lineshaft_msgs::msg::{AxisState, AxisStates};
 use serde_json::{Value, json};
@@ -76,8 +76,11 @@ async fn infos(session: &Session, states: &AxisStates) -> Result<Vec<AxisInfo>, 
 
 fn text(node: &str, states: &AxisStates, infos: &[AxisInfo], form: StateForm) -> String {
     match form {
-        StateForm { is_json: true, is_watch: true } => json_of(node, states, infos).to_string(),
-        StateForm { is_json: true, is_watch: false } => format!("{:#}", json_of(node, states, infos)),
+        StateForm { is_json: true, is_watch: true } => escape_json(&json_of(node, states, infos).to_string()),
+        StateForm { is_json: true, is_watch: false } => {
+            let text = format!("{:#}", json_of(node, states, infos));
+            text.lines().map(escape_json).collect::<Vec<_>>().join("\n")
+        }
         StateForm { is_json: false, .. } => table(states, infos),
     }
 }

@@ -1,15 +1,12 @@
-//! Signals that end a command: Ctrl-C, SIGTERM, and SIGHUP of a terminal that is closed.
+//! Signals that end a command in order: those of the whole program.
 
 use super::Failure;
-use std::time::{Duration, Instant};
-use tokio::signal::unix::{Signal, SignalKind, signal};
-
-/// Within this time another signal is the first one, passed on twice by a terminal and a wrapper.
-const SAME_SIGNAL: Duration = Duration::from_millis(500);
+use crate::interrupt::{SAME_SIGNAL, Signals};
+use std::time::Instant;
 
 /// Listens to the signals; without it they end the process at once.
 pub(super) struct Stop {
-    signals: [Signal; 3],
+    signals: Signals,
     first: Option<Instant>,
 }
 
@@ -17,22 +14,15 @@ impl Stop {
     /// # Errors
     /// The system does not deliver them.
     pub(super) fn listen() -> Result<Self, Failure> {
-        let listen =
-            |kind| signal(kind).map_err(|error| Failure::Failed(format!("signals cannot be received: {error}")));
         let signals =
-            [listen(SignalKind::interrupt())?, listen(SignalKind::terminate())?, listen(SignalKind::hangup())?];
+            Signals::new().map_err(|error| Failure::Failed(format!("signals cannot be received: {error}")))?;
         Ok(Self { signals, first: None })
     }
 
     /// Waits for a signal. The second call waits for another one.
     pub(super) async fn requested(&mut self) {
         loop {
-            let [interrupt, terminate, hangup] = &mut self.signals;
-            tokio::select! {
-                _ = interrupt.recv() => {}
-                _ = terminate.recv() => {}
-                _ = hangup.recv() => {}
-            }
+            self.signals.recv().await;
             match self.first {
                 Some(first) if first.elapsed() < SAME_SIGNAL => {}
                 Some(_) => return,
