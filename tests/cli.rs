@@ -377,7 +377,7 @@ fn help_and_version_are_no_errors() {
         (&["--version"], concat!("lineshaft ", env!("CARGO_PKG_VERSION"))),
         (&["run", "--help"], "ROS_DOMAIN_ID"),
         (&["run", "--help"], "--store <FILE|none>"),
-        (&["run", "--help"], "`lineshaft state`, enable, disable, move, jog, home, halt, reset"),
+        (&["run", "--help"], "`lineshaft state`, enable, disable, move, jog, home"),
         (&["--help"], "Move an axis of a node that runs, without ROS"),
         (&["move", "--help"], "lineshaft move turret '90 deg'"),
         (&["sim", "--help"], "--csv"),
