@@ -108,7 +108,8 @@ expect:
     cell.run_with(short, &["--record", &plain]).passes();
     let (code, out, complaints) = lineshaft(&["can", "dump", &plain, "--cell", &yaml]);
     assert_eq!((code, out.as_str()), (Some(2), ""));
-    let topics = "topics ../can/BUS/sent and ../received of can_msgs/msg/Frame; its topics are /joint_states, /lineshaft/axis_states,";
+    let topics =
+        "topics ../can/BUS/sent and ../received of can_msgs/msg/Frame; its topics are /diagnostics, /joint_states, ";
     assert!(complaints.contains("it has no frames of CAN") && complaints.contains(topics), "{complaints}");
 }
 

@@ -69,7 +69,9 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     assert!(cycles > 5000, "{cycles} cycles");
     assert!(count(&seen, &["counts", "/lineshaft/commands"]) > 10, "{seen}");
     // Topics of the node, in addition to those of its cycles.
-    for topic in ["/rosout", "/diagnostics", "/robot_description", "/lineshaft/shaft", "/lineshaft/controller_state"] {
+    for topic in
+        ["/rosout", "/diagnostics", "/robot_description", "/lineshaft/cycle_statistics", "/lineshaft/transition_event"]
+    {
         assert!(count(&seen, &["counts", topic]) > 0, "{topic}: {seen}");
     }
     assert_eq!(seen["types"]["/robot_description"], "std_msgs/msg/String");
