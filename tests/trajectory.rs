@@ -324,7 +324,10 @@ fn a_goal_where_the_joints_are_is_reached() {
     let seen = bench.cyclone.run(&format!("{joints} --point 0:0.4,0.05,0.04:0,0,0 --expect ABORTED"));
     assert_eq!(seen["error"], "INVALID_GOAL");
     let text = seen["text"].as_str().unwrap();
-    assert!(text.starts_with("turret: the last point of the trajectory is due at once, and 0.1000"), "{text}");
+    assert!(
+        text.starts_with("turret: the last point of the trajectory is due at once, and 0.1 rad (5.73 deg) away"),
+        "{text}"
+    );
     // As far as the goal's own tolerance says (rad).
     bench.cyclone.run(&format!("{joints} --point 0:0.3001,0.05,0.04:0,0,0 --goal turret:0.001"));
 }

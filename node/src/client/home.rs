@@ -79,7 +79,7 @@ async fn with_a_method(session: &Session) -> Result<Vec<String>, Failure> {
     let mut axes = Vec::new();
     for axis in all {
         let request = GetParametersRequest { names: vec![format!("{}.homing.method", axis.name)] };
-        let response = session.call(&mut client, &request, session.timeout()).await?;
+        let response = session.ask(&mut client, &request).await?;
         // A virtual axis has no such parameter.
         if response.values.first().is_some_and(|value| value.integer_value != 0) {
             axes.push(axis.name);

@@ -37,7 +37,7 @@ impl AxisInfos {
     pub(super) async fn find(&mut self, session: &Session, axis: &str) -> Result<Option<AxisInfo>, Failure> {
         let names = Vec::from([IN_SI, IN_AXIS_UNIT].map(|key| format!("{axis}.{key}")));
         let request = DescribeParametersRequest { names };
-        let response = session.call(&mut self.0, &request, session.timeout()).await?;
+        let response = session.ask(&mut self.0, &request).await?;
         // Without an answer for each of them none is declared, as rclcpp has it.
         let [in_si, in_axis_unit] = response.descriptors.as_slice() else { return Ok(None) };
         Ok(Some(AxisInfo { kind: unit(&in_si.description).and_then(kind), unit: unit(&in_axis_unit.description) }))

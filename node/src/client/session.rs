@@ -19,6 +19,8 @@ use tokio::time::{sleep, timeout};
 pub(super) const LOOK: Duration = Duration::from_millis(10);
 /// Time after the first match in which a second node of the same name is found.
 const SETTLE: Duration = Duration::from_millis(100);
+/// Time after which a question that changes nothing is asked again.
+const ASK_AGAIN: Duration = Duration::from_secs(2);
 /// Time after which a node that is not matched any more has ended.
 const GONE: Duration = Duration::from_secs(1);
 
@@ -167,6 +169,25 @@ impl Session {
         }
     }
 
+    /// Calls a service that changes nothing: it is asked again where no answer comes, as the first one to a new client may get lost.
+    ///
+    /// # Errors
+    /// No answer comes in time, or the node has ended.
+    pub(super) async fn ask<S: Service>(
+        &self,
+        client: &mut ServiceClient<S>,
+        request: &S::Request,
+    ) -> Result<S::Response, Failure> {
+        let begun = Instant::now();
+        loop {
+            let left = self.timeout.saturating_sub(begun.elapsed());
+            match self.call(client, request, left.min(ASK_AGAIN)).await {
+                Err(_) if begun.elapsed() < self.timeout => {}
+                answered => return answered,
+            }
+        }
+    }
+
     /// Waits until the node or the DDS library has ended, and returns why.
     pub(super) async fn gone(&self) -> Failure {
         let mut absent: Option<Instant> = None;
@@ -222,7 +243,7 @@ impl Session {
 
     async fn life_cycle(&self) -> Result<String, Failure> {
         let mut client = self.service::<GetState>("get_state", Qos::SERVICE)?;
-        let response = self.call(&mut client, &GetStateRequest::default(), self.timeout).await?;
+        let response = self.ask(&mut client, &GetStateRequest::default()).await?;
         Ok(response.current_state.label)
     }
 }
