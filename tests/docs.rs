@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Words in capitals and what stands for them where the parser wants a certain value.
+/// Placeholders in capitals and their values where the parser wants a certain value.
 const VALUES: &[(&str, &str)] = &[("NODE", "1"), ("ADDRESS", "socketcan:can0"), ("TIME", "1 s"), ("COMMAND", "sim")];
 
 /// Cells and scenarios that stand for placeholders and for files of the user: page or any, word, file of the repository.
@@ -290,7 +290,7 @@ fn is_of_key(c: char) -> bool {
     c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_'
 }
 
-/// Removes the dots that a page has in the place of other keys.
+/// Removes the dots that a page has instead of other keys.
 fn without_dots(text: &str) -> String {
     text.replace("{..}", "{}").replace("{.., ", "{").replace(", ..}", "}").replace(", ..]", "]")
 }

@@ -113,7 +113,7 @@ impl<'a, A: Action> Goals<'a, A> {
             self.request_stop()?;
         }
         if self.stopping.is_some() {
-            return Ok(Err("it was not begun, because a signal ended the command".to_owned()));
+            return Ok(Err("it was not begun, because the command ends".to_owned()));
         }
         let (id, number) = self.client.send_goal(goal).map_err(Failure::failed)?;
         let mut deadline = Instant::now() + self.session.timeout();
@@ -131,7 +131,10 @@ impl<'a, A: Action> Goals<'a, A> {
                     // The node may get the cancel before the goal: a goal that it accepts after all is canceled once more.
                     self.client.cancel(id).map_err(Failure::failed)?;
                     (is_late, deadline) = (true, deadline + LATE);
-                    self.stopping.get_or_insert_with(|| Instant::now() + STOPPING);
+                    // The goals that run already are canceled, too: the command ends.
+                    if self.stopping.is_none() {
+                        self.request_stop()?;
+                    }
                 }
             }
         };

@@ -2,7 +2,7 @@
 //!
 //! Law      the velocity is published 50 times per second. The axis stops by itself when the stream ends, whatever ends it: the node takes no
 //!          velocity for longer than `setpoint_timeout` (100 ms). At the end of the time, and at a signal, the velocity 0 stops it at once.
-//!          A jog ends for good as soon as anything else stops the axis (halt, disable, an error, a limit) or moves it, or if this program
+//!          A jog ends permanently as soon as anything else stops the axis (halt, disable, an error, a limit) or moves it, or if this program
 //!          was frozen: it never starts the axis a second time
 //! Writes   `~/setpoints`, which names axes; `~/jog` carries the same stream with the joint names of the axes, which the interface does not
 //!          report
@@ -146,6 +146,7 @@ impl Stream<'_> {
         loop {
             tokio::select! {
                 biased;
+                () = self.stop.requested() => return Ok(()),
                 _ = self.ticks.tick() => {
                     let frozen = sent.elapsed();
                     sent = Instant::now();
@@ -196,7 +197,6 @@ impl Stream<'_> {
                     }
                 }
                 failure = &mut gone => return Err(failure),
-                () = self.stop.requested() => return Ok(()),
             }
         }
     }

@@ -56,7 +56,7 @@ pub struct Problems {
     list: RefCell<Vec<Problem>>,
     /// How many came after the first [`MAX_PROBLEMS`].
     beyond: Cell<usize>,
-    /// Who notes what readers ask for.
+    /// Observer of the requests of readers.
     #[cfg(test)]
     pub(super) observer: Option<Arc<super::Observer>>,
 }

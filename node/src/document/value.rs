@@ -279,7 +279,7 @@ impl<'d> Value<'d> {
         }
     }
 
-    /// Notes for a test what the value is taken for.
+    /// Notes for a test as what the value is read.
     #[cfg(test)]
     fn asked(&self, asked: Asked) {
         if let Some(observer) = &self.problems.observer {

@@ -22,7 +22,7 @@ const OBJECTS: [(&str, &str, &str); 6] = [
 /// A signal of a kind of objects.
 struct SignalRow {
     object: &'static str,
-    /// What its object is.
+    /// Description of its object.
     of: String,
     /// The name after the object.
     end: String,

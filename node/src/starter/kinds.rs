@@ -140,7 +140,7 @@ impl StarterKind {
 
     /// A text of it for a cell of that name.
     pub(super) fn text_for(&self, text: &str, name: &str) -> String {
-        // Name after name, from the front: what was written in is not read again, whatever the cell is called.
+        // Replaces one name after the other in one pass, so that an inserted name is not replaced again.
         let (mut made, mut rest) = (String::with_capacity(text.len()), text);
         let next = |rest: &str| {
             let found = self.replaced.iter().filter_map(|&(from, to)| Some((rest.find(from)?, from, to)));
