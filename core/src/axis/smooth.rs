@@ -303,7 +303,11 @@ impl Axis {
         let per_s = speed.abs() / self.cycle_s();
         let jerk = approach.jerk() * per_s * per_s * per_s;
         let is_smooth = self.parameters.max_jerk.is_none_or(|most| jerk <= most);
-        (is_smooth && self.leads_forward(&approach, speed) && self.bears(shape, *way)).then_some(approach)
+        // A short way would need a start in the wrong direction.
+        let turns = from.slope * ratio.to_f64() < 0.0;
+        let is_onward = turns || approach.keeps_sense(ratio.to_f64());
+        let fits = is_smooth && is_onward && self.leads_forward(&approach, speed) && self.bears(shape, *way);
+        fits.then_some(approach)
     }
 
     /// From group to group of the marks of its master (inc of it).

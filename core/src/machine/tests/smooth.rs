@@ -377,6 +377,16 @@ fn it_is_restored() {
     }
 }
 
+/// The nearest mark lies so near that a curve to it would begin backwards: the next group of marks takes its place.
+/// Proves: MACS-MARK-15
+#[test]
+fn an_axis_at_rest_never_starts_backwards() {
+    let mut rig = world(2_416, 18, &[]);
+    run(&mut rig, 18, 18);
+    let seen = start(&mut rig, -2, 18, None);
+    assert!(seen.back == 0.0 && seen.apart.abs() <= 1, "{seen:?}");
+}
+
 proptest! {
     #![proptest_config(super::rig::cases(24))]
     /// Wherever the roll rests and however fast the belt: the curve ends with the marks together, within the limits, and never goes back.
