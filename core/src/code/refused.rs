@@ -671,7 +671,7 @@ codes! {
     TRAJECTORY_START = 10420, NoError {
         says: "the first point of the trajectory is {asked} from the command; {limit} is allowed (start tolerance)",
         cause: "The trajectory has a point at time 0 that differs from the command position of the axis by more than the start tolerance \
-            (constraints.<joint>.start).",
+            (`constraints.<joint>.start`).",
         remedy: "Plan again from the present position.",
     }
 
