@@ -664,7 +664,7 @@ fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
 }
 
 /// Without marks a web that stretches leaves labels anywhere; with them they stay on their products, whatever marks are lost or false. 10,000 of
-/// them with LINESHAFT_LONG; figures: docs/shaft.md.
+/// them with LINESHAFT_LONG.
 /// Proves: MACS-MARK-07, MACS-MARK-13
 #[test]
 fn a_register_is_kept_on_a_web_that_stretches() {

@@ -1,7 +1,7 @@
 //! A gear behind a coarse master that trembles and swings, on a drive with a delay: what filter and prediction make of its error.
 //!
 //! The master goes 5 counts a ms on average, 20 % more and less twice a second, and its counts tremble by up to 1 either way; the slave goes 40
-//! increments a count, 4 cycles behind its command. `LINESHAFT_LONG=1` and `--nocapture` print the table of docs/shaft.md.
+//! increments a count, 4 cycles behind its command. `LINESHAFT_LONG=1` and `--nocapture` print a table.
 
 use super::direction::set;
 use super::rig::{Rig, X, config, couple};
