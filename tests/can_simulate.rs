@@ -72,3 +72,45 @@ fn a_node_that_is_on_the_bus_already_is_not_simulated_again() {
     assert!(said.contains("is on the bus already"), "{said}");
     drives.end();
 }
+
+/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm in the mode of its drive. pp and ip end to the increment, pv within the window of the
+/// position loop that the core closes.
+#[test]
+fn simulated_drives_move_in_pp_ip_and_pv() {
+    let ramps = "startup: [{index: 0x6083, value: 20000000, type: u32}, {index: 0x6084, value: 20000000, type: u32}]";
+    let axes = [
+        axis("p", 1, ", mode: pp", ""),
+        axis("i", 2, ", mode: ip", ""),
+        axis("v", 3, &format!(", interface: velocity, mode: pv, {ramps}"), ", in_position_window: 5 um"),
+    ];
+    let cell = CanCell::new(&bus(), "4 ms", &axes.concat());
+    let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
+    drives.until_log("simulated");
+    let all = |state: &str| {
+        let each = ["p", "i", "v"].map(|axis| format!("{{signal: {axis}.{state}}}"));
+        format!("{{all: [{}]}}", each.join(", "))
+    };
+    let moves = |to: &str| {
+        let each =
+            ["p", "i", "v"].map(|axis| format!("{{move_axis: {{axis: {axis}, position: {to}, velocity: 40 mm/s}}}}"));
+        each.join(", ")
+    };
+    let (off, on) = (all("drive_state, is: SWITCH_ON_DISABLED"), all("state, is: STANDSTILL"));
+    let run = cell.run(&format!(
+        "scenario: profile modes
+for: 6 s
+steps:
+  - {{when: {off}, do: {{enable: {{axes: [p, i, v]}}}}}}
+  - {{when: {on}, do: [{}]}}
+  - {{when: {on}, after: 500 ms, do: [{}]}}
+expect:
+  - {{all: [{{signal: p.actual.position, is: -5000}}, {{signal: i.actual.position, is: -5000}}], at: end}}
+  - {{signal: v.actual.position, at: end, is: -5000, within: 5}}
+  - {{event: {{kind: error}}, mode: never}}
+",
+        moves("20 mm"),
+        moves("-5 mm")
+    ));
+    run.passes();
+    drives.end();
+}

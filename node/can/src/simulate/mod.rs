@@ -4,17 +4,19 @@
 //!          received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by the clock
 //! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat that 1016h names, guarding
 //! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
-//! Refuses  modules, encoders, touch probes, modes that are not cyclic, drives by number: see [`unsupported`]
+//! Refuses  modules, encoders, touch probes, drives by number: see [`unsupported`]
 //! Source   CiA 301, CiA 402-2
 
 mod device;
+mod modes;
+mod objects;
 mod pdo;
+mod profile;
 mod server;
 mod table;
 
 use self::device::Device;
 use crate::config::{BusConfig, DeviceConfig};
-use crate::drive::DriveMode;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id, NodeId};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
@@ -32,9 +34,6 @@ const LOOK: Duration = Duration::from_micros(200);
 const LONGEST_GAP: Duration = Duration::from_secs(1);
 /// Time for which other devices are listened to before the drives boot: longer than most heartbeats.
 const LISTEN: Duration = Duration::from_millis(1_200);
-
-/// Modes of operation that are simulated.
-const MODES: [DriveMode; 3] = [DriveMode::Csp, DriveMode::Csv, DriveMode::Cst];
 
 /// Drives on a bus.
 pub struct SimulatedBus {
@@ -64,9 +63,6 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
     };
     if drive.drive_type.is_some() {
         return Some("drives with drivetype are not simulated on a bus".to_owned());
-    }
-    if !MODES.contains(&drive.mode) {
-        return Some(format!("mode {} is not simulated on a bus; csp, csv and cst are allowed", drive.mode.name()));
     }
     if drive.probes.iter().any(Option::is_some) {
         return Some("touch probes are not simulated on a bus".to_owned());
@@ -109,7 +105,8 @@ impl SimulatedBus {
         mut inputs: Inputs,
         outputs: Outputs,
     ) -> Self {
-        let devices: Vec<_> = config.devices.iter().filter_map(Device::new).collect();
+        let cycle = Duration::from_nanos(config.cycle_ns.max(1));
+        let devices: Vec<_> = config.devices.iter().filter_map(|device| Device::new(device, cycle)).collect();
         // The plant has the delay of a bus in it, which the bus itself has here.
         let delay = devices.iter().filter_map(|device| plant.capabilities(device.place())).map(|offers| offers.delay);
         for _ in 0..=delay.max().unwrap_or_default() {
@@ -121,7 +118,7 @@ impl SimulatedBus {
             devices,
             inputs,
             outputs,
-            cycle: Duration::from_nanos(config.cycle_ns.max(1)),
+            cycle,
             frames: Vec::new(),
             last_sync: None,
             next_step: Duration::ZERO,
@@ -204,7 +201,7 @@ impl SimulatedBus {
 
     /// One cycle of the mechanics.
     fn step(&mut self) {
-        for device in &self.devices {
+        for device in &mut self.devices {
             device.order(&self.inputs, &mut self.outputs);
         }
         self.plant.write(&self.outputs);
@@ -236,5 +233,50 @@ impl SimulatedBus {
             }
         }
         self.transport.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Watching;
+    use crate::config::{Role, Write};
+    use crate::drive::DriveType;
+    use crate::sdo::Object;
+
+    /// A bus with one drive that was changed.
+    fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        change(&mut device);
+        BusConfig {
+            name: "bus0".to_owned(),
+            transport: "udp:239.74.163.2:43113".parse().unwrap(),
+            bit_rate: None,
+            serial_baudrate: None,
+            cycle_ns: 2_000_000,
+            sync_overflow: None,
+            sdo_timeout_ns: 1,
+            time_ns: None,
+            master: None,
+            devices: vec![device],
+        }
+    }
+
+    #[test]
+    fn what_is_not_simulated_is_refused_by_name() {
+        assert_eq!(unsupported(&bus(|_| {})), None);
+        let sentence = unsupported(&bus(|device| device.role = Role::Module)).unwrap();
+        assert_eq!(sentence, "bus0: node 3 (module): modules and encoders are not simulated on a bus");
+        let by_type = unsupported(&bus(|device| {
+            if let Role::Drive(drive) = &mut device.role {
+                drive.drive_type = DriveType::decode(1);
+                assert!(drive.drive_type.is_some());
+            }
+        }));
+        assert!(by_type.unwrap().contains("drives with drivetype are not simulated on a bus"));
+        let long = unsupported(&bus(|device| {
+            device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 8] }];
+        }));
+        assert!(long.unwrap().contains("startup writes 8 bytes to 2001h:00"));
     }
 }

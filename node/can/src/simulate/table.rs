@@ -4,9 +4,10 @@
 //!          that is on, of objects that cannot be mapped, or of more than 8 bytes
 //! Source   CiA 301 (objects 1000h to 1BFFh, abort codes), CiA 402-2
 
+use super::objects as simulated;
 use crate::config::{DeviceConfig, DriveConfig};
 use crate::drive::layout::MOST_PDOS;
-use crate::drive::objects;
+use crate::drive::{DriveMode, objects};
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object};
 use lineshaft_core::drive::MODE_HOMING;
@@ -60,14 +61,19 @@ const fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// Error register (CiA 301).
-pub(super) const ERROR_REGISTER: Object = at(0x1001, 0);
+/// Profile velocity after power-on (counts/s).
+const PROFILE_VELOCITY: f64 = 100_000.0;
+/// Profile acceleration and deceleration after power-on (counts/s^2).
+const PROFILE_ACCELERATION: f64 = 500_000.0;
+
+/// Objects that are above 0.
+const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
 /// Objects of every drive: bytes, access, and the value after power-on.
-const OBJECTS: [(Object, u8, Access, u32); 28] = [
+const OBJECTS: [(Object, u8, Access, u32); 39] = [
     // A servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
-    (ERROR_REGISTER, 1, Access::Transmit, 0),
+    (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
     (objects::SYNC_COB_ID, 4, Access::Write, 0x80),
     (objects::CYCLE_PERIOD, 4, Access::Write, 0),
     (objects::GUARD_TIME, 2, Access::Write, 0),
@@ -80,6 +86,15 @@ const OBJECTS: [(Object, u8, Access, u32); 28] = [
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
     (objects::CONTROL_WORD, 2, Access::Receive, 0),
     (objects::STATUS_WORD, 2, Access::Transmit, 0),
+    (objects::VL_TARGET_VELOCITY, 2, Access::Receive, 0),
+    (simulated::VL_DEMAND, 2, Access::Transmit, 0),
+    (simulated::VL_ACTUAL, 2, Access::Transmit, 0),
+    (at(0x6048, 0), 1, Access::Read, 2),
+    (simulated::VL_ACCELERATION[0], 4, Access::Write, 0),
+    (simulated::VL_ACCELERATION[1], 2, Access::Write, 0),
+    (at(0x6049, 0), 1, Access::Read, 2),
+    (simulated::VL_DECELERATION[0], 4, Access::Write, 0),
+    (simulated::VL_DECELERATION[1], 2, Access::Write, 0),
     (objects::MODE, 1, Access::Receive, 0),
     (objects::MODE_DISPLAY, 1, Access::Transmit, 0),
     (objects::POSITION, 4, Access::Transmit, 0),
@@ -87,6 +102,9 @@ const OBJECTS: [(Object, u8, Access, u32); 28] = [
     (objects::TARGET_TORQUE, 2, Access::Receive, 0),
     (objects::TORQUE, 2, Access::Transmit, 0),
     (objects::TARGET_POSITION, 4, Access::Receive, 0),
+    // The whole torque within 10 ms.
+    (simulated::TORQUE_SLOPE, 4, Access::Receive, 100_000),
+    (objects::INTERPOLATION_POSITION, 4, Access::Receive, 0),
     (objects::HOMING_METHOD, 1, Access::Write, 0),
     (objects::HOMING_SEARCH, 4, Access::Write, 0),
     (objects::HOMING_ZERO, 4, Access::Write, 0),
@@ -126,7 +144,12 @@ impl Table {
                 table.add(object, 4, Access::Read, u32::try_from(number).unwrap_or(u32::MAX));
             }
         }
-        let modes = [drive.mode.number(), MODE_HOMING].into_iter().fold(0, |modes, mode| modes | 1_u32 << (mode - 1));
+        let units = |counts: f64| u32::try_from(drive.velocity.to_drive(counts)).unwrap_or(u32::MAX).max(1);
+        table.add(simulated::PROFILE_VELOCITY, 4, Access::Receive, units(PROFILE_VELOCITY));
+        for object in [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION] {
+            table.add(object, 4, Access::Receive, units(PROFILE_ACCELERATION));
+        }
+        let modes = supported(drive).fold(0, |modes, mode| modes | 1_u32 << (mode - 1));
         table.add(objects::SUPPORTED_MODES, 4, Access::Read, modes);
         for number in 1..=MOST_PDOS {
             let ids = [(Direction::Receive, device.node.rpdo(number)), (Direction::Transmit, device.node.tpdo(number))];
@@ -174,6 +197,13 @@ impl Table {
         }
     }
 
+    /// Sets an object by PDO. A value that the drive refuses changes nothing.
+    pub(super) fn receive(&mut self, object: Object, value: u32) {
+        if self.check(object, value).is_ok() {
+            self.put(object, value);
+        }
+    }
+
     /// Reads an object by SDO: its value and its bytes.
     pub(super) fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
         self.entry(object).map(|entry| (entry.value, entry.bytes))
@@ -207,6 +237,8 @@ impl Table {
                 1..=32 if self.get(objects::SUPPORTED_MODES) >> (value - 1) & 1 == 1 => Ok(()),
                 _ => Err(RANGE),
             },
+            // Without a ramp the drive would not move.
+            _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
             // Reserved transmission types, and those that answer remote frames.
             (0x1400..=0x15FF | 0x1800..=0x19FF, 2) if (241..=253).contains(&value) => Err(RANGE),
             (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => self.check_mapping(object, value),
@@ -234,6 +266,13 @@ impl Table {
     }
 }
 
+/// The numbers of the modes that a drive offers: those of the interface of its axis, and homing.
+fn supported(drive: &DriveConfig) -> impl Iterator<Item = i8> {
+    let offers = move |mode: &DriveMode| *mode == drive.mode || drive.offers.offers(mode.interface());
+    let modes = DriveMode::NAMES.into_iter().map(|(_, mode)| mode).filter(offers).map(DriveMode::number);
+    modes.chain(drive.offers.homes.then_some(MODE_HOMING))
+}
+
 /// The object of a mapping entry, and its bytes.
 pub(super) fn mapped(entry: u32) -> (Object, u8) {
     let [bits, sub, low, high] = entry.to_le_bytes();
@@ -253,11 +292,25 @@ mod tests {
     #[test]
     fn a_mode_that_the_drive_lacks_is_out_of_range() {
         let mut table = table();
-        // csp is bit 7 of 6502h, homing bit 5.
-        assert_eq!(table.read(objects::SUPPORTED_MODES), Ok((0xA0, 4)));
-        for (mode, result) in [(8, Ok(())), (6, Ok(())), (0, Ok(())), (9, Err(RANGE)), (0xFF, Err(RANGE))] {
+        // pp is bit 0 of 6502h, homing bit 5, ip bit 6, csp bit 7.
+        assert_eq!(table.read(objects::SUPPORTED_MODES), Ok((0xE1, 4)));
+        let accepted = [1, 6, 7, 8, 0].map(|mode| (mode, Ok(())));
+        let refused = [2, 3, 4, 5, 9, 10, 0xFF].map(|mode| (mode, Err(RANGE)));
+        for (mode, result) in accepted.into_iter().chain(refused) {
             assert_eq!(table.write(objects::MODE, mode, Some(1)), result, "{mode}");
         }
+        // The same by PDO.
+        table.receive(objects::MODE, 1);
+        table.receive(objects::MODE, 9);
+        assert_eq!(table.get(objects::MODE), 1);
+    }
+
+    #[test]
+    fn ramp_of_0_is_out_of_range() {
+        let mut table = table();
+        assert_eq!(table.read(simulated::PROFILE_ACCELERATION), Ok((500_000, 4)));
+        assert_eq!(table.write(simulated::PROFILE_ACCELERATION, 0, Some(4)), Err(RANGE));
+        assert_eq!(table.write(simulated::PROFILE_ACCELERATION, 1, Some(4)), Ok(()));
     }
 
     #[test]

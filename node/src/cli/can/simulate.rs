@@ -13,8 +13,7 @@ use lineshaft_core::machine::Machine;
 use std::path::{Path, PathBuf};
 
 pub(super) const HELP: &str = "\
-The drives have the nodes, identities and mechanics (key sim of an axis) of the cell, and serve csp, csv, cst and homing. Nodes that answer on \
-the bus already are refused.
+The drives have the nodes, identities, modes and mechanics (key sim of an axis) of the cell. Nodes that answer on the bus already are refused.
 
 A bus of datagrams (udp:GROUP:PORT) or an interface vcanN is used as the cell names it. Any other way to a bus may lead to real drives, so \
 --transport must name it.
@@ -265,11 +264,12 @@ mod tests {
     }
 
     #[test]
-    fn modes_that_are_not_cyclic_are_refused_by_name() {
-        let text = CELL.replace("node: 3}", "node: 3, mode: pp}");
-        let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
-        let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
-        let expected = "bus0: node 3 (x): mode pp is not simulated on a bus; csp, csv and cst are allowed";
-        assert_eq!(unsupported(&config).as_deref(), Some(expected));
+    fn profile_modes_are_simulated() {
+        for mode in ["pp", "ip", "csp"] {
+            let text = CELL.replace("node: 3}", &format!("node: 3, mode: {mode}}}"));
+            let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
+            let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
+            assert_eq!(unsupported(&config), None, "{mode}");
+        }
     }
 }
