@@ -1,26 +1,43 @@
 //! One simulated drive as a device of CANopen; its mechanics are elsewhere.
 //!
-//! Law      a device boots into pre-operational; PDOs go only while it is operational. One that loses its master, by 1016h or by NMT stop, has
-//!          a fault if it is not off
-//! Source   CiA 301 (NMT, heartbeat, guarding, EMCY), CiA 402-2 (6040h, 6041h)
+//! Law      a device boots into pre-operational; PDOs go only while it is operational. NMT reset node sets all objects to their values after
+//!          power-on, reset communication those below 2000h. A device that loses its master sends EMCY 8130h and changes its state by 1029h. The
+//!          drive of it, and one that is stopped or whose communication is reset by NMT, does what 6007h says if it is not off
+//! Source   CiA 301 (NMT, EMCY, 1029h), CiA 402-2 (6007h, 6040h, 6041h)
 
+use super::CONNECTION_LOST;
 use super::modes::{Modes, units};
 use super::objects as simulated;
 use super::pdo::Pdo;
 use super::server;
+use super::supervision::Supervision;
 use super::table::Table;
 use crate::config::{DeviceConfig, Terminals, VelocityFactor};
 use crate::drive::objects;
 use crate::eds::Direction;
 use crate::sdo::Object;
 use crate::{Frame, Id, NmtState, NodeId};
-use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs};
+use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs, control};
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Status word bit 9: the drive takes what comes over the bus.
 const STATUS_REMOTE: u16 = 0x0200;
 /// Bit 0 of the error register: any error.
 const GENERIC_ERROR: u8 = 0x01;
+/// Bit 4 of the error register: communication.
+const COMMUNICATION_ERROR: u8 = 0x10;
+/// Indices of the communication profile (CiA 301).
+const COMMUNICATION: RangeInclusive<u16> = 0x1000..=0x1FFF;
+
+/// The error register (1001h) of an error code; code 0: no error.
+fn error_register(code: u16) -> u8 {
+    match code {
+        0 => 0,
+        0x8100..=0x81FF => GENERIC_ERROR | COMMUNICATION_ERROR,
+        _ => GENERIC_ERROR,
+    }
+}
 
 /// The state that a device shows, as one byte.
 fn number(state: NmtState) -> u8 {
@@ -49,10 +66,9 @@ pub(super) struct Device {
     state: NmtState,
     received: Vec<Pdo>,
     sent: Vec<Pdo>,
-    next_heartbeat: Option<Duration>,
-    /// Until when the master must be heard again; none before it is heard.
-    master_until: Option<Duration>,
-    guard_toggle: bool,
+    supervision: Supervision,
+    /// It has reported that its master is lost.
+    misses_master: bool,
     fault: u16,
     is_lost: bool,
 }
@@ -74,9 +90,8 @@ impl Device {
             state: NmtState::BootUp,
             received: Vec::new(),
             sent: Vec::new(),
-            next_heartbeat: None,
-            master_until: None,
-            guard_toggle: false,
+            supervision: Supervision::default(),
+            misses_master: false,
             fault: 0,
             is_lost: false,
         })
@@ -87,7 +102,13 @@ impl Device {
         self.place
     }
 
-    /// Returns true once after the drive has lost its master while it was not off.
+    /// From one SYNC to the next (1006h); none if it is not known.
+    pub(super) fn sync_period(&self) -> Option<Duration> {
+        let us = self.table.get(objects::CYCLE_PERIOD);
+        (us > 0).then_some(Duration::from_micros(us.into()))
+    }
+
+    /// Returns true once when the drive has to have a fault, as it has lost its master.
     pub(super) fn take_loss(&mut self) -> bool {
         std::mem::take(&mut self.is_lost)
     }
@@ -99,25 +120,15 @@ impl Device {
         self.state = NmtState::PreOperational;
     }
 
-    /// All objects that are set by the bus have their values after power-on again; those that show the drive stay.
-    fn reset(&mut self, out: &mut Vec<Frame>) {
-        let shown = [
-            objects::STATUS_WORD,
-            objects::MODE_DISPLAY,
-            objects::POSITION,
-            objects::VELOCITY,
-            objects::TORQUE,
-            objects::ERROR_CODE,
-            objects::DIGITAL_INPUTS,
-            simulated::ERROR_REGISTER,
-        ];
-        let before = std::mem::replace(&mut self.table, self.initial.clone());
-        for object in shown {
-            self.table.put(object, before.get(object));
-        }
+    /// Objects of these indices have their values after power-on again, and the device boots.
+    fn reset(&mut self, indices: &RangeInclusive<u16>, out: &mut Vec<Frame>) {
+        self.table.restore(&self.initial, indices);
         self.received.clear();
         self.sent.clear();
-        (self.next_heartbeat, self.master_until, self.guard_toggle) = (None, None, false);
+        self.supervision = Supervision::default();
+        if std::mem::take(&mut self.misses_master) && self.fault == 0 {
+            self.table.put(simulated::ERROR_REGISTER, 0);
+        }
         self.boot(out);
     }
 
@@ -130,9 +141,11 @@ impl Device {
     pub(super) fn take(&mut self, frame: &Frame, now: Duration, out: &mut Vec<Frame>) {
         let id = frame.id();
         if frame.is_remote() {
-            if id == self.node.heartbeat() && self.table.get(objects::PRODUCER_HEARTBEAT) == 0 {
-                self.send_state(if self.guard_toggle { 0x80 } else { 0 }, out);
-                self.guard_toggle = !self.guard_toggle;
+            if id == self.node.heartbeat()
+                && let Some(toggle) = self.supervision.guard(&self.table, now)
+            {
+                self.send_state(toggle, out);
+                self.find_master(out);
             }
         } else if id == Id::NMT {
             if let &[command, node, ..] = frame.bytes()
@@ -142,10 +155,8 @@ impl Device {
             }
         } else if id == self.node.sdo_request() {
             self.serve(frame, now, out);
-        } else if let Some((master, limit)) = self.consumed()
-            && id == master
-        {
-            self.master_until = Some(now + limit);
+        } else if self.supervision.hear(id, &self.table, now) {
+            self.find_master(out);
         } else if self.state == NmtState::Operational
             && let Some(pdo) = self.received.iter_mut().find(|pdo| pdo.id == id)
         {
@@ -162,10 +173,14 @@ impl Device {
             }
             0x02 => {
                 self.state = NmtState::Stopped;
-                self.lose_master();
+                self.abort_connection();
             }
             0x80 => self.state = NmtState::PreOperational,
-            0x81 | 0x82 => self.reset(out),
+            0x81 => self.reset(&(0..=u16::MAX), out),
+            0x82 => {
+                self.abort_connection();
+                self.reset(&COMMUNICATION, out);
+            }
             _ => {}
         }
     }
@@ -181,48 +196,60 @@ impl Device {
         }
         let Some((frame, written)) = server::answer(&mut self.table, request, self.node.sdo_response()) else { return };
         out.push(frame);
-        match written {
-            Some(objects::PRODUCER_HEARTBEAT) => self.next_heartbeat = self.heartbeat().map(|time| now + time),
-            Some(objects::CONSUMER_HEARTBEAT) => self.master_until = None,
-            Some(Object { index: 0x1400..=0x1BFF, .. }) if self.state == NmtState::Operational => self.load_pdos(),
-            _ => {}
+        if let Some(object) = written {
+            self.supervision.written(object, &self.table, now);
+            if (0x1400..=0x1BFF).contains(&object.index) && self.state == NmtState::Operational {
+                self.load_pdos();
+            }
         }
-    }
-
-    /// From one of its heartbeats to the next; none if it has none.
-    fn heartbeat(&self) -> Option<Duration> {
-        let ms = self.table.get(objects::PRODUCER_HEARTBEAT);
-        (ms > 0).then_some(Duration::from_millis(ms.into()))
-    }
-
-    /// The identifier of the heartbeat that it watches, and within which time that must come (1016h); none if it watches none.
-    fn consumed(&self) -> Option<(Id, Duration)> {
-        let [low, high, node, _] = self.table.get(objects::CONSUMER_HEARTBEAT).to_le_bytes();
-        let ms = u16::from_le_bytes([low, high]);
-        let node = NodeId::new(node).filter(|_| ms > 0)?;
-        Some((node.heartbeat(), Duration::from_millis(ms.into())))
     }
 
     /// Does what is due.
     pub(super) fn tick(&mut self, now: Duration, out: &mut Vec<Frame>) {
-        if let (Some(due), Some(time)) = (self.next_heartbeat, self.heartbeat())
-            && now >= due
-        {
+        if self.supervision.is_due(&self.table, now) {
             self.send_state(0, out);
-            // One that is late is not made up for.
-            let next = due + time;
-            self.next_heartbeat = Some(if next > now { next } else { now + time });
         }
-        if self.master_until.is_some_and(|until| now >= until) {
-            self.master_until = None;
-            self.lose_master();
+        if self.supervision.has_lost_master(now) {
+            self.lose_master(out);
         }
     }
 
-    fn lose_master(&mut self) {
+    /// The master is silent.
+    fn lose_master(&mut self, out: &mut Vec<Frame>) {
+        self.misses_master = true;
+        self.abort_connection();
+        if self.is_lost {
+            self.fault = CONNECTION_LOST;
+            self.table.put(objects::ERROR_CODE, CONNECTION_LOST.into());
+        }
+        self.send_emergency(CONNECTION_LOST, out);
+        match self.table.get(simulated::ERROR_BEHAVIOUR) {
+            0 if self.state == NmtState::Operational => self.state = NmtState::PreOperational,
+            2 => self.state = NmtState::Stopped,
+            _ => {}
+        }
+    }
+
+    /// The master is there again.
+    fn find_master(&mut self, out: &mut Vec<Frame>) {
+        if std::mem::take(&mut self.misses_master) && self.fault == 0 {
+            self.send_emergency(0, out);
+        }
+    }
+
+    /// Does what 6007h says, if the drive is not off: nothing, fault, disable voltage, or quick stop.
+    fn abort_connection(&mut self) {
         let state = DriveState::from_status(self.table.get(objects::STATUS_WORD) as u16);
-        self.is_lost |=
-            matches!(state, DriveState::Ready | DriveState::SwitchedOn | DriveState::Enabled | DriveState::QuickStop);
+        let on = [DriveState::Ready, DriveState::SwitchedOn, DriveState::Enabled, DriveState::QuickStop];
+        if !on.contains(&state) {
+            return;
+        }
+        match self.table.get(simulated::ABORT_CONNECTION) {
+            1 => self.is_lost = true,
+            2 => self.table.put(objects::CONTROL_WORD, control::DISABLE_VOLTAGE.into()),
+            3 => self.table.put(objects::CONTROL_WORD, control::QUICK_STOP.into()),
+            _ => {}
+        }
     }
 
     /// Shows what the mechanics have done.
@@ -249,13 +276,18 @@ impl Device {
         self.send_changes(out);
     }
 
-    /// Error code, error register and EMCY; code 0: no error any more.
+    /// Error code and EMCY; code 0: no error any more.
     fn send_fault(&mut self, out: &mut Vec<Frame>) {
-        let register = if self.fault == 0 { 0 } else { GENERIC_ERROR };
         self.table.put(objects::ERROR_CODE, self.fault.into());
+        self.send_emergency(self.fault, out);
+    }
+
+    /// Error register and EMCY; code 0: no error any more.
+    fn send_emergency(&mut self, code: u16, out: &mut Vec<Frame>) {
+        let register = error_register(code);
         self.table.put(simulated::ERROR_REGISTER, register.into());
         if matches!(self.state, NmtState::PreOperational | NmtState::Operational) {
-            let emergency = Emergency { code: self.fault, register, data: [0; 5] };
+            let emergency = Emergency { code, register, data: [0; 5] };
             out.push(Frame::of(self.node.emergency(), emergency.to_bytes()));
         }
     }

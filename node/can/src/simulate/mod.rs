@@ -1,18 +1,21 @@
 //! Simulated drives of CiA 402 on a bus: devices of CANopen whose mechanics are those of the simulation.
 //!
-//! Law      in each SYNC the drives move by one cycle with what was applied at the SYNC before, send their PDOs, and apply what they have
-//!          received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by the clock
-//! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat that 1016h names, guarding
+//! Law      in each SYNC the drives move by the period of 1006h, or by one cycle, with what was applied at the SYNC before, send their PDOs, and
+//!          apply what they have received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by
+//!          the clock
+//! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat of 1016h, guarding
 //! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
 //! Refuses  modules, encoders, touch probes, drives by number: see [`unsupported`]
 //! Source   CiA 301, CiA 402-2
 
 mod device;
+mod interpolation;
 mod modes;
 mod objects;
 mod pdo;
 mod profile;
 mod server;
+mod supervision;
 mod table;
 
 use self::device::Device;
@@ -24,13 +27,13 @@ use lineshaft_core::sim::Plant;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Error code of a drive that no longer hears its master (CiA 301: life guard error or heartbeat error).
+/// Error code of a device that no longer hears its master (CiA 301: life guard error or heartbeat error).
 const CONNECTION_LOST: u16 = 0x8130;
-/// Time without SYNC after which the drives move by the clock.
+/// Time without SYNC after which the drives move by the clock; two periods of SYNC if they are longer.
 const SILENCE: Duration = Duration::from_millis(100);
 /// Between two looks at the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// Longest time that is made up for after the process was stopped.
+/// Longest time that is made up for after the process was stopped, and longest motion of one SYNC.
 const LONGEST_GAP: Duration = Duration::from_secs(1);
 /// Time for which other devices are listened to before the drives boot: longer than most heartbeats.
 const LISTEN: Duration = Duration::from_millis(1_200);
@@ -46,6 +49,8 @@ pub struct SimulatedBus {
     /// Frames to be sent.
     frames: Vec<Frame>,
     last_sync: Option<Duration>,
+    /// Time of SYNC that the mechanics have not moved by yet: less than a cycle.
+    owed: Duration,
     next_step: Duration,
 }
 
@@ -121,6 +126,7 @@ impl SimulatedBus {
             cycle,
             frames: Vec::new(),
             last_sync: None,
+            owed: Duration::ZERO,
             next_step: Duration::ZERO,
         }
     }
@@ -172,7 +178,12 @@ impl SimulatedBus {
     fn take(&mut self, frame: &Frame, now: Duration) {
         if frame.id() == Id::SYNC && !frame.is_remote() {
             self.last_sync = Some(now);
-            self.step();
+            let period = self.period();
+            self.owed += period;
+            while self.owed >= self.cycle {
+                self.owed -= self.cycle;
+                self.step();
+            }
             for device in &mut self.devices {
                 device.synchronize(&mut self.frames);
             }
@@ -184,12 +195,21 @@ impl SimulatedBus {
         self.abandon();
     }
 
+    /// From one SYNC to the next, by the first drive that knows it; else one cycle.
+    fn period(&self) -> Duration {
+        // 1006h has whole microseconds.
+        let is_other = |period: &Duration| period.abs_diff(self.cycle) >= Duration::from_micros(1);
+        let period = self.devices.iter().find_map(Device::sync_period).filter(is_other);
+        period.map_or(self.cycle, |period| period.min(LONGEST_GAP))
+    }
+
     fn tick(&mut self, now: Duration) {
         for device in &mut self.devices {
             device.tick(now, &mut self.frames);
         }
         self.abandon();
-        let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < SILENCE);
+        let silence = SILENCE.max(self.period() * 2);
+        let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < silence);
         if has_sync || now.saturating_sub(self.next_step) > LONGEST_GAP {
             self.next_step = now + self.cycle;
         }

@@ -1,12 +1,13 @@
 //! Modes of operation of a simulated drive: what they make of the objects in each cycle of the mechanics.
 //!
-//! Law      csp, csv and cst follow their setpoint; ip does while bit 4 of the control word is 1. pp reaches set-points on a trapezoid, pv and
+//! Law      csv and cst follow their setpoint; csp and ip interpolate to it, ip while bit 4 of the control word is 1. pp reaches set-points on a trapezoid, pv and
 //!          tq on ramps; vl on the ramp of 6048h and 6049h, with bits 4 to 6. Bit 8 halts pp, pv, vl and tq. A drive that is not enabled is at
 //!          rest
 //! Reads    6040h, 6060h, the setpoints and ramps of the mode, position and state of the drive
 //! Writes   what is asked of the mechanics, bits 10 and 12 of the status word, 6061h
 //! Source   CiA 402-2
 
+use super::interpolation::{self, Interpolator};
 use super::objects as simulated;
 use super::profile::{HALT, Order, Positioner, Ramp, nearest, ramped};
 use super::table::Table;
@@ -39,8 +40,8 @@ pub(super) struct Modes {
     /// The mode that the mechanics were given in the last cycle.
     given: i8,
     positioner: Positioner,
-    /// Position demand value of ip (counts).
-    demand: i64,
+    /// Of csp and ip.
+    interpolator: Interpolator,
     /// Velocity demand value of pv and vl (counts/s).
     velocity: f64,
     /// Torque demand value of tq (0.1 % of the rated torque).
@@ -139,26 +140,25 @@ impl Modes {
     /// Nothing of the mode is under way.
     fn rest(&mut self, now: &Moment<'_>) {
         self.positioner.rest_at(now.count, now.control);
-        (self.demand, self.velocity, self.torque) = (now.count, 0.0, 0.0);
+        self.interpolator.rest_at(now.count);
+        (self.velocity, self.torque) = (0.0, 0.0);
     }
 
     fn position(&mut self, mode: DriveMode, now: &Moment<'_>) -> i64 {
-        let setpoint = |object| nearest(now.table.signed(object), now.count);
-        match mode {
-            DriveMode::Pp if now.is_on => {
+        let object = match mode {
+            DriveMode::Csp => objects::TARGET_POSITION,
+            DriveMode::Ip if now.is_on && now.has(BIT_4) => objects::INTERPOLATION_POSITION,
+            DriveMode::Ip => return self.interpolator.hold(),
+            _ if !now.is_on => return now.count,
+            _ => {
                 let (target, velocity) =
                     (now.table.signed(objects::TARGET_POSITION), now.per_second(simulated::PROFILE_VELOCITY));
-                self.positioner.step(now.control, Order { target, velocity, ramp: now.ramp() }, now.cycle_s)
+                let order = Order { target, velocity, ramp: now.ramp() };
+                return self.positioner.step(now.control, order, now.cycle_s);
             }
-            DriveMode::Ip => {
-                if now.is_on && now.has(BIT_4) {
-                    self.demand = setpoint(objects::INTERPOLATION_POSITION);
-                }
-                self.demand
-            }
-            DriveMode::Csp => setpoint(objects::TARGET_POSITION),
-            _ => now.count,
-        }
+        };
+        let cycles = interpolation::cycles(now.table, now.cycle_s);
+        self.interpolator.step(nearest(now.table.signed(object), now.count), cycles)
     }
 
     fn velocity(&mut self, mode: DriveMode, now: &Moment<'_>) -> f64 {

@@ -8,6 +8,10 @@ const fn of(index: u16, sub: u8) -> Object {
 
 /// Error register (CiA 301).
 pub(super) const ERROR_REGISTER: Object = of(0x1001, 0);
+/// Error behaviour at a communication error (CiA 301).
+pub(super) const ERROR_BEHAVIOUR: Object = of(0x1029, 1);
+/// Abort connection option code (CiA 402).
+pub(super) const ABORT_CONNECTION: Object = of(0x6007, 0);
 /// vl velocity demand (CiA 402).
 pub(super) const VL_DEMAND: Object = of(0x6043, 0);
 /// vl velocity actual value (CiA 402).

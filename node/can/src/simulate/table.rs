@@ -70,7 +70,7 @@ const PROFILE_ACCELERATION: f64 = 500_000.0;
 const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
 /// Objects of every drive: bytes, access, and the value after power-on.
-const OBJECTS: [(Object, u8, Access, u32); 39] = [
+const OBJECTS: [(Object, u8, Access, u32); 42] = [
     // A servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
     (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
@@ -83,6 +83,10 @@ const OBJECTS: [(Object, u8, Access, u32); 39] = [
     (objects::PRODUCER_HEARTBEAT, 2, Access::Write, 0),
     (at(0x1018, 0), 1, Access::Read, 4),
     (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
+    (at(0x1029, 0), 1, Access::Read, 1),
+    (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
+    // Fault.
+    (simulated::ABORT_CONNECTION, 2, Access::Write, 1),
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
     (objects::CONTROL_WORD, 2, Access::Receive, 0),
     (objects::STATUS_WORD, 2, Access::Transmit, 0),
@@ -197,6 +201,15 @@ impl Table {
         }
     }
 
+    /// Sets the objects of some indices to their values after power-on; those that show the drive stay.
+    pub(super) fn restore(&mut self, initial: &Self, indices: &RangeInclusive<u16>) {
+        for (object, entry) in &initial.0 {
+            if indices.contains(&object.index) && entry.access != Access::Transmit {
+                self.put(*object, entry.value);
+            }
+        }
+    }
+
     /// Sets an object by PDO. A value that the drive refuses changes nothing.
     pub(super) fn receive(&mut self, object: Object, value: u32) {
         if self.check(object, value).is_ok() {
@@ -237,6 +250,8 @@ impl Table {
                 1..=32 if self.get(objects::SUPPORTED_MODES) >> (value - 1) & 1 == 1 => Ok(()),
                 _ => Err(RANGE),
             },
+            _ if object == simulated::ERROR_BEHAVIOUR && value > 2 => Err(RANGE),
+            _ if object == simulated::ABORT_CONNECTION && value > 3 => Err(RANGE),
             // Without a ramp the drive would not move.
             _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
             // Reserved transmission types, and those that answer remote frames.

@@ -241,10 +241,31 @@ mod tests {
             rig.now += Duration::from_millis(20);
             rig.bus.serve(rig.now).unwrap();
         }
-        assert_eq!(rig.sent(), [Frame::of(node().emergency(), [0x30, 0x81, 0x01, 0, 0, 0, 0, 0])]);
+        assert_eq!(rig.sent(), [Frame::of(node().emergency(), [0x30, 0x81, 0x11, 0, 0, 0, 0, 0])]);
         let status = rig.tell(Frame::of(node().sdo_request(), [0x40, 0x41, 0x60, 0, 0, 0, 0, 0]));
         let status: Vec<_> = status.iter().map(|frame| frame.bytes()[4] & 0x4F).collect();
         assert_eq!(status, [0x08], "fault");
+    }
+
+    /// SYNC every 8 ms, the mechanics every 2 ms: four steps of 100 counts, 50,000 counts/s. With an interpolation time of 16 ms the setpoint is
+    /// reached after two SYNC.
+    #[test]
+    fn setpoints_are_interpolated_over_the_times_of_1006h_and_60c2h() {
+        for (time, positions, velocity) in [(8, [400, 400], 50_000_i32), (16, [200, 400], 25_000)] {
+            let mut rig = Rig::new();
+            rig.start();
+            rig.write(0x1006, 0, &8_000_u32.to_le_bytes());
+            rig.write(0x60C2, 1, &[time]);
+            for control in [0x06, 0x07, 0x0F, 0x0F] {
+                rig.cycle(control, 0);
+            }
+            rig.cycle(0x0F, 400);
+            assert_eq!(rig.cycle(0x0F, 400).1, positions[0], "{time} ms");
+            let answer = rig.tell(Frame::of(node().sdo_request(), [0x40, 0x6C, 0x60, 0, 0, 0, 0, 0]));
+            let shown: Vec<_> = answer.iter().map(|frame| frame.bytes()[4..].to_vec()).collect();
+            assert_eq!(shown, [velocity.to_le_bytes()], "{time} ms");
+            assert_eq!(rig.cycle(0x0F, 400).1, positions[1], "{time} ms");
+        }
     }
 
     #[test]

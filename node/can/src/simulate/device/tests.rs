@@ -161,3 +161,80 @@ fn a_fault_is_an_emergency_message_and_so_is_its_end() {
     assert_eq!(device.table.get(objects::ERROR_CODE), 0x8611);
     assert_eq!(show(&mut device, 0), [(node().emergency(), vec![0; 8])]);
 }
+
+fn master_beats(device: &mut Device, now: Duration) -> Vec<Frame> {
+    let mut out = Vec::new();
+    device.take(&Frame::data(MASTER.heartbeat(), &[0x05]).unwrap(), now, &mut out);
+    out
+}
+
+/// 6007h: 0 nothing, 1 fault, 2 disable voltage (control word 0), 3 quick stop (control word 2).
+#[test]
+fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
+    for (option, has_fault, control) in [(0_u16, false, 0x0F), (1, true, 0x0F), (2, false, 0x00), (3, false, 0x02)] {
+        let mut device = device();
+        device.table.put(objects::STATUS_WORD, 0x0237);
+        write(&mut device, objects::CONTROL_WORD, &0x0F_u16.to_le_bytes(), ms(0));
+        write(&mut device, simulated::ABORT_CONNECTION, &option.to_le_bytes(), ms(0));
+        device.take(&NmtCommand::Stop.frame(None), ms(0), &mut Vec::new());
+        assert_eq!((device.take_loss(), device.table.get(objects::CONTROL_WORD)), (has_fault, control), "{option}");
+    }
+}
+
+/// Guard time 100 ms, life time factor 3: 300 ms without guarding, from the first time on. EMCY 8130h; error register: any error, communication.
+#[test]
+fn master_that_guards_no_longer_is_lost_after_the_life_time() {
+    let mut device = device();
+    device.table.put(objects::STATUS_WORD, 0x0237);
+    write(&mut device, objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
+    write(&mut device, objects::LIFE_TIME_FACTOR, &[3], ms(0));
+    assert_eq!(ticked(&mut device, ms(5_000)), [[0_u8; 0]; 0]);
+    device.take(&Frame::remote(node().heartbeat(), 1).unwrap(), ms(5_000), &mut Vec::new());
+    assert_eq!(ticked(&mut device, ms(5_299)), [[0_u8; 0]; 0]);
+    assert_eq!(ticked(&mut device, ms(5_300)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
+    assert!(device.take_loss());
+    assert_eq!(ticked(&mut device, ms(9_000)), [[0_u8; 0]; 0], "it is reported once");
+}
+
+/// 1029h:01: 0 pre-operational, 1 no change, 2 stopped.
+#[test]
+fn device_without_its_master_changes_its_state_by_1029h() {
+    let states = [(0, NmtState::PreOperational), (1, NmtState::Operational), (2, NmtState::Stopped)];
+    for (behaviour, state) in states {
+        let mut device = device();
+        write(&mut device, simulated::ERROR_BEHAVIOUR, &[behaviour], ms(0));
+        write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+        device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
+        assert!(master_beats(&mut device, ms(0)).is_empty());
+        device.tick(ms(100), &mut Vec::new());
+        assert_eq!(device.state, state);
+    }
+}
+
+/// The drive is off: it has no fault. EMCY 8130h, and 0000h when the master is there again.
+#[test]
+fn error_of_communication_ends_when_the_master_is_back() {
+    let mut device = device();
+    write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+    master_beats(&mut device, ms(0));
+    assert_eq!(ticked(&mut device, ms(100)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
+    assert_eq!((device.take_loss(), device.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
+    assert_eq!(master_beats(&mut device, ms(200)), [Frame::of(node().emergency(), [0; 8])]);
+    assert_eq!(device.table.get(simulated::ERROR_REGISTER), 0);
+    assert!(master_beats(&mut device, ms(250)).is_empty());
+}
+
+/// Reset communication: objects 1000h to 1FFFh alone; the device boots.
+#[test]
+fn reset_of_communication_keeps_the_objects_of_the_drive() {
+    let mut device = device();
+    write(&mut device, objects::CONTROL_WORD, &0x06_u16.to_le_bytes(), ms(0));
+    write(&mut device, objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(0));
+    device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
+    let mut out = Vec::new();
+    device.take(&NmtCommand::ResetCommunication.frame(None), ms(0), &mut out);
+    assert_eq!(out, [Frame::data(node().heartbeat(), &[0]).unwrap()]);
+    let kept = [objects::CONTROL_WORD, objects::PRODUCER_HEARTBEAT].map(|object| device.table.get(object));
+    assert_eq!((kept, device.state), ([0x06, 0], NmtState::PreOperational));
+    assert_eq!(ticked(&mut device, ms(500)), [[0_u8; 0]; 0]);
+}
