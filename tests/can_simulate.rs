@@ -114,3 +114,22 @@ expect:
     run.passes();
     drives.end();
 }
+
+/// Index pulses are at 1234 and each 10000 counts further: the drive stores the first one, and the axis ends 1000 counts before it.
+#[test]
+fn simulated_drive_catches_the_index_pulse() {
+    let sim = "sim: {model: ideal, index: {every: 10 mm, at: 1.234 mm}}";
+    let axes = axis("x", 1, ", probe_1: index", &format!(", homing: {{index_distance: 20 mm}}, {sim}"));
+    let cell = CanCell::new(&bus(), "10 ms", &axes);
+    let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
+    drives.until_log("simulated");
+    let scenario = "scenario: index\nfor: 5 s\nsteps:\n  \
+        - {when: {signal: x.drive_state, is: SWITCH_ON_DISABLED}, do: {enable: {}}}\n  \
+        - {when: {signal: x.state, is: STANDSTILL}, do: {probe_axis: {axis: x, event: x, edge: index, position: 5 mm, \
+        distance: -1 mm, velocity: 20 mm/s}}}\nexpect:\n  \
+        - {signal: x.index.position, at: end, is: 1234}\n  \
+        - {signal: x.actual.position, at: end, is: 234}\n  \
+        - {event: {kind: error}, count: 0}\n";
+    cell.run(scenario).passes();
+    drives.end();
+}

@@ -12,6 +12,7 @@ use super::pdo::Pdo;
 use super::server;
 use super::supervision::Supervision;
 use super::table::Table;
+use super::touch_probe::TouchProbes;
 use crate::config::{DeviceConfig, Terminals, VelocityFactor};
 use crate::drive::objects;
 use crate::eds::Direction;
@@ -60,6 +61,7 @@ pub(super) struct Device {
     /// Time of a cycle of the mechanics (s).
     cycle_s: f64,
     modes: Modes,
+    probes: TouchProbes,
     /// Its objects after power-on.
     initial: Table,
     table: Table,
@@ -85,6 +87,7 @@ impl Device {
             terminals: config.terminals.clone(),
             cycle_s: cycle.as_secs_f64(),
             modes: Modes::default(),
+            probes: TouchProbes::default(),
             table: initial.clone(),
             initial,
             state: NmtState::BootUp,
@@ -269,6 +272,7 @@ impl Device {
         table.put(simulated::VL_ACTUAL, units(self.velocity, drive.velocity).cast_unsigned().into());
         table.put(objects::TORQUE, (drive.effort.round() as i16).cast_unsigned().into());
         table.put(objects::DIGITAL_INPUTS, drive.inputs | terminals);
+        self.probes.step(table, drive);
         if drive.fault != self.fault {
             self.fault = drive.fault;
             self.send_fault(out);

@@ -5,7 +5,7 @@
 //!          the clock
 //! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat of 1016h, guarding
 //! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
-//! Refuses  modules, encoders, touch probes, drives by number: see [`unsupported`]
+//! Refuses  modules, encoders, drives by number: see [`unsupported`]
 //! Source   CiA 301, CiA 402-2
 
 mod device;
@@ -17,6 +17,7 @@ mod profile;
 mod server;
 mod supervision;
 mod table;
+mod touch_probe;
 
 use self::device::Device;
 use crate::config::{BusConfig, DeviceConfig};
@@ -68,9 +69,6 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
     };
     if drive.drive_type.is_some() {
         return Some("drives with drivetype are not simulated on a bus".to_owned());
-    }
-    if drive.probes.iter().any(Option::is_some) {
-        return Some("touch probes are not simulated on a bus".to_owned());
     }
     let long = device.startup.iter().find(|write| !table::LENGTHS.contains(&write.data.len()))?;
     let (object, length) = (long.object, long.data.len());

@@ -10,6 +10,8 @@ const fn of(index: u16, sub: u8) -> Object {
 pub(super) const ERROR_REGISTER: Object = of(0x1001, 0);
 /// Error behaviour at a communication error (CiA 301).
 pub(super) const ERROR_BEHAVIOUR: Object = of(0x1029, 1);
+/// Levels of the touch probe inputs: bit 0 probe 1, bit 1 probe 2. Of the maker of the drive: clients set them.
+pub(super) const PROBE_INPUTS: Object = of(0x2000, 0);
 /// Abort connection option code (CiA 402).
 pub(super) const ABORT_CONNECTION: Object = of(0x6007, 0);
 /// vl velocity demand (CiA 402).
@@ -28,3 +30,5 @@ pub(super) const PROFILE_ACCELERATION: Object = of(0x6083, 0);
 pub(super) const PROFILE_DECELERATION: Object = of(0x6084, 0);
 /// Torque slope (0.1 % of the rated torque per second; CiA 402).
 pub(super) const TORQUE_SLOPE: Object = of(0x6087, 0);
+/// Touch probe status (CiA 402).
+pub(super) const TOUCH_PROBE_STATUS: Object = of(0x60B9, 0);

@@ -70,7 +70,7 @@ const PROFILE_ACCELERATION: f64 = 500_000.0;
 const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
 /// Objects of every drive: bytes, access, and the value after power-on.
-const OBJECTS: [(Object, u8, Access, u32); 42] = [
+const OBJECTS: [(Object, u8, Access, u32); 53] = [
     // A servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
     (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
@@ -85,6 +85,7 @@ const OBJECTS: [(Object, u8, Access, u32); 42] = [
     (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
     (at(0x1029, 0), 1, Access::Read, 1),
     (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
+    (simulated::PROBE_INPUTS, 1, Access::Write, 0),
     // Fault.
     (simulated::ABORT_CONNECTION, 2, Access::Write, 1),
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
@@ -113,6 +114,16 @@ const OBJECTS: [(Object, u8, Access, u32); 42] = [
     (objects::HOMING_SEARCH, 4, Access::Write, 0),
     (objects::HOMING_ZERO, 4, Access::Write, 0),
     (objects::HOMING_ACCELERATION, 4, Access::Write, 0),
+    (objects::TOUCH_PROBE_FUNCTION, 2, Access::Receive, 0),
+    (simulated::TOUCH_PROBE_STATUS, 2, Access::Transmit, 0),
+    (at(0x60BA, 0), 4, Access::Transmit, 0),
+    (at(0x60BB, 0), 4, Access::Transmit, 0),
+    (at(0x60BC, 0), 4, Access::Transmit, 0),
+    (at(0x60BD, 0), 4, Access::Transmit, 0),
+    (at(0x60D5, 0), 2, Access::Transmit, 0),
+    (at(0x60D6, 0), 2, Access::Transmit, 0),
+    (at(0x60D7, 0), 2, Access::Transmit, 0),
+    (at(0x60D8, 0), 2, Access::Transmit, 0),
     (objects::DIGITAL_INPUTS, 4, Access::Transmit, 0),
     (objects::DIGITAL_OUTPUTS, 4, Access::Receive, 0),
     (objects::TARGET_VELOCITY, 4, Access::Receive, 0),
@@ -251,6 +262,7 @@ impl Table {
                 _ => Err(RANGE),
             },
             _ if object == simulated::ERROR_BEHAVIOUR && value > 2 => Err(RANGE),
+            _ if object == simulated::PROBE_INPUTS && value > 3 => Err(RANGE),
             _ if object == simulated::ABORT_CONNECTION && value > 3 => Err(RANGE),
             // Without a ramp the drive would not move.
             _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
