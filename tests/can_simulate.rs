@@ -57,6 +57,9 @@ fn simulated_drives_are_found_enabled_moved_and_homed() {
         let (code, said) = run(command);
         assert_eq!(code, Some(0), "{command:?}: {said}");
     }
+    // 1008h has 25 bytes: in segments.
+    let (_, said) = run(&["can", "info", "2", "--bus", &address]);
+    assert!(said.contains("Lineshaft simulated drive"), "{said}");
     cell.run(SCENARIO).passes();
     drives.end();
 }

@@ -9,7 +9,7 @@ use super::CONNECTION_LOST;
 use super::modes::{Modes, units};
 use super::objects as simulated;
 use super::pdo::Pdo;
-use super::server;
+use super::server::Server;
 use super::supervision::Supervision;
 use super::table::Table;
 use super::touch_probe::TouchProbes;
@@ -68,6 +68,7 @@ pub(super) struct Device {
     state: NmtState,
     received: Vec<Pdo>,
     sent: Vec<Pdo>,
+    server: Server,
     supervision: Supervision,
     /// It has reported that its master is lost.
     misses_master: bool,
@@ -93,6 +94,7 @@ impl Device {
             state: NmtState::BootUp,
             received: Vec::new(),
             sent: Vec::new(),
+            server: Server::default(),
             supervision: Supervision::default(),
             misses_master: false,
             fault: 0,
@@ -128,7 +130,7 @@ impl Device {
         self.table.restore(&self.initial, indices);
         self.received.clear();
         self.sent.clear();
-        self.supervision = Supervision::default();
+        (self.server, self.supervision) = (Server::default(), Supervision::default());
         if std::mem::take(&mut self.misses_master) && self.fault == 0 {
             self.table.put(simulated::ERROR_REGISTER, 0);
         }
@@ -197,7 +199,8 @@ impl Device {
         if !matches!(self.state, NmtState::PreOperational | NmtState::Operational) {
             return;
         }
-        let Some((frame, written)) = server::answer(&mut self.table, request, self.node.sdo_response()) else { return };
+        let response = self.node.sdo_response();
+        let Some((frame, written)) = self.server.answer(&mut self.table, request, response) else { return };
         out.push(frame);
         if let Some(object) = written {
             self.supervision.written(object, &self.table, now);

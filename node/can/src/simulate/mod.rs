@@ -67,12 +67,7 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
     let Some(drive) = device.drive() else {
         return Some("modules and encoders are not simulated on a bus".to_owned());
     };
-    if drive.drive_type.is_some() {
-        return Some("drives with drivetype are not simulated on a bus".to_owned());
-    }
-    let long = device.startup.iter().find(|write| !table::LENGTHS.contains(&write.data.len()))?;
-    let (object, length) = (long.object, long.data.len());
-    Some(format!("startup writes {length} bytes to {object}; simulated drives have objects of 1 to 4 bytes"))
+    drive.drive_type.map(|_| "drives with drivetype are not simulated on a bus".to_owned())
 }
 
 /// Listens whether other devices on a bus have the node ids of these drives; returns the first that does.
@@ -258,9 +253,8 @@ impl SimulatedBus {
 mod tests {
     use super::*;
     use crate::Watching;
-    use crate::config::{Role, Write};
+    use crate::config::Role;
     use crate::drive::DriveType;
-    use crate::sdo::Object;
 
     /// A bus with one drive that was changed.
     fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {
@@ -292,9 +286,5 @@ mod tests {
             }
         }));
         assert!(by_type.unwrap().contains("drives with drivetype are not simulated on a bus"));
-        let long = unsupported(&bus(|device| {
-            device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 8] }];
-        }));
-        assert!(long.unwrap().contains("startup writes 8 bytes to 2001h:00"));
     }
 }
