@@ -136,3 +136,23 @@ fn simulated_drive_catches_the_index_pulse() {
     cell.run(scenario).passes();
     drives.end();
 }
+
+/// A pseudo terminal takes the place of an adapter: `can scan`, then `run`, open it one after the other.
+#[test]
+fn simulated_drives_are_reached_by_an_slcan_pseudo_terminal() {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("room within the build");
+    let link = folder.path().join("bus0");
+    let path = link.to_str().expect("a path of text");
+    let address = format!("slcan:{path}");
+    let cell = cell(&address);
+    let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml"), "--pty", path], &Domain::take());
+    drives.until_log(&format!("{address}: node 1 (x), node 2 (y) simulated"));
+    let (code, said) = run(&["can", "scan", "--bus", &address, "--bitrate", "1000000", "--from", "1", "--to", "3"]);
+    assert_eq!(code, Some(0), "{said}");
+    cell.run(SCENARIO).passes();
+    let (code, said) = run(&["can", "simulate", &cell.path("cell.yaml"), "--pty", path]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("exists already"), "{said}");
+    drives.end();
+    assert!(link.symlink_metadata().is_err(), "the link is removed");
+}

@@ -8,7 +8,7 @@ use crate::interrupt::Interrupt;
 use clap::Args;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::simulate::{SimulatedBus, occupant, unsupported};
-use lineshaft_can::transport::{Address, Obstacle, Options, Transport, open};
+use lineshaft_can::transport::{Address, Obstacle, Options, Transport, TransportError, open, slcan_pty};
 use lineshaft_core::machine::Machine;
 use std::path::{Path, PathBuf};
 
@@ -18,8 +18,11 @@ The drives have the nodes, identities, modes and mechanics (key sim of an axis) 
 A bus of datagrams (udp:GROUP:PORT) or an interface vcanN is used as the cell names it. Any other way to a bus may lead to real drives, so \
 --transport must name it.
 
-Example:
+--pty PATH serves an adapter that speaks slcan on a pseudo terminal; a master opens slcan:PATH.
+
+Examples:
   lineshaft can simulate cell.yaml --transport socketcan:vcan0
+  lineshaft can simulate cell.yaml --pty /tmp/bus0
 
 Exit codes: 0 ended by Ctrl-C, 1 the bus is lost or not there, or a node is there already, 2 bad usage or file.";
 
@@ -34,6 +37,9 @@ pub(in crate::cli) struct SimulateArgs {
     /// The bus, as udp:GROUP:PORT, socketcan:vcan0, slcan:PATH or slcan-tcp:HOST:PORT; left out: that of the cell
     #[arg(long, value_name = "ADDRESS")]
     transport: Option<Address>,
+    /// Serve a pseudo terminal as an slcan adapter; PATH becomes a link to it
+    #[arg(long, value_name = "PATH", conflicts_with = "transport")]
+    pty: Option<PathBuf>,
 }
 
 pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
@@ -45,18 +51,32 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     if let Some(sentence) = unsupported(&config) {
         return Err(Failure::Usage(sentence));
     }
-    let address = address(&config, args.transport.as_ref())?;
     let interrupt = Interrupt::listen().map_err(|error| Failure::Bus(format!("Ctrl-C cannot be heard: {error}")))?;
-    let mut transport = opened(&config, &address)?;
-    let lost = |error: lineshaft_can::transport::TransportError| Failure::Bus(error.to_string());
-    if let Some(node) = occupant(&mut *transport, &config).map_err(lost)? {
-        let sentence = format!("{address}: {node} is on the bus already; simulated drives need nodes of their own");
-        return Err(Failure::Bus(sentence));
-    }
+    let (address, transport) = match &args.pty {
+        Some(path) => {
+            let transport = slcan_pty(path).map_err(|error| Failure::Bus(error.to_string()))?;
+            (Address::Slcan(path.clone()), Box::new(transport) as Box<dyn Transport>)
+        }
+        None => shared(&config, address(&config, args.transport.as_ref())?)?,
+    };
     let nodes: Vec<_> = config.devices.iter().map(ToString::to_string).collect();
     let mut bus = bus(&cell, &config, transport)?;
     say(&format!("{}: {address}: {} simulated; Ctrl-C ends", config.name, nodes.join(", ")));
     bus.run(|| interrupt.requested().is_some()).map_err(lost)
+}
+
+fn lost(error: TransportError) -> Failure {
+    Failure::Bus(error.to_string())
+}
+
+/// A bus on which others may be; none of them may have the node of a drive.
+fn shared(config: &BusConfig, address: Address) -> Result<(Address, Box<dyn Transport>), Failure> {
+    let mut transport = opened(config, &address)?;
+    if let Some(node) = occupant(&mut *transport, config).map_err(lost)? {
+        let sentence = format!("{address}: {node} is on the bus already; simulated drives need nodes of their own");
+        return Err(Failure::Bus(sentence));
+    }
+    Ok((address, transport))
 }
 
 /// The drives of a bus of a cell, with their mechanics.
@@ -84,7 +104,7 @@ fn address(config: &BusConfig, given: Option<&Address>) -> Result<Address, Failu
     }
     let (name, transport) = (&config.name, &config.transport);
     Err(Failure::Usage(format!(
-        "backend {name}: {transport} may have real drives; name the bus of the simulated ones by --transport"
+        "backend {name}: {transport} may have real drives; name the bus of the simulated ones by --transport or --pty"
     )))
 }
 
@@ -99,7 +119,6 @@ fn opened(config: &BusConfig, address: &Address) -> Result<Box<dyn Transport>, F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_can::transport::TransportError;
     use lineshaft_can::{Frame, Id, NmtCommand, NodeId};
     use std::collections::VecDeque;
     use std::sync::{Arc, Mutex};
