@@ -1,8 +1,8 @@
 //! Modes of operation of a simulated drive: what they make of the objects in each cycle of the mechanics.
 //!
-//! Law      csv and cst follow their setpoint; csp and ip interpolate to it, ip while bit 4 of the control word is 1. pp reaches set-points on a trapezoid, pv and
-//!          tq on ramps; vl on the ramp of 6048h and 6049h, with bits 4 to 6. Bit 8 halts pp, pv, vl and tq. A drive that is not enabled is at
-//!          rest
+//! Law      csv and cst follow their setpoint; csp and ip interpolate to it, ip while bit 4 of the control word is 1. pp reaches set-points on a
+//!          trapezoid, pv and tq are on ramps, vl on the ramp of 6048h and 6049h, with bits 4 to 6. Bit 8 halts pp, pv, vl and tq. A drive that
+//!          is not enabled is at rest
 //! Reads    6040h, 6060h, the setpoints and ramps of the mode, position and state of the drive
 //! Writes   what is asked of the mechanics, bits 10 and 12 of the status word, 6061h
 //! Source   CiA 402-2
@@ -18,7 +18,7 @@ use lineshaft_core::drive::{
     DriveInput, DriveOutput, DriveState, HomingOrder, MODE_HOMING, Mode, STATUS_TARGET_REACHED,
 };
 
-/// Status word bit 12: the drive follows its setpoint (csp, csv, cst, ip), the set-point is acknowledged (pp), the velocity is 0 (pv).
+/// Status word bit 12: the drive follows its setpoint (csp, csv, cst, ip), the set-point is acknowledged (pp), or the velocity is 0 (pv).
 const STATUS_12: u16 = 0x1000;
 /// Control word bit 4: interpolation (ip), the ramp is enabled (vl).
 const BIT_4: u16 = 0x10;
