@@ -1,20 +1,26 @@
 //! Simulated drives of CiA 402 on a bus: devices of CANopen whose mechanics are those of the simulation.
 //!
-//! Law      in each SYNC the drives move by one cycle with what was applied at the SYNC before, send their PDOs, and apply what they have
-//!          received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by the clock
-//! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat that 1016h names, guarding
+//! Law      in each SYNC the drives move by the period of 1006h, or by one cycle, with what was applied at the SYNC before, send their PDOs, and
+//!          apply what they have received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by
+//!          the clock
+//! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat of 1016h, guarding
 //! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
-//! Refuses  modules, encoders, touch probes, modes that are not cyclic, drives by number: see [`unsupported`]
+//! Refuses  modules, encoders, drives by number: see [`unsupported`]
 //! Source   CiA 301, CiA 402-2
 
 mod device;
+mod interpolation;
+mod modes;
+mod objects;
 mod pdo;
+mod profile;
 mod server;
+mod supervision;
 mod table;
+mod touch_probe;
 
 use self::device::Device;
 use crate::config::{BusConfig, DeviceConfig};
-use crate::drive::DriveMode;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id, NodeId};
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
@@ -22,19 +28,16 @@ use lineshaft_core::sim::Plant;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Error code of a drive that no longer hears its master (CiA 301: life guard error or heartbeat error).
+/// Error code of a device that no longer hears its master (CiA 301: life guard error or heartbeat error).
 const CONNECTION_LOST: u16 = 0x8130;
-/// Time without SYNC after which the drives move by the clock.
+/// Time without SYNC after which the drives move by the clock; two periods of SYNC if they are longer.
 const SILENCE: Duration = Duration::from_millis(100);
 /// Between two looks at the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// Longest time that is made up for after the process was stopped.
+/// Longest time that is made up for after the process was stopped, and longest motion of one SYNC.
 const LONGEST_GAP: Duration = Duration::from_secs(1);
 /// Time for which other devices are listened to before the drives boot: longer than most heartbeats.
 const LISTEN: Duration = Duration::from_millis(1_200);
-
-/// Modes of operation that are simulated.
-const MODES: [DriveMode; 3] = [DriveMode::Csp, DriveMode::Csv, DriveMode::Cst];
 
 /// Drives on a bus.
 pub struct SimulatedBus {
@@ -47,6 +50,8 @@ pub struct SimulatedBus {
     /// Frames to be sent.
     frames: Vec<Frame>,
     last_sync: Option<Duration>,
+    /// Time of SYNC that the mechanics have not moved by yet: less than a cycle.
+    owed: Duration,
     next_step: Duration,
 }
 
@@ -62,18 +67,7 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
     let Some(drive) = device.drive() else {
         return Some("modules and encoders are not simulated on a bus".to_owned());
     };
-    if drive.drive_type.is_some() {
-        return Some("drives with drivetype are not simulated on a bus".to_owned());
-    }
-    if !MODES.contains(&drive.mode) {
-        return Some(format!("mode {} is not simulated on a bus; csp, csv and cst are allowed", drive.mode.name()));
-    }
-    if drive.probes.iter().any(Option::is_some) {
-        return Some("touch probes are not simulated on a bus".to_owned());
-    }
-    let long = device.startup.iter().find(|write| !table::LENGTHS.contains(&write.data.len()))?;
-    let (object, length) = (long.object, long.data.len());
-    Some(format!("startup writes {length} bytes to {object}; simulated drives have objects of 1 to 4 bytes"))
+    drive.drive_type.map(|_| "drives with drivetype are not simulated on a bus".to_owned())
 }
 
 /// Listens whether other devices on a bus have the node ids of these drives; returns the first that does.
@@ -109,7 +103,8 @@ impl SimulatedBus {
         mut inputs: Inputs,
         outputs: Outputs,
     ) -> Self {
-        let devices: Vec<_> = config.devices.iter().filter_map(Device::new).collect();
+        let cycle = Duration::from_nanos(config.cycle_ns.max(1));
+        let devices: Vec<_> = config.devices.iter().filter_map(|device| Device::new(device, cycle)).collect();
         // The plant has the delay of a bus in it, which the bus itself has here.
         let delay = devices.iter().filter_map(|device| plant.capabilities(device.place())).map(|offers| offers.delay);
         for _ in 0..=delay.max().unwrap_or_default() {
@@ -121,9 +116,10 @@ impl SimulatedBus {
             devices,
             inputs,
             outputs,
-            cycle: Duration::from_nanos(config.cycle_ns.max(1)),
+            cycle,
             frames: Vec::new(),
             last_sync: None,
+            owed: Duration::ZERO,
             next_step: Duration::ZERO,
         }
     }
@@ -175,7 +171,12 @@ impl SimulatedBus {
     fn take(&mut self, frame: &Frame, now: Duration) {
         if frame.id() == Id::SYNC && !frame.is_remote() {
             self.last_sync = Some(now);
-            self.step();
+            let period = self.period();
+            self.owed += period;
+            while self.owed >= self.cycle {
+                self.owed -= self.cycle;
+                self.step();
+            }
             for device in &mut self.devices {
                 device.synchronize(&mut self.frames);
             }
@@ -187,12 +188,21 @@ impl SimulatedBus {
         self.abandon();
     }
 
+    /// From one SYNC to the next, by the first drive that knows it; else one cycle.
+    fn period(&self) -> Duration {
+        // 1006h has whole microseconds.
+        let is_other = |period: &Duration| period.abs_diff(self.cycle) >= Duration::from_micros(1);
+        let period = self.devices.iter().find_map(Device::sync_period).filter(is_other);
+        period.map_or(self.cycle, |period| period.min(LONGEST_GAP))
+    }
+
     fn tick(&mut self, now: Duration) {
         for device in &mut self.devices {
             device.tick(now, &mut self.frames);
         }
         self.abandon();
-        let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < SILENCE);
+        let silence = SILENCE.max(self.period() * 2);
+        let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < silence);
         if has_sync || now.saturating_sub(self.next_step) > LONGEST_GAP {
             self.next_step = now + self.cycle;
         }
@@ -204,7 +214,7 @@ impl SimulatedBus {
 
     /// One cycle of the mechanics.
     fn step(&mut self) {
-        for device in &self.devices {
+        for device in &mut self.devices {
             device.order(&self.inputs, &mut self.outputs);
         }
         self.plant.write(&self.outputs);
@@ -236,5 +246,45 @@ impl SimulatedBus {
             }
         }
         self.transport.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Watching;
+    use crate::config::Role;
+    use crate::drive::DriveType;
+
+    /// A bus with one drive that was changed.
+    fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        change(&mut device);
+        BusConfig {
+            name: "bus0".to_owned(),
+            transport: "udp:239.74.163.2:43113".parse().unwrap(),
+            bit_rate: None,
+            serial_baudrate: None,
+            cycle_ns: 2_000_000,
+            sync_overflow: None,
+            sdo_timeout_ns: 1,
+            time_ns: None,
+            master: None,
+            devices: vec![device],
+        }
+    }
+
+    #[test]
+    fn what_is_not_simulated_is_refused_by_name() {
+        assert_eq!(unsupported(&bus(|_| {})), None);
+        let sentence = unsupported(&bus(|device| device.role = Role::Module)).unwrap();
+        assert_eq!(sentence, "bus0: node 3 (module): modules and encoders are not simulated on a bus");
+        let by_type = unsupported(&bus(|device| {
+            if let Role::Drive(drive) = &mut device.role {
+                drive.drive_type = DriveType::decode(1);
+                assert!(drive.drive_type.is_some());
+            }
+        }));
+        assert!(by_type.unwrap().contains("drives with drivetype are not simulated on a bus"));
     }
 }

@@ -106,7 +106,7 @@ impl Pdo {
         }
         for (object, bytes) in &self.fields {
             let (data, rest) = left.split_at(usize::from(*bytes));
-            table.put(*object, data.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte)));
+            table.receive(*object, data.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte)));
             left = rest;
         }
     }

@@ -1,50 +1,175 @@
-//! The SDO server of a simulated drive: expedited transfers, as all of its objects have up to 4 bytes.
+//! The SDO server of a simulated drive: expedited transfers of 1 to 4 bytes, segments for more.
 //!
-//! Refuses  segmented and block transfers
+//! Law      one transfer at a time: a new request ends the one before
+//! Refuses  block transfers; segments without a transfer, or with the toggle bit of the segment before; other lengths than that of the object
 //! Source   CiA 301
 
 use super::table::Table;
 use crate::sdo::{Abort, Object};
 use crate::{Frame, Id};
 
-/// Answers a request; returns the frame, and the object if it was written. No request has no answer: another length, or an abort.
-pub(super) fn answer(table: &mut Table, request: &Frame, response: Id) -> Option<(Frame, Option<Object>)> {
-    let &[command, low, high, sub, a, b, c, d] = request.bytes() else { return None };
-    let object = Object { index: u16::from_le_bytes([low, high]), sub };
-    let written = |done: Result<(), Abort>| done.map(|()| ([0x60, low, high, sub, 0, 0, 0, 0], Some(object)));
-    let done = match command >> 5 {
-        // Bit 1: expedited. Bit 0: bits 2 and 3 are the number of unused bytes.
-        1 if command & 0x02 != 0 => {
-            let bytes = (command & 0x01 != 0).then_some(4 - (command >> 2 & 0x03));
-            written(table.write(object, u32::from_le_bytes([a, b, c, d]), bytes))
+/// Bytes of a segment.
+const SEGMENT: usize = 7;
+
+/// A transfer in segments. The toggle bit is that of the next segment.
+#[derive(Clone, Debug)]
+enum Transfer {
+    /// The client reads: the bytes from `at` on are still to be sent.
+    Upload { object: Object, data: Vec<u8>, at: usize, toggle: bool },
+    /// The client writes: the bytes that have come.
+    Download { object: Object, data: Vec<u8>, toggle: bool },
+}
+
+/// The server of one drive.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Server {
+    transfer: Option<Transfer>,
+}
+
+/// The bytes of an answer, and the object if it was written.
+type Answer = Result<([u8; 8], Option<Object>), Abort>;
+
+impl Server {
+    /// Answers a request; returns the frame, and the object if it was written. There is no answer to another length, or to an abort.
+    pub(super) fn answer(
+        &mut self,
+        table: &mut Table,
+        request: &Frame,
+        response: Id,
+    ) -> Option<(Frame, Option<Object>)> {
+        let bytes: [u8; 8] = request.bytes().try_into().ok()?;
+        let [command, low, high, sub, ..] = bytes;
+        let named = Object { index: u16::from_le_bytes([low, high]), sub };
+        let (object, done) = match command >> 5 {
+            0 => (self.object(), self.take_segment(table, bytes)),
+            1 => (named, self.begin_download(table, named, bytes)),
+            2 => (named, self.begin_upload(table, named, [low, high, sub])),
+            3 => (self.object(), self.give_segment(command)),
+            4 => {
+                self.transfer = None;
+                return None;
+            }
+            _ => (named, Err(Abort::COMMAND)),
+        };
+        let (data, written) = done.unwrap_or_else(|Abort(code)| {
+            self.transfer = None;
+            let ([low, high], [a, b, c, d]) = (object.index.to_le_bytes(), code.to_le_bytes());
+            ([0x80, low, high, object.sub, a, b, c, d], None)
+        });
+        Some((Frame::of(response, data), written))
+    }
+
+    /// The object of the transfer under way; 0 if there is none.
+    fn object(&self) -> Object {
+        match self.transfer {
+            Some(Transfer::Upload { object, .. } | Transfer::Download { object, .. }) => object,
+            None => Object { index: 0, sub: 0 },
         }
-        // In segments: more bytes than any object has.
-        1 => Err(Abort::LENGTH),
-        2 => table.read(object).map(|(value, bytes)| {
-            let [a, b, c, d] = value.to_le_bytes();
-            ([0x43 | (4 - bytes) << 2, low, high, sub, a, b, c, d], None)
-        }),
-        4 => return None,
-        _ => Err(Abort::COMMAND),
-    };
-    let (data, object) = done.unwrap_or_else(|Abort(code)| {
-        let [a, b, c, d] = code.to_le_bytes();
-        ([0x80, low, high, sub, a, b, c, d], None)
-    });
-    Some((Frame::of(response, data), object))
+    }
+
+    fn begin_download(
+        &mut self,
+        table: &mut Table,
+        object: Object,
+        [command, low, high, sub, a, b, c, d]: [u8; 8],
+    ) -> Answer {
+        self.transfer = None;
+        let answer = [0x60, low, high, sub, 0, 0, 0, 0];
+        let (value, has_size) = (u32::from_le_bytes([a, b, c, d]), command & 0x01 != 0);
+        // Bit 1: expedited; bits 2 and 3 are the number of unused bytes.
+        if command & 0x02 != 0 {
+            table.write(object, value, has_size.then_some(4 - (command >> 2 & 0x03)))?;
+            return Ok((answer, Some(object)));
+        }
+        let room = table.room(object)?;
+        if has_size && value as usize != room {
+            return Err(Abort::LENGTH);
+        }
+        self.transfer = Some(Transfer::Download { object, data: Vec::new(), toggle: false });
+        Ok((answer, None))
+    }
+
+    /// A segment that the client sends.
+    fn take_segment(&mut self, table: &mut Table, [command, segment @ ..]: [u8; 8]) -> Answer {
+        let Some(Transfer::Download { object, data, toggle }) = &mut self.transfer else { return Err(Abort::COMMAND) };
+        if (command & 0x10 != 0) != *toggle {
+            return Err(Abort::TOGGLE);
+        }
+        *toggle = !*toggle;
+        let object = *object;
+        let unused = usize::from(command >> 1 & 0x07);
+        data.extend(segment.into_iter().take(SEGMENT - unused));
+        if data.len() > table.room(object)? {
+            return Err(Abort::LENGTH);
+        }
+        let answer = [0x20 | command & 0x10, 0, 0, 0, 0, 0, 0, 0];
+        if command & 0x01 == 0 {
+            return Ok((answer, None));
+        }
+        table.write_bytes(object, data)?;
+        self.transfer = None;
+        Ok((answer, Some(object)))
+    }
+
+    fn begin_upload(&mut self, table: &Table, object: Object, [low, high, sub]: [u8; 3]) -> Answer {
+        self.transfer = None;
+        let data = table.read_bytes(object)?;
+        if (1..=4).contains(&data.len()) {
+            let unused = 4 - data.len() as u8;
+            let [a, b, c, d] = padded::<4>(&data);
+            return Ok(([0x43 | unused << 2, low, high, sub, a, b, c, d], None));
+        }
+        let [a, b, c, d] = u32::try_from(data.len()).unwrap_or(u32::MAX).to_le_bytes();
+        self.transfer = Some(Transfer::Upload { object, data, at: 0, toggle: false });
+        Ok(([0x41, low, high, sub, a, b, c, d], None))
+    }
+
+    /// A segment that the client asks for.
+    fn give_segment(&mut self, command: u8) -> Answer {
+        let Some(Transfer::Upload { data, at, toggle, .. }) = &mut self.transfer else { return Err(Abort::COMMAND) };
+        if (command & 0x10 != 0) != *toggle {
+            return Err(Abort::TOGGLE);
+        }
+        let rest = data.get(*at..).unwrap_or_default();
+        let (count, is_last) = (rest.len().min(SEGMENT), rest.len() <= SEGMENT);
+        let [a, b, c, d, e, f, g] = padded::<SEGMENT>(rest);
+        let unused = (SEGMENT - count) as u8;
+        *at += count;
+        *toggle = !*toggle;
+        if is_last {
+            self.transfer = None;
+        }
+        Ok(([command & 0x10 | unused << 1 | u8::from(is_last), a, b, c, d, e, f, g], None))
+    }
+}
+
+/// The first bytes, and zeros where there are less.
+fn padded<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    let mut all = [0; N];
+    for (place, byte) in all.iter_mut().zip(bytes) {
+        *place = *byte;
+    }
+    all
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::DeviceConfig;
+    use crate::config::{DeviceConfig, Write};
     use crate::drive::objects;
     use crate::{NodeId, Watching};
 
+    /// A drive with an object of 10 bytes.
+    fn table() -> Table {
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 10] }];
+        Table::new(&device, device.drive().unwrap())
+    }
+
     /// The bytes of the answer.
-    fn answered(table: &mut Table, request: [u8; 8]) -> Option<Vec<u8>> {
+    fn answered(server: &mut Server, table: &mut Table, request: [u8; 8]) -> Option<Vec<u8>> {
         let node = NodeId::new(3).unwrap();
-        let (frame, _) = answer(table, &Frame::of(node.sdo_request(), request), node.sdo_response())?;
+        let (frame, _) = server.answer(table, &Frame::of(node.sdo_request(), request), node.sdo_response())?;
         assert_eq!(frame.id().get(), 0x583);
         Some(frame.bytes().to_vec())
     }
@@ -52,9 +177,8 @@ mod tests {
     /// Frames of CiA 301, expedited transfers.
     #[test]
     fn requests_of_up_to_4_bytes_are_answered_in_one_frame() {
-        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
-        let mut table = Table::new(&device, device.drive().unwrap());
-        let mut ask = |request| answered(&mut table, request);
+        let (mut server, mut table) = (Server::default(), table());
+        let mut ask = |request| answered(&mut server, &mut table, request);
         assert_eq!(ask([0x40, 0x00, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00]));
         // 2 bytes: 2Bh. They are read back by 4Bh.
         assert_eq!(ask([0x2B, 0x17, 0x10, 0, 0x64, 0, 0, 0]), Some(vec![0x60, 0x17, 0x10, 0, 0, 0, 0, 0]));
@@ -62,11 +186,50 @@ mod tests {
         // 1 byte, and without a length.
         assert_eq!(ask([0x2F, 0x60, 0x60, 0, 8, 0, 0, 0]), Some(vec![0x60, 0x60, 0x60, 0, 0, 0, 0, 0]));
         assert_eq!(ask([0x22, 0x60, 0x60, 0, 6, 0, 0, 0]), Some(vec![0x60, 0x60, 0x60, 0, 0, 0, 0, 0]));
-        // Missing object; in segments; an unknown command; the client ends its transfer.
-        assert_eq!(ask([0x40, 0x08, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x80, 0x08, 0x10, 0, 0, 0, 0x02, 0x06]));
+        // Missing object; more bytes than it has; an unknown command; the client ends its transfer.
+        assert_eq!(ask([0x40, 0x07, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x80, 0x07, 0x10, 0, 0, 0, 0x02, 0x06]));
         assert_eq!(ask([0x21, 0x60, 0x60, 0, 9, 0, 0, 0]), Some(vec![0x80, 0x60, 0x60, 0, 0x10, 0, 0x07, 0x06]));
         assert_eq!(ask([0xE0, 0x60, 0x60, 0, 0, 0, 0, 0]), Some(vec![0x80, 0x60, 0x60, 0, 0x01, 0, 0x04, 0x05]));
         assert_eq!(ask([0x80, 0x60, 0x60, 0, 0, 0, 0, 0]), None);
         assert_eq!(table.signed(objects::MODE), 6);
+    }
+
+    /// 1008h has 25 bytes: 41h with the size, then 7, 7, 7 and 4 bytes; bit 4 toggles, bits 1 to 3 are the unused bytes, bit 0 is the end.
+    #[test]
+    fn texts_are_read_in_segments() {
+        let (mut server, mut table) = (Server::default(), table());
+        let mut ask = |request| answered(&mut server, &mut table, request).unwrap();
+        assert_eq!(ask([0x40, 0x08, 0x10, 0, 0, 0, 0, 0]), [0x41, 0x08, 0x10, 0, 25, 0, 0, 0]);
+        assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), *b"\x00Linesha");
+        assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x10ft simu");
+        assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), *b"\x00lated d");
+        assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x17rive\0\0\0");
+        // It is over: the command is not known. The same toggle bit twice.
+        assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), [0x80, 0, 0, 0, 0x01, 0, 0x04, 0x05]);
+        ask([0x40, 0x08, 0x10, 0, 0, 0, 0, 0]);
+        ask([0x60, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), [0x80, 0x08, 0x10, 0, 0, 0, 0x03, 0x05]);
+    }
+
+    /// 10 bytes to 2001h: 21h with the size, then 7 and 3 bytes. Texts are read-only.
+    #[test]
+    fn objects_of_more_than_4_bytes_are_written_in_segments() {
+        let (mut server, mut table) = (Server::default(), table());
+        let object = Object { index: 0x2001, sub: 0 };
+        let mut ask = |request| answered(&mut server, &mut table, request).unwrap();
+        assert_eq!(ask([0x21, 0x01, 0x20, 0, 10, 0, 0, 0]), [0x60, 0x01, 0x20, 0, 0, 0, 0, 0]);
+        assert_eq!(ask([0x00, 1, 2, 3, 4, 5, 6, 7]), [0x20, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(ask([0x19, 8, 9, 10, 0, 0, 0, 0]), [0x30, 0, 0, 0, 0, 0, 0, 0]);
+        let refused = |object: [u8; 3], code: u32| {
+            let ([low, high, sub], [a, b, c, d]) = (object, code.to_le_bytes());
+            vec![0x80, low, high, sub, a, b, c, d]
+        };
+        assert_eq!(ask([0x21, 0x01, 0x20, 0, 11, 0, 0, 0]), refused([0x01, 0x20, 0], 0x0607_0010), "11 bytes");
+        assert_eq!(ask([0x21, 0x08, 0x10, 0, 25, 0, 0, 0]), refused([0x08, 0x10, 0], 0x0601_0002), "1008h");
+        assert_eq!(ask([0x00, 1, 2, 3, 4, 5, 6, 7]), refused([0, 0, 0], 0x0504_0001), "no transfer");
+        // Without a size, and 4 bytes too few.
+        ask([0x20, 0x01, 0x20, 0, 0, 0, 0, 0]);
+        assert_eq!(ask([0x03, 1, 2, 3, 4, 5, 6, 0]), refused([0x01, 0x20, 0], 0x0607_0010));
+        assert_eq!(table.read_bytes(object), Ok((1..=10).collect()));
     }
 }

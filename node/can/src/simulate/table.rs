@@ -1,20 +1,19 @@
-//! The object dictionary of a simulated drive: numbers of 1 to 4 bytes.
+//! The object dictionary of a simulated drive: numbers of 1 to 4 bytes, texts, and bytes that the cell writes at the start.
 //!
 //! Refuses  what CiA 301 refuses: objects that are missing or can only be read, other lengths, modes that the drive lacks, mappings of a PDO
 //!          that is on, of objects that cannot be mapped, or of more than 8 bytes
 //! Source   CiA 301 (objects 1000h to 1BFFh, abort codes), CiA 402-2
 
+use super::objects as simulated;
 use crate::config::{DeviceConfig, DriveConfig};
 use crate::drive::layout::MOST_PDOS;
-use crate::drive::objects;
+use crate::drive::{DriveMode, objects};
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Abort, Object};
 use lineshaft_core::drive::MODE_HOMING;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// Bytes of an object.
-pub(super) const LENGTHS: RangeInclusive<usize> = 1..=4;
 /// Objects of a PDO, at most.
 pub(super) const MOST_MAPPED: u8 = 8;
 
@@ -52,22 +51,41 @@ impl Entry {
     }
 }
 
+/// An object that is no number: a text, or bytes of a fixed length.
+#[derive(Clone, Debug)]
+struct Long {
+    data: Vec<u8>,
+    is_writable: bool,
+}
+
 /// The objects of a drive.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Table(BTreeMap<Object, Entry>);
+pub(super) struct Table {
+    numbers: BTreeMap<Object, Entry>,
+    long: BTreeMap<Object, Long>,
+}
 
 const fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// Error register (CiA 301).
-pub(super) const ERROR_REGISTER: Object = at(0x1001, 0);
+/// Profile velocity after power-on (counts/s).
+const PROFILE_VELOCITY: f64 = 100_000.0;
+/// Profile acceleration and deceleration after power-on (counts/s^2).
+const PROFILE_ACCELERATION: f64 = 500_000.0;
+
+/// Texts of every drive: name, hardware version, software version (CiA 301).
+const TEXTS: [(u16, &str); 3] =
+    [(0x1008, "Lineshaft simulated drive"), (0x1009, "simulation"), (0x100A, env!("CARGO_PKG_VERSION"))];
+
+/// Objects that are above 0.
+const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
 /// Objects of every drive: bytes, access, and the value after power-on.
-const OBJECTS: [(Object, u8, Access, u32); 28] = [
+const OBJECTS: [(Object, u8, Access, u32); 53] = [
     // A servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
-    (ERROR_REGISTER, 1, Access::Transmit, 0),
+    (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
     (objects::SYNC_COB_ID, 4, Access::Write, 0x80),
     (objects::CYCLE_PERIOD, 4, Access::Write, 0),
     (objects::GUARD_TIME, 2, Access::Write, 0),
@@ -77,9 +95,23 @@ const OBJECTS: [(Object, u8, Access, u32); 28] = [
     (objects::PRODUCER_HEARTBEAT, 2, Access::Write, 0),
     (at(0x1018, 0), 1, Access::Read, 4),
     (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
+    (at(0x1029, 0), 1, Access::Read, 1),
+    (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
+    (simulated::PROBE_INPUTS, 1, Access::Write, 0),
+    // Fault.
+    (simulated::ABORT_CONNECTION, 2, Access::Write, 1),
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
     (objects::CONTROL_WORD, 2, Access::Receive, 0),
     (objects::STATUS_WORD, 2, Access::Transmit, 0),
+    (objects::VL_TARGET_VELOCITY, 2, Access::Receive, 0),
+    (simulated::VL_DEMAND, 2, Access::Transmit, 0),
+    (simulated::VL_ACTUAL, 2, Access::Transmit, 0),
+    (at(0x6048, 0), 1, Access::Read, 2),
+    (simulated::VL_ACCELERATION[0], 4, Access::Write, 0),
+    (simulated::VL_ACCELERATION[1], 2, Access::Write, 0),
+    (at(0x6049, 0), 1, Access::Read, 2),
+    (simulated::VL_DECELERATION[0], 4, Access::Write, 0),
+    (simulated::VL_DECELERATION[1], 2, Access::Write, 0),
     (objects::MODE, 1, Access::Receive, 0),
     (objects::MODE_DISPLAY, 1, Access::Transmit, 0),
     (objects::POSITION, 4, Access::Transmit, 0),
@@ -87,10 +119,23 @@ const OBJECTS: [(Object, u8, Access, u32); 28] = [
     (objects::TARGET_TORQUE, 2, Access::Receive, 0),
     (objects::TORQUE, 2, Access::Transmit, 0),
     (objects::TARGET_POSITION, 4, Access::Receive, 0),
+    // The whole torque within 10 ms.
+    (simulated::TORQUE_SLOPE, 4, Access::Receive, 100_000),
+    (objects::INTERPOLATION_POSITION, 4, Access::Receive, 0),
     (objects::HOMING_METHOD, 1, Access::Write, 0),
     (objects::HOMING_SEARCH, 4, Access::Write, 0),
     (objects::HOMING_ZERO, 4, Access::Write, 0),
     (objects::HOMING_ACCELERATION, 4, Access::Write, 0),
+    (objects::TOUCH_PROBE_FUNCTION, 2, Access::Receive, 0),
+    (simulated::TOUCH_PROBE_STATUS, 2, Access::Transmit, 0),
+    (at(0x60BA, 0), 4, Access::Transmit, 0),
+    (at(0x60BB, 0), 4, Access::Transmit, 0),
+    (at(0x60BC, 0), 4, Access::Transmit, 0),
+    (at(0x60BD, 0), 4, Access::Transmit, 0),
+    (at(0x60D5, 0), 2, Access::Transmit, 0),
+    (at(0x60D6, 0), 2, Access::Transmit, 0),
+    (at(0x60D7, 0), 2, Access::Transmit, 0),
+    (at(0x60D8, 0), 2, Access::Transmit, 0),
     (objects::DIGITAL_INPUTS, 4, Access::Transmit, 0),
     (objects::DIGITAL_OUTPUTS, 4, Access::Receive, 0),
     (objects::TARGET_VELOCITY, 4, Access::Receive, 0),
@@ -101,8 +146,16 @@ impl Table {
     pub(super) fn new(device: &DeviceConfig, drive: &DriveConfig) -> Self {
         let mut table = Self::default();
         for write in &device.startup {
-            let bytes = write.data.len().clamp(*LENGTHS.start(), *LENGTHS.end()) as u8;
-            table.add(write.object, bytes, Access::Write, 0);
+            match write.data.len() {
+                bytes @ 1..=4 => table.add(write.object, bytes as u8, Access::Write, 0),
+                bytes => {
+                    table.long.insert(write.object, Long { data: vec![0; bytes], is_writable: true });
+                }
+            }
+        }
+        for (index, text) in TEXTS {
+            table.numbers.remove(&at(index, 0));
+            table.long.insert(at(index, 0), Long { data: text.as_bytes().to_vec(), is_writable: false });
         }
         for (object, bytes, access, value) in OBJECTS {
             table.add(object, bytes, access, value);
@@ -126,7 +179,12 @@ impl Table {
                 table.add(object, 4, Access::Read, u32::try_from(number).unwrap_or(u32::MAX));
             }
         }
-        let modes = [drive.mode.number(), MODE_HOMING].into_iter().fold(0, |modes, mode| modes | 1_u32 << (mode - 1));
+        let units = |counts: f64| u32::try_from(drive.velocity.to_drive(counts)).unwrap_or(u32::MAX).max(1);
+        table.add(simulated::PROFILE_VELOCITY, 4, Access::Receive, units(PROFILE_VELOCITY));
+        for object in [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION] {
+            table.add(object, 4, Access::Receive, units(PROFILE_ACCELERATION));
+        }
+        let modes = supported(drive).fold(0, |modes, mode| modes | 1_u32 << (mode - 1));
         table.add(objects::SUPPORTED_MODES, 4, Access::Read, modes);
         for number in 1..=MOST_PDOS {
             let ids = [(Direction::Receive, device.node.rpdo(number)), (Direction::Transmit, device.node.tpdo(number))];
@@ -150,18 +208,19 @@ impl Table {
     }
 
     fn add(&mut self, object: Object, bytes: u8, access: Access, value: u32) {
+        self.long.remove(&object);
         let entry = Entry { bytes, access, value };
-        self.0.insert(object, Entry { value: value & entry.mask(), ..entry });
+        self.numbers.insert(object, Entry { value: value & entry.mask(), ..entry });
     }
 
     /// The value of an object, without its sign; 0 if it is missing.
     pub(super) fn get(&self, object: Object) -> u32 {
-        self.0.get(&object).map_or(0, |entry| entry.value)
+        self.numbers.get(&object).map_or(0, |entry| entry.value)
     }
 
     /// The value of an object with its sign; 0 if it is missing.
     pub(super) fn signed(&self, object: Object) -> i32 {
-        self.0.get(&object).map_or(0, |entry| {
+        self.numbers.get(&object).map_or(0, |entry| {
             let unused = 32 - 8 * u32::from(entry.bytes.clamp(1, 4));
             (entry.value << unused).cast_signed() >> unused
         })
@@ -169,34 +228,83 @@ impl Table {
 
     /// Sets an object from inside the drive; its upper bits are cut off. One that is missing stays so.
     pub(super) fn put(&mut self, object: Object, value: u32) {
-        if let Some(entry) = self.0.get_mut(&object) {
+        if let Some(entry) = self.numbers.get_mut(&object) {
             entry.value = value & entry.mask();
         }
     }
 
-    /// Reads an object by SDO: its value and its bytes.
-    pub(super) fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
-        self.entry(object).map(|entry| (entry.value, entry.bytes))
+    /// Sets the objects of some indices to their values after power-on; those that show the drive stay.
+    pub(super) fn restore(&mut self, initial: &Self, indices: &RangeInclusive<u16>) {
+        for (object, entry) in &initial.numbers {
+            if indices.contains(&object.index) && entry.access != Access::Transmit {
+                self.put(*object, entry.value);
+            }
+        }
+        for (object, long) in initial.long.iter().filter(|(object, _)| indices.contains(&object.index)) {
+            self.long.insert(*object, long.clone());
+        }
+    }
+
+    /// Sets an object by PDO. A value that the drive refuses changes nothing.
+    pub(super) fn receive(&mut self, object: Object, value: u32) {
+        if self.check(object, value).is_ok() {
+            self.put(object, value);
+        }
     }
 
     /// Writes an object by SDO; without a length, as many bytes as it has.
     pub(super) fn write(&mut self, object: Object, value: u32, bytes: Option<u8>) -> Result<(), Abort> {
-        let entry = self.entry(object)?;
-        if !matches!(entry.access, Access::Write | Access::Receive) {
-            return Err(READ_ONLY);
-        }
-        if bytes.is_some_and(|bytes| bytes != entry.bytes) {
+        let room = self.room(object)?;
+        if bytes.is_some_and(|bytes| usize::from(bytes) != room) || self.long.contains_key(&object) {
             return Err(Abort::LENGTH);
         }
+        let entry = self.entry(object)?;
         let value = value & entry.mask();
         self.check(object, value)?;
         self.put(object, value);
         Ok(())
     }
 
+    /// Bytes of an object that can be written by SDO.
+    pub(super) fn room(&self, object: Object) -> Result<usize, Abort> {
+        let (room, is_writable) = match self.long.get(&object) {
+            Some(long) => (long.data.len(), long.is_writable),
+            None => {
+                let Entry { bytes, access, .. } = self.entry(object)?;
+                (bytes.into(), matches!(access, Access::Write | Access::Receive))
+            }
+        };
+        if is_writable { Ok(room) } else { Err(READ_ONLY) }
+    }
+
+    /// Reads the bytes of an object by SDO.
+    pub(super) fn read_bytes(&self, object: Object) -> Result<Vec<u8>, Abort> {
+        if let Some(long) = self.long.get(&object) {
+            return Ok(long.data.clone());
+        }
+        let Entry { value, bytes, .. } = self.entry(object)?;
+        Ok(value.to_le_bytes().into_iter().take(bytes.into()).collect())
+    }
+
+    /// Writes the bytes of an object by SDO.
+    pub(super) fn write_bytes(&mut self, object: Object, data: &[u8]) -> Result<(), Abort> {
+        if data.len() != self.room(object)? {
+            return Err(Abort::LENGTH);
+        }
+        match self.long.get_mut(&object) {
+            Some(long) => {
+                long.data = data.to_vec();
+                Ok(())
+            }
+            None => self.write(object, data.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte)), None),
+        }
+    }
+
     fn entry(&self, object: Object) -> Result<Entry, Abort> {
-        let has_index = || self.0.range(at(object.index, 0)..=at(object.index, u8::MAX)).next().is_some();
-        self.0.get(&object).copied().ok_or_else(|| if has_index() { NO_SUBINDEX } else { NO_OBJECT })
+        let subs = at(object.index, 0)..=at(object.index, u8::MAX);
+        let has_index =
+            || self.numbers.range(subs.clone()).next().is_some() || self.long.range(subs.clone()).next().is_some();
+        self.numbers.get(&object).copied().ok_or_else(|| if has_index() { NO_SUBINDEX } else { NO_OBJECT })
     }
 
     /// Checks a value of the right length.
@@ -207,6 +315,11 @@ impl Table {
                 1..=32 if self.get(objects::SUPPORTED_MODES) >> (value - 1) & 1 == 1 => Ok(()),
                 _ => Err(RANGE),
             },
+            _ if object == simulated::ERROR_BEHAVIOUR && value > 2 => Err(RANGE),
+            _ if object == simulated::PROBE_INPUTS && value > 3 => Err(RANGE),
+            _ if object == simulated::ABORT_CONNECTION && value > 3 => Err(RANGE),
+            // Without a ramp the drive would not move.
+            _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
             // Reserved transmission types, and those that answer remote frames.
             (0x1400..=0x15FF | 0x1800..=0x19FF, 2) if (241..=253).contains(&value) => Err(RANGE),
             (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => self.check_mapping(object, value),
@@ -229,9 +342,16 @@ impl Table {
         }
         let access = if object.index < 0x1A00 { Access::Receive } else { Access::Transmit };
         let fits = |entry: &Entry| entry.access == access && 8 * u32::from(entry.bytes) == value & 0xFF;
-        let is_mappable = self.0.get(&mapped(value).0).is_some_and(fits);
+        let is_mappable = self.numbers.get(&mapped(value).0).is_some_and(fits);
         if is_mappable { Ok(()) } else { Err(NOT_MAPPABLE) }
     }
+}
+
+/// The numbers of the modes that a drive offers: those of the interface of its axis, and homing.
+fn supported(drive: &DriveConfig) -> impl Iterator<Item = i8> {
+    let offers = move |mode: &DriveMode| *mode == drive.mode || drive.offers.offers(mode.interface());
+    let modes = DriveMode::NAMES.into_iter().map(|(_, mode)| mode).filter(offers).map(DriveMode::number);
+    modes.chain(drive.offers.homes.then_some(MODE_HOMING))
 }
 
 /// The object of a mapping entry, and its bytes.
@@ -243,7 +363,15 @@ pub(super) fn mapped(entry: u32) -> (Object, u8) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Write;
     use crate::{NodeId, Watching};
+
+    impl Table {
+        /// The value of a number, and its bytes.
+        fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
+            self.entry(object).map(|entry| (entry.value, entry.bytes))
+        }
+    }
 
     fn table() -> Table {
         let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
@@ -253,17 +381,33 @@ mod tests {
     #[test]
     fn a_mode_that_the_drive_lacks_is_out_of_range() {
         let mut table = table();
-        // csp is bit 7 of 6502h, homing bit 5.
-        assert_eq!(table.read(objects::SUPPORTED_MODES), Ok((0xA0, 4)));
-        for (mode, result) in [(8, Ok(())), (6, Ok(())), (0, Ok(())), (9, Err(RANGE)), (0xFF, Err(RANGE))] {
+        // pp is bit 0 of 6502h, homing bit 5, ip bit 6, csp bit 7.
+        assert_eq!(table.read(objects::SUPPORTED_MODES), Ok((0xE1, 4)));
+        let accepted = [1, 6, 7, 8, 0].map(|mode| (mode, Ok(())));
+        let refused = [2, 3, 4, 5, 9, 10, 0xFF].map(|mode| (mode, Err(RANGE)));
+        for (mode, result) in accepted.into_iter().chain(refused) {
             assert_eq!(table.write(objects::MODE, mode, Some(1)), result, "{mode}");
         }
+        // The same by PDO.
+        table.receive(objects::MODE, 1);
+        table.receive(objects::MODE, 9);
+        assert_eq!(table.get(objects::MODE), 1);
+    }
+
+    #[test]
+    fn ramp_of_0_is_out_of_range() {
+        let mut table = table();
+        assert_eq!(table.read(simulated::PROFILE_ACCELERATION), Ok((500_000, 4)));
+        assert_eq!(table.write(simulated::PROFILE_ACCELERATION, 0, Some(4)), Err(RANGE));
+        assert_eq!(table.write(simulated::PROFILE_ACCELERATION, 1, Some(4)), Ok(()));
     }
 
     #[test]
     fn wrong_accesses_have_the_abort_codes_of_cia_301() {
         let mut table = table();
-        assert_eq!(table.read(at(0x1008, 0)), Err(Abort(0x0602_0000)));
+        assert_eq!(table.read(at(0x1007, 0)), Err(Abort(0x0602_0000)));
+        assert_eq!(table.read_bytes(at(0x1008, 1)), Err(Abort(0x0609_0011)));
+        assert_eq!(table.write(at(0x1008, 0), 0, Some(4)), Err(Abort(0x0601_0002)));
         assert_eq!(table.read(at(0x1018, 9)), Err(Abort(0x0609_0011)));
         assert_eq!(table.write(objects::STATUS_WORD, 0, Some(2)), Err(Abort(0x0601_0002)));
         assert_eq!(table.write(objects::CONTROL_WORD, 0, Some(4)), Err(Abort(0x0607_0010)));
@@ -304,5 +448,25 @@ mod tests {
         table.put(objects::TARGET_TORQUE, (-250_i32).cast_unsigned());
         assert_eq!((table.get(objects::TARGET_TORQUE), table.signed(objects::TARGET_TORQUE)), (0xFF06, -250));
         assert_eq!(table.signed(objects::INTERPOLATION_INDEX), -3);
+    }
+
+    /// Startup writes of other lengths than 1 to 4 bytes make objects of that length; power-on values are 0.
+    #[test]
+    fn objects_that_the_cell_writes_at_the_start_have_their_length() {
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        let (long, short) = (at(0x2001, 0), at(0x2002, 0));
+        for (object, bytes) in [(long, 8), (short, 2)] {
+            device.startup.push(Write { object, data: vec![1; bytes] });
+        }
+        let initial = Table::new(&device, device.drive().unwrap());
+        let mut table = initial.clone();
+        assert_eq!([table.read_bytes(long), table.read_bytes(short)], [Ok(vec![0; 8]), Ok(vec![0; 2])]);
+        assert_eq!(table.write_bytes(long, &[5; 8]), Ok(()));
+        assert_eq!(table.write_bytes(long, &[5; 7]), Err(Abort(0x0607_0010)));
+        assert_eq!(table.write(long, 5, None), Err(Abort(0x0607_0010)), "4 bytes");
+        assert_eq!(table.write_bytes(short, &[0x34, 0x12]), Ok(()));
+        assert_eq!((table.read_bytes(long), table.get(short)), (Ok(vec![5; 8]), 0x1234));
+        table.restore(&initial, &(0..=u16::MAX));
+        assert_eq!((table.read_bytes(long), table.get(short)), (Ok(vec![0; 8]), 0));
     }
 }

@@ -142,7 +142,7 @@ impl Decoder {
 }
 
 /// The frame of a line without its CR.
-fn frame_of(line: &[u8]) -> Option<Frame> {
+pub(super) fn frame_of(line: &[u8]) -> Option<Frame> {
     let (&kind, rest) = line.split_first()?;
     let is_remote = match kind {
         b't' => false,

@@ -8,19 +8,21 @@ use crate::interrupt::Interrupt;
 use clap::Args;
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::simulate::{SimulatedBus, occupant, unsupported};
-use lineshaft_can::transport::{Address, Obstacle, Options, Transport, open};
+use lineshaft_can::transport::{Address, Obstacle, Options, Transport, TransportError, open, slcan_pty};
 use lineshaft_core::machine::Machine;
 use std::path::{Path, PathBuf};
 
 pub(super) const HELP: &str = "\
-The drives have the nodes, identities and mechanics (key sim of an axis) of the cell, and serve csp, csv, cst and homing. Nodes that answer on \
-the bus already are refused.
+The drives have the nodes, identities, modes and mechanics (key sim of an axis) of the cell. Nodes that answer on the bus already are refused.
 
 A bus of datagrams (udp:GROUP:PORT) or an interface vcanN is used as the cell names it. Any other way to a bus may lead to real drives, so \
 --transport must name it.
 
-Example:
+--pty PATH serves an adapter that speaks slcan on a pseudo terminal; a master opens slcan:PATH.
+
+Examples:
   lineshaft can simulate cell.yaml --transport socketcan:vcan0
+  lineshaft can simulate cell.yaml --pty /tmp/bus0
 
 Exit codes: 0 ended by Ctrl-C, 1 the bus is lost or not there, or a node is there already, 2 bad usage or file.";
 
@@ -35,6 +37,9 @@ pub(in crate::cli) struct SimulateArgs {
     /// The bus, as udp:GROUP:PORT, socketcan:vcan0, slcan:PATH or slcan-tcp:HOST:PORT; left out: that of the cell
     #[arg(long, value_name = "ADDRESS")]
     transport: Option<Address>,
+    /// Serve a pseudo terminal as an slcan adapter; PATH becomes a link to it
+    #[arg(long, value_name = "PATH", conflicts_with = "transport")]
+    pty: Option<PathBuf>,
 }
 
 pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
@@ -46,18 +51,32 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     if let Some(sentence) = unsupported(&config) {
         return Err(Failure::Usage(sentence));
     }
-    let address = address(&config, args.transport.as_ref())?;
     let interrupt = Interrupt::listen().map_err(|error| Failure::Bus(format!("Ctrl-C cannot be heard: {error}")))?;
-    let mut transport = opened(&config, &address)?;
-    let lost = |error: lineshaft_can::transport::TransportError| Failure::Bus(error.to_string());
-    if let Some(node) = occupant(&mut *transport, &config).map_err(lost)? {
-        let sentence = format!("{address}: {node} is on the bus already; simulated drives need nodes of their own");
-        return Err(Failure::Bus(sentence));
-    }
+    let (address, transport) = match &args.pty {
+        Some(path) => {
+            let transport = slcan_pty(path).map_err(|error| Failure::Bus(error.to_string()))?;
+            (Address::Slcan(path.clone()), Box::new(transport) as Box<dyn Transport>)
+        }
+        None => shared(&config, address(&config, args.transport.as_ref())?)?,
+    };
     let nodes: Vec<_> = config.devices.iter().map(ToString::to_string).collect();
     let mut bus = bus(&cell, &config, transport)?;
     say(&format!("{}: {address}: {} simulated; Ctrl-C ends", config.name, nodes.join(", ")));
     bus.run(|| interrupt.requested().is_some()).map_err(lost)
+}
+
+fn lost(error: TransportError) -> Failure {
+    Failure::Bus(error.to_string())
+}
+
+/// A bus on which others may be; none of them may have the node of a drive.
+fn shared(config: &BusConfig, address: Address) -> Result<(Address, Box<dyn Transport>), Failure> {
+    let mut transport = opened(config, &address)?;
+    if let Some(node) = occupant(&mut *transport, config).map_err(lost)? {
+        let sentence = format!("{address}: {node} is on the bus already; simulated drives need nodes of their own");
+        return Err(Failure::Bus(sentence));
+    }
+    Ok((address, transport))
 }
 
 /// The drives of a bus of a cell, with their mechanics.
@@ -85,7 +104,7 @@ fn address(config: &BusConfig, given: Option<&Address>) -> Result<Address, Failu
     }
     let (name, transport) = (&config.name, &config.transport);
     Err(Failure::Usage(format!(
-        "backend {name}: {transport} may have real drives; name the bus of the simulated ones by --transport"
+        "backend {name}: {transport} may have real drives; name the bus of the simulated ones by --transport or --pty"
     )))
 }
 
@@ -100,7 +119,6 @@ fn opened(config: &BusConfig, address: &Address) -> Result<Box<dyn Transport>, F
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_can::transport::TransportError;
     use lineshaft_can::{Frame, Id, NmtCommand, NodeId};
     use std::collections::VecDeque;
     use std::sync::{Arc, Mutex};
@@ -242,10 +260,31 @@ mod tests {
             rig.now += Duration::from_millis(20);
             rig.bus.serve(rig.now).unwrap();
         }
-        assert_eq!(rig.sent(), [Frame::of(node().emergency(), [0x30, 0x81, 0x01, 0, 0, 0, 0, 0])]);
+        assert_eq!(rig.sent(), [Frame::of(node().emergency(), [0x30, 0x81, 0x11, 0, 0, 0, 0, 0])]);
         let status = rig.tell(Frame::of(node().sdo_request(), [0x40, 0x41, 0x60, 0, 0, 0, 0, 0]));
         let status: Vec<_> = status.iter().map(|frame| frame.bytes()[4] & 0x4F).collect();
         assert_eq!(status, [0x08], "fault");
+    }
+
+    /// SYNC every 8 ms, the mechanics every 2 ms: four steps of 100 counts, 50,000 counts/s. With an interpolation time of 16 ms the setpoint is
+    /// reached after two SYNC.
+    #[test]
+    fn setpoints_are_interpolated_over_the_times_of_1006h_and_60c2h() {
+        for (time, positions, velocity) in [(8, [400, 400], 50_000_i32), (16, [200, 400], 25_000)] {
+            let mut rig = Rig::new();
+            rig.start();
+            rig.write(0x1006, 0, &8_000_u32.to_le_bytes());
+            rig.write(0x60C2, 1, &[time]);
+            for control in [0x06, 0x07, 0x0F, 0x0F] {
+                rig.cycle(control, 0);
+            }
+            rig.cycle(0x0F, 400);
+            assert_eq!(rig.cycle(0x0F, 400).1, positions[0], "{time} ms");
+            let answer = rig.tell(Frame::of(node().sdo_request(), [0x40, 0x6C, 0x60, 0, 0, 0, 0, 0]));
+            let shown: Vec<_> = answer.iter().map(|frame| frame.bytes()[4..].to_vec()).collect();
+            assert_eq!(shown, [velocity.to_le_bytes()], "{time} ms");
+            assert_eq!(rig.cycle(0x0F, 400).1, positions[1], "{time} ms");
+        }
     }
 
     #[test]
@@ -265,11 +304,12 @@ mod tests {
     }
 
     #[test]
-    fn modes_that_are_not_cyclic_are_refused_by_name() {
-        let text = CELL.replace("node: 3}", "node: 3, mode: pp}");
-        let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
-        let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
-        let expected = "bus0: node 3 (x): mode pp is not simulated on a bus; csp, csv and cst are allowed";
-        assert_eq!(unsupported(&config).as_deref(), Some(expected));
+    fn profile_modes_are_simulated() {
+        for mode in ["pp", "ip", "csp"] {
+            let text = CELL.replace("node: 3}", &format!("node: 3, mode: {mode}}}"));
+            let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
+            let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
+            assert_eq!(unsupported(&config), None, "{mode}");
+        }
     }
 }
