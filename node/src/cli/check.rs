@@ -64,6 +64,7 @@ fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
         return Err(problems.into());
     }
     let (buses, passed_over) = cell.buses_and_warnings(Some(&args.cell))?;
+    let unread = cell.unread(&buses, Some(&args.cell))?;
     output.say(&format_args!("{file}: good: {}", summary(&cell)));
     output.set("cell", object(&cell, &file.to_string()));
     if let Some(line) = joint_names(&cell) {
@@ -73,7 +74,7 @@ fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
     for line in buses.iter().filter_map(load_of).chain(of_devices) {
         output.remark(&line);
     }
-    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over) {
+    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over).chain(unread) {
         output.warn(&warning);
     }
     if let Some(path) = &args.graph {
