@@ -1,5 +1,6 @@
 //! `lineshaft check`.
 
+mod coasting;
 mod functions;
 mod homing;
 mod marks;
@@ -71,7 +72,7 @@ fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
         output.say(&line);
     }
     let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
-    for line in buses.iter().filter_map(load_of).chain(of_devices) {
+    for line in buses.iter().filter_map(load_of).chain(of_devices).chain(coasting::note(&cell.machine)) {
         output.remark(&line);
     }
     for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over).chain(unread) {
