@@ -403,7 +403,11 @@ fn models() {
     assert_eq!(model("{model: ideal}"), Model::Ideal);
     assert_eq!(model("{model: second_order}"), second_order(60.0, 0.8));
     assert_eq!(model("{model: second_order, bandwidth: 0.1 kHz, damping: 1}"), second_order(100.0, 1.0));
+    let coasting = SecondOrder::new(60.0, 0.8, 1_000_000).unwrap().coasting(200_000_000, 1_000_000).unwrap();
+    assert_eq!(model("{model: second_order, coast: 200 ms}"), Model::SecondOrder(coasting));
+    assert_eq!(model("{model: second_order, coast: 0 s}"), second_order(60.0, 0.8));
     for (sim, expected) in [
+        ("{model: second_order, coast: 11 s}", "8:39: coast is 11000 ms; 0 ms to 10000 ms is allowed"),
         ("{}", "8:10: missing key `model` in sim"),
         (
             "{model: first_order}",
