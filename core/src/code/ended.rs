@@ -410,7 +410,7 @@ codes! {
 
     /// Following error beyond `max_following_error` (MACS position error, which has no number in the source).
     FOLLOWING_ERROR = 10201, Parameter {
-        says: "following error {asked} lies beyond max_following_error {limit}",
+        says: "following error {asked} exceeds max_following_error {limit}",
         cause: "The actual position is further behind its command than max_following_error, for longer than \
             following_error_time: a weak, blocked or badly tuned drive.",
         remedy: "Check load, brake and tuning; reduce acceleration or allow more; then reset_errors.",

@@ -94,11 +94,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::SAIA_ACCELERATION_ABOVE_VELOCITY if event.limit == Number::Count(0) => {
             fixed("the velocity register is 0; fldva has to load one first")
         }
-        Code::POSITION_OUT_OF_RANGE if event.limit != Number::None => format!(
-            "at position {} a software limit would be {}, which does not lie within +-2^62 increments",
-            asked(),
-            limit()
-        ),
+        Code::POSITION_OUT_OF_RANGE if event.limit != Number::None => {
+            format!("at position {} a software limit would be {}, which is outside +-2^62 increments", asked(), limit())
+        }
         Code::MARK_NO_INPUT => format!(
             "{} names digital input {}, which the cell does not have, or which has not latch: true",
             mark_key(event.limit),

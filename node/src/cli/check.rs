@@ -297,7 +297,7 @@ fn crossed_switches(cell: &Cell) -> Vec<String> {
     });
     let told = crossed.map(|(axis, _)| {
         format!(
-            "{}: the simulated positive_limit_switch, actuated at rising counts from `at` on, does not lie beyond the \
+            "{}: the simulated positive_limit_switch, actuated at rising counts from `at` on, is not above the \
              negative one, actuated up to its `at`; the axis never stands between them",
             axis.name
         )
