@@ -103,6 +103,8 @@ expect:
         moves.join(", ")
     ));
     run.until_told(6, "ready after");
+    let real = format!("WARN REAL DRIVES on bus0 ({}): a, b, c, d, e, f (nodes 1, 2, 3, 4, 5, 6)", drives.address());
+    assert_eq!(run.told(&real), 1, "{}", run.program.log());
     let before = NODES.map(|node| drives.shown(node));
     thread::sleep(Duration::from_secs(1));
     for (before, node) in before.iter().zip(NODES) {

@@ -259,7 +259,7 @@ fn the_factor_of_a_compensation_is_told() {
     };
     refused(
         &["--cycle", "0.5 ms", "--gain", "400", "--external"],
-        "with 400 rpm in a cycle of 0.5 ms the factor lies beyond 32767, which no function takes",
+        "with 400 rpm in a cycle of 0.5 ms the factor exceeds 32767, which no function takes",
     );
     refused(&["--cycle", "2 ms"], "--gain <RPM>");
     refused(&["--cycle", "1 us", "--gain", "1000"], "125 us to 5.1 s is allowed");

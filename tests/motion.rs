@@ -134,7 +134,7 @@ fn a_probe_ends_at_its_distance_from_the_mark() {
     let beyond = "probe /lineshaft --axis x --event mark --mode relative --position 0.5 --velocity 0.1 --distance 5";
     let seen = bench.cyclone.run(&format!("{beyond} --expect ABORTED"));
     let (message, result) = (seen["result"]["message"].as_str().unwrap(), &seen["result"]);
-    assert!(message.contains("lies above max_position 900 mm") && result["probed"] == true, "{result}");
+    assert!(message.contains("exceeds max_position 900 mm") && result["probed"] == true, "{result}");
     let short = "probe /lineshaft --axis x --event x --mode relative --position 0.001 --expect ABORTED";
     let seen = bench.cyclone.run(short);
     assert_eq!((&seen["result"]["code"], &seen["result"]["probed"]), (&json!(10_107), &json!(false)));

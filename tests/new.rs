@@ -39,13 +39,21 @@ fn each_new_cell_is_good_and_its_scenario_passes() {
         let next: Vec<_> = next.lines().map(str::trim).collect();
         let run = if kind == "can" { "lineshaft run mine.yaml --sim" } else { "lineshaft run mine.yaml" };
         assert_eq!(next, ["lineshaft check mine.yaml", "lineshaft sim mine.yaml --scenario mine.scenario.yaml", run]);
+        // No file of the drive is there yet.
+        let warns = |problems: &str| {
+            kind == "can"
+                && problems.lines().count() == 1
+                && problems.starts_with("warning: mine.yaml:")
+                && problems.contains(": x: switches at the drive (node 1) are not read, so limit switches there cannot")
+        };
         for command in &next[..2] {
             let arguments: Vec<_> = command.split(' ').skip(1).collect();
             let (code, text, problems) = said(folder.path(), &arguments);
-            assert_eq!((code, problems.as_str()), (0, ""), "{kind}: {command}: {text}");
+            let is_good = problems.is_empty() || arguments[0] == "check" && warns(&problems);
+            assert!(code == 0 && is_good, "{kind}: {command}: {text}{problems}");
         }
         let (code, text, problems) = said(folder.path(), &["check", "mine.yaml", "--scenario", "mine.scenario.yaml"]);
-        assert_eq!((code, problems.as_str()), (0, ""), "{kind}: {text}");
+        assert!(code == 0 && (problems.is_empty() || warns(&problems)), "{kind}: {text}{problems}");
     }
 }
 

@@ -43,7 +43,7 @@ fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
     for (wrong, sentence) in [
         ("--table stork", "`stork`"),
         ("--table stroke --slave-scale nan", "slave_scale"),
-        ("--table stroke --master-scale 2000000", "a scale lies within 0.000001 and 1000000"),
+        ("--table stroke --master-scale 2000000", "a scale must be within 0.000001 and 1000000"),
         ("--table stroke --master-offset inf", "master_offset"),
     ] {
         let said = erector.cyclone.fails(&format!("{cam} {wrong}"));

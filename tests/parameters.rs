@@ -124,7 +124,7 @@ fn a_set_is_done_each_by_itself_or_all_or_none() {
     assert_eq!((&result["successful"], &result["reason"]), (&json!(true), &json!("")));
     assert_eq!((bench.get("x.min_position"), bench.get("x.max_position")), (json!(0.5), json!(0.6)));
     let reason = bench.refused("x.min_position=0.7");
-    assert_eq!(reason, "x: min_position 700 mm must lie below max_position 600 mm");
+    assert_eq!(reason, "x: min_position 700 mm must be below max_position 600 mm");
     assert_eq!(bench.set_together("")["successful"], false, "an empty set");
 }
 

@@ -145,7 +145,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
         ("jog --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
         ("jog --axis x=nan", "velocity of x"),
         ("jog --axis x=-inf", "velocity of x"),
-        ("jog --axis x=100", "lies above max_velocity"),
+        ("jog --axis x=100", "exceeds max_velocity"),
         ("jog --axis x=0.01 --displacements 1", "displacements has 1 entries"),
         ("jog --axis x=0.01 --duration -1", "duration is -1 s"),
         ("jog", "no axis is named"),

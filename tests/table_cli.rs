@@ -129,7 +129,7 @@ fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() 
     for (csv, form, sentence) in [
         ("x,y\n0,0\n", "xy", "bad.csv:1:1: `x` is no whole number of 32 bits; a line of names needs `#` before it\n"),
         ("0,0\n10,NaN\n", "xy", "bad.csv:2:4: `NaN` is not finite; a whole number is expected\n"),
-        ("0,0\n10,1\n10,2\n", "xy", "bad.csv:3:1: place 10 does not lie behind 10, the one of line 2; places rise\n"),
+        ("0,0\n10,1\n10,2\n", "xy", "bad.csv:3:1: place 10 is not after 10, the one of line 2; places rise\n"),
         ("0;0\n", "xy", "bad.csv:1:2: `;` stands between columns; a comma is expected\n"),
         (
             "0\n1,5\n",
@@ -302,7 +302,7 @@ fn tables_are_converted_there_and_back() {
     let parts = "error: knife.csv: 1001 points divide a period of 20001 inc into parts of 20001/1000 inc; places are whole increments\n";
     assert_eq!(bench.bad("convert knife.csv p.csv --to xy --master 20001"), parts);
     bench.write("odd.csv", "0,0\n10,1\n21,2\n");
-    let uneven = "error: odd.csv: place 21 of point 3 lies 11 inc behind the one before it, the first ones 10 inc; form y has equal \
+    let uneven = "error: odd.csv: place 21 of point 3 is 11 inc after the one before it, the first ones 10 inc; form y has equal \
                   distances\n";
     assert_eq!(bench.bad("convert odd.csv p.csv --form xy --to y"), uneven);
     bench.write("two.yaml", "tables:\n  rise: {form: y, points: [0, 1]}\n  fall: {form: y, points: [0, -1]}\n");

@@ -7,6 +7,7 @@ mod masters;
 mod numbers;
 mod outputs;
 mod slots;
+mod switches;
 
 pub use error::{AnalogProblem, ConfigError, GantryProblem, PitchProblem};
 pub use functions::{Function, OutputShared, Switcher};
@@ -251,6 +252,8 @@ pub struct GlobalConfig {
     pub full_scales: Vec<FullScale>,
     /// Entries of section `encoders`, and axes for the encoders of their drives, that give no index pulses.
     pub without_index: Vec<Object>,
+    /// Axes whose drives show no digital inputs (60FDh): switches at the drive are not read.
+    pub without_inputs: Vec<Object>,
     /// Places of the tables that the cell says to be cams (key `cam`): numbers that are no cam are refused.
     pub cams: Vec<u16>,
 }

@@ -121,7 +121,7 @@ impl TryFrom<Numbers> for Table {
 pub fn falling_place(x: &[i64]) -> Option<(usize, String)> {
     let mut pairs = x.iter().zip(x.iter().skip(1)).zip(1..);
     let ((before, place), number) = pairs.find(|((before, place), _)| before >= place)?;
-    Some((number, format!("place {place} does not lie behind {before}, the one before it; places rise")))
+    Some((number, format!("place {place} is not after {before}, the one before it; places rise")))
 }
 
 impl Table {

@@ -170,9 +170,9 @@ mod tests {
         let config = crate::machine::rig::config(0);
         let event = Event::new(Severity::Warn, Kind::Refused, Object::Axis(1), Code::VELOCITY_TOO_HIGH);
         let of = |asked| sentence(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
-        assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s lies above max_velocity 100 mm/s");
-        assert_eq!(of(120_000.0), "x: velocity 120 mm/s lies above max_velocity 100 mm/s");
-        assert_eq!(of(100_000.0), "x: velocity 100 mm/s lies above max_velocity 100 mm/s");
+        assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s exceeds max_velocity 100 mm/s");
+        assert_eq!(of(120_000.0), "x: velocity 120 mm/s exceeds max_velocity 100 mm/s");
+        assert_eq!(of(100_000.0), "x: velocity 100 mm/s exceeds max_velocity 100 mm/s");
     }
 
     #[test]
@@ -259,7 +259,7 @@ mod tests {
         );
         assert_eq!(
             text(Code::PARAMETERS_CONTRADICT, "dfltvel", Number::Count(150), speed),
-            "machine: dfltvel 150 must not lie above max_velocity 2 inc/s"
+            "machine: dfltvel 150 must not exceed max_velocity 2 inc/s"
         );
         assert_eq!(
             text(Code::PARAMETER_OUT_OF_RANGE, "velmax", Number::Real(7.0), speed),

@@ -173,7 +173,7 @@ pub(crate) fn find(memory: &[u8], at: usize) -> Result<Range<usize>, Refused> {
     if at == 0 || !at.is_multiple_of(8) {
         return refuse(format!("its image is at {at}; an address above 0 that 8 divides is needed"));
     }
-    let Some(size) = size(memory, at) else { return refuse("its image lies beside its memory") };
+    let Some(size) = size(memory, at) else { return refuse("its image is outside its memory") };
     if !(SIZE..=MOST_KEPT).contains(&size) {
         let most = MOST_KEPT;
         return refuse(format!(

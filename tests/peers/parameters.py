@@ -25,7 +25,7 @@ FORBIDDEN = {"amc.action_on_event": "waits for a latch", "amc.reference_select":
              **dict.fromkeys(("i_refswitch", "i_poslimitsw", "i_neglimitsw"), "digital inputs"),
              **dict.fromkeys(("i_break", "i_continue", "i_errclr"), "digital inputs"),
              **dict.fromkeys(("o_axmove", "o_brake", "o_error"), "digital outputs"),
-             "posdrct": "inverts the position loop", "velmax": "must not lie below", "revers": "asks for outputs",
+             "posdrct": "inverts the position loop", "velmax": "must not be below", "revers": "asks for outputs",
              **dict.fromkeys(("encodertype", "mencodertype"), "is no type of encoder"), "encoderfreq": "is no clock rate",
              "wf.md4": "asks for words in Gray code",
              "pulsvel": "starts the virtual master", "vmenctyp": "is not allowed", "vmencmtyp": "digital inputs",
@@ -195,7 +195,7 @@ def doors(peer, a):
 
 
 def takes_its_own(checks, client, d, now):
-    """Also of what is read-only, and of a view of a value that was given by another one and lies outside its own range."""
+    """Also of what is read-only, and of a view of a value that was given by another one and is outside its own range."""
     for door in (client.set, lambda kv: [client.set_atomically(kv)]):
         checks.check_quietly(f"{d.name} takes its own value {now}",
                              lambda: [(r.successful, r.reason) for r in door({d.name: now})], [(True, "")])

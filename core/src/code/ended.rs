@@ -31,11 +31,13 @@ codes! {
         remedy: "Set homing.velocity (home_vel).",
     }
 
-    /// A homing sequence of MACS without the input of its switch.
+    /// Homing by a switch that is read nowhere.
     HOMING_NO_SWITCH = 10305, NoError {
         says: "",
-        cause: "A home_type of MACS needs a reference switch, and no input is assigned.",
-        remedy: "Set i_refswitch, or choose a method without a switch.",
+        cause: "The homing method needs a switch that is not read: a home_type of MACS has no input at i_refswitch, or \
+            the digital inputs of a drive on CAN (60FDh) are not read.",
+        remedy: "Assign an input (i_refswitch, i_poslimitsw, i_neglimitsw), give the drive its `eds`, or choose a method \
+            without a switch.",
     }
 
     /// The edge of the switch did not come within `homing.max_distance`.
@@ -408,7 +410,7 @@ codes! {
 
     /// Following error beyond `max_following_error` (MACS position error, which has no number in the source).
     FOLLOWING_ERROR = 10201, Parameter {
-        says: "following error {asked} lies beyond max_following_error {limit}",
+        says: "following error {asked} exceeds max_following_error {limit}",
         cause: "The actual position is further behind its command than max_following_error, for longer than \
             following_error_time: a weak, blocked or badly tuned drive.",
         remedy: "Check load, brake and tuning; reduce acceleration or allow more; then reset_errors.",

@@ -18,7 +18,7 @@ pub fn not_built_here(code: Code) -> &'static str {
             "gives no turn of the encoder that ampencno names; 1 to 1073741823 increments are allowed"
         }
         Code::VELOCITY_ENCODER_TWO_DRIVES => "names one encoder for an axis that two drives carry; -1 is allowed",
-        Code::ANALOG_FULL => "lies above what its drive does at 10 V; full_velocity or full_effort at most is allowed",
+        Code::ANALOG_FULL => "exceeds what its drive does at 10 V; full_velocity or full_effort at most is allowed",
         Code::ANALOG_COASTS => {
             "leaves the axis to the stop of its drive, and one that takes a torque as a voltage coasts; 0, 1, 2, 3 and 5 are allowed"
         }

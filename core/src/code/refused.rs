@@ -3,44 +3,44 @@
 use super::codes;
 
 codes! {
-    /// The goal's target lies above `max_position`.
+    /// The goal's target exceeds `max_position`.
     ABOVE_MAX_POSITION = 10001, NoError {
-        says: "target {asked} lies above max_position {limit}",
+        says: "target {asked} exceeds max_position {limit}",
         cause: "The target exceeds max_position.",
         remedy: "Choose a target within the limits.",
     }
 
-    /// The goal's target lies below `min_position`.
+    /// The goal's target is below `min_position`.
     BELOW_MIN_POSITION = 10002, NoError {
-        says: "target {asked} lies below min_position {limit}",
+        says: "target {asked} is below min_position {limit}",
         cause: "The target is below min_position.",
         remedy: "Choose a target within the limits.",
     }
 
     /// Velocity beyond `max_velocity`.
     VELOCITY_TOO_HIGH = 10003, NoError {
-        says: "velocity {asked} lies above max_velocity {limit}",
+        says: "velocity {asked} exceeds max_velocity {limit}",
         cause: "The velocity exceeds max_velocity.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Acceleration beyond `max_acceleration`.
     ACCELERATION_TOO_HIGH = 10004, NoError {
-        says: "acceleration {asked} lies above max_acceleration {limit}",
+        says: "acceleration {asked} exceeds max_acceleration {limit}",
         cause: "The acceleration exceeds max_acceleration.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Deceleration beyond `max_deceleration`.
     DECELERATION_TOO_HIGH = 10005, NoError {
-        says: "deceleration {asked} lies above max_deceleration {limit}",
+        says: "deceleration {asked} exceeds max_deceleration {limit}",
         cause: "The deceleration exceeds max_deceleration.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
 
     /// Jerk beyond `max_jerk`.
     JERK_TOO_HIGH = 10006, NoError {
-        says: "jerk {asked} lies above max_jerk {limit}",
+        says: "jerk {asked} exceeds max_jerk {limit}",
         cause: "The jerk exceeds max_jerk.",
         remedy: "Ask for less, or raise the parameter if the machine bears it.",
     }
@@ -75,7 +75,7 @@ codes! {
 
     /// |position| must stay below 2^62 increments.
     POSITION_OUT_OF_RANGE = 10011, Search {
-        says: "target {asked} does not lie within +-2^62 increments",
+        says: "target {asked} is outside +-2^62 increments",
         cause: "A position exceeds 2^62 increments.",
         remedy: "Give a nearer one.",
     }
@@ -122,10 +122,10 @@ codes! {
         remedy: "It has ended already: its end was told.",
     }
 
-    /// A parameter value lies outside its range.
+    /// A parameter value is outside its range.
     PARAMETER_OUT_OF_RANGE = 10018, NoError {
         says: "",
-        cause: "A parameter value lies outside its range.",
+        cause: "A parameter value is outside its range.",
         remedy: "Give one within the range that the sentence names.",
     }
 
@@ -226,7 +226,7 @@ codes! {
     /// A cam of the reference selector that starts behind its end.
     CAM_START = 10027, NoError {
         says: "its start is at {asked}; 0 up to {limit}, its end, is possible",
-        cause: "amc.cam_start_index and amc.cam_start_position lie at or behind the end of the table.",
+        cause: "amc.cam_start_index and amc.cam_start_position are at or after the end of the table.",
         remedy: "Name a point before the last one, and a position within its segment.",
     }
 
@@ -405,11 +405,11 @@ codes! {
         remedy: "Give it once.",
     }
 
-    /// A position reference that does not lie within the turn (VM_AMC_POSITION_REF).
+    /// A position reference that is outside the turn (VM_AMC_POSITION_REF).
     AMC_OUTSIDE_TURN = 10041, NoError {
-        says: "{key} {asked} does not lie within the turn, at most {limit} either way; amc.rotary_mode 4 to 6 takes \
+        says: "{key} {asked} is outside the turn, at most {limit} either way; amc.rotary_mode 4 to 6 takes \
             more",
-        cause: "A position reference does not lie within the turn.",
+        cause: "A position reference is outside the turn.",
         remedy: "Give one within it, or choose amc.rotary_mode 4 to 6.",
     }
 
@@ -520,7 +520,7 @@ codes! {
 
     /// More than a voltage of 10 V asks for.
     ANALOG_FULL = 10247, NoError {
-        says: "{key} {asked} lies above {limit}, which is what its drive does at 10 V",
+        says: "{key} {asked} exceeds {limit}, which is what its drive does at 10 V",
         cause: "max_velocity or max_effort exceeds what the drive of the axis does at 10 V, its full reference.",
         remedy: "Give less; or set the amplifier so that 10 V are more, and full_velocity or full_effort of the cell with it.",
     }
@@ -637,10 +637,10 @@ codes! {
         remedy: "Give more goal_time_tolerance or a wider tolerance; check the drive.",
     }
 
-    /// No point of the trajectory lies ahead.
+    /// No point of the trajectory is ahead.
     TRAJECTORY_IN_THE_PAST = 10063, NoError {
         says: "the last point of the trajectory is at {asked}; it must be after the present time, {limit}",
-        cause: "No point of the trajectory lies ahead.",
+        cause: "No point of the trajectory is ahead.",
         remedy: "Check the clocks of both sides, and its start time.",
     }
 
@@ -793,7 +793,7 @@ codes! {
 
     /// Places that do not rise from 0.
     CAM_PLACE = 10095, NoError {
-        says: "point {asked} is at {limit}; the first is at 0, and each lies behind the one before it",
+        says: "point {asked} is at {limit}; the first is at 0, and each is after the one before it",
         cause: "The places of the table of a cam do not begin at 0, or do not rise.",
         remedy: "Sort them; no two are equal.",
     }

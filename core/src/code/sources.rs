@@ -70,7 +70,7 @@ codes! {
 
     /// WF alarm 10: following error beyond `wf.max_following_error` in travel.
     WF_FOLLOWING_ERROR_IN_TRAVEL = 1010, Parameter {
-        says: "alarm 10: following error {asked} lies beyond wf.max_following_error {limit} in travel",
+        says: "alarm 10: following error {asked} exceeds wf.max_following_error {limit} in travel",
         cause: "Alarm 10: the following error exceeds wf.max_following_error in travel: a weak or blocked drive, \
             a coupling, an encoder.",
         remedy: "Check coupling, encoder and load, then wf {reset: true}.",
@@ -78,7 +78,7 @@ codes! {
 
     /// WF alarm 11: following error beyond `wf.max_following_error` at standstill.
     WF_FOLLOWING_ERROR_AT_STANDSTILL = 1011, Parameter {
-        says: "alarm 11: following error {asked} lies beyond wf.max_following_error {limit} at standstill",
+        says: "alarm 11: following error {asked} exceeds wf.max_following_error {limit} at standstill",
         cause: "Alarm 11: the following error exceeds wf.max_following_error at standstill: the axis was pushed, \
             or its drive is off.",
         remedy: "Check drive and load, then wf {reset: true}.",
@@ -339,7 +339,7 @@ codes! {
 
     /// Points that do not rise.
     AMK_POINT_ORDER = 3025, NoError {
-        says: "DD{asked} of the table does not lie above the point before it, {limit}",
+        says: "DD{asked} of the table is not above the point before it, {limit}",
         cause: "The points of an output table do not rise.",
         remedy: "Sort them; no two are equal.",
     }
@@ -510,14 +510,14 @@ codes! {
 
     /// Places that do not rise.
     AMK_CURVE_ORDER = 3054, NoError {
-        says: "point {limit} of Tab{asked} does not lie behind the one before it",
+        says: "point {limit} of Tab{asked} is not after the one before it",
         cause: "The places of a table of form xy do not rise.",
         remedy: "Sort them; no two are equal.",
     }
 
     /// A step that is too large.
     AMK_CURVE_STEP = 3055, NoError {
-        says: "point {limit} of Tab{asked} lies 32768 or more from the one before it",
+        says: "point {limit} of Tab{asked} is 32768 or more from the one before it",
         cause: "Two neighbouring values of a table differ by 32768 or more.",
         remedy: "Use more points, or a smaller table with `mult`.",
     }
@@ -551,7 +551,7 @@ codes! {
     }
     /// Limits of a ratio that leave nothing between them.
     AMK_RATIO_LIMITS = 3060, NoError {
-        says: "{asked} does not lie below ratio_max, {limit}",
+        says: "{asked} is not below ratio_max, {limit}",
         cause: "The least ratio of a dfkt is not below its largest one.",
         remedy: "Set ratio_min below ratio_max; -32767 and 32767 with ratio_div 1 limit hardly anything.",
     }
@@ -678,7 +678,7 @@ codes! {
 
     /// An end that is not ahead.
     AMK_AGAINST_APPROACH = 3084, NoError {
-        says: "{asked} lies against the approach, whose velocity is {limit}; bit 2 of `ba` lets it turn round",
+        says: "{asked} is against the approach, whose velocity is {limit}; bit 2 of `ba` lets it turn round",
         cause: "travel and velocity of an epos have opposite signs with bit 1 of `ba` and without bit 2.",
         remedy: "Let it turn round with bit 2, or approach from the other side.",
     }

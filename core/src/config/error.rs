@@ -211,7 +211,7 @@ pub enum ConfigError {
         problem: SumProblem,
     },
     /// Two parameters of an axis.
-    #[error("{axis}: {low} lies above {high}")]
+    #[error("{axis}: {low} exceeds {high}")]
     Contradiction {
         /// Whose.
         axis: String,

@@ -4,7 +4,7 @@ use super::{MAX_COMMANDS, Machine, Told};
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::command::{
-    Action, Command, Commands, Engage, GearOut, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize,
+    Action, Command, Commands, Engage, GearOut, HomeAxis, MemoryValue, Phase, PhaseSide, Probe, ProbeEdge, Synchronize,
 };
 use crate::config::IoKind;
 use crate::drive::{ForeignEmergency, Inputs, NodeChange, NodeNotice};
@@ -50,6 +50,15 @@ impl Machine {
         }
         let refusal = Refusal::new(Code::LATCH_NOT_OFFERED, Object::Axis(axis));
         Err(refusal.with(Number::Count(source.into()), Number::None))
+    }
+
+    /// Checks that the switches that a homing looks for are read: the drive of the axis may show no digital inputs.
+    fn check_switches(&self, request: &HomeAxis) -> Result<(), Refusal> {
+        let is_unread = self.config.global.without_inputs.contains(&Object::Axis(request.axis));
+        match self.state.axes.get(usize::from(request.axis)).filter(|_| is_unread) {
+            Some(axis) => axis.check_switches(request.method),
+            None => Ok(()),
+        }
     }
 
     /// Checks that the edge of a probe can come: an input that has the level behind the edge already lets the axis drive on to the
@@ -103,7 +112,6 @@ impl Machine {
             | Action::AbortTrigger(_)
             | Action::Trajectory(_)
             | Action::QueryTrajectory(_)
-            | Action::HomeAxis(_)
             | Action::SetPosition(_)
             | Action::ShiftPosition(_)
             | Action::SetMasterPosition(_)
@@ -113,6 +121,7 @@ impl Machine {
             | Action::OutAn(_)
             | Action::Vocabulary(_)
             | Action::Cancel { .. } => Ok(true),
+            Action::HomeAxis(request) => self.check_switches(request).map(|()| true),
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
                 Err(Refusal::new(Code::BAD_REQUEST, Object::Machine))
             }

@@ -188,9 +188,9 @@ mod tests {
             config.resolve_load_table(name, x, y).map(|_| ()).map_err(|error| error.to_string())
         };
         let falls = load("curve", &[0, 9, 8], &[0, 1, 2]).unwrap_err();
-        assert!(falls.ends_with("place 8 does not lie behind 9, the one before it; places rise"), "{falls}");
+        assert!(falls.ends_with("place 8 is not after 9, the one before it; places rise"), "{falls}");
         let stands = load("cam", &[0, 9, 9], &[0, 1, 2]).unwrap_err();
-        assert!(stands.ends_with("place 9 does not lie behind 9, the one before it; places rise"), "{stands}");
+        assert!(stands.ends_with("place 9 is not after 9, the one before it; places rise"), "{stands}");
         // A cubic spline that begins again needs three points. A curve does with two.
         let few = load("cam", &[0, 10], &[0, 5]).unwrap_err();
         assert!(few.ends_with("a cam has 2 points; 3 or more are needed"), "{few}");

@@ -344,7 +344,7 @@ fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
 
 /// A scale as a ratio.
 fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
-    let allowed = "a scale lies within 0.000001 and 1000000, of either sign; 0 stands for 1";
+    let allowed = "a scale must be within 0.000001 and 1000000, of either sign; 0 stands for 1";
     let refused = || RequestError::NoMeaning { field, value: fraction_to_text(&given), allowed };
     if given == Fraction::default() {
         return Ok(Ratio::ONE);
@@ -387,13 +387,13 @@ mod tests {
         let refused = |value: f64| of(value).expect_err("beyond").to_string();
         assert_eq!(
             refused(1_000_000.5),
-            "master_scale is 1000000.5; a scale lies within 0.000001 and 1000000, of either sign; 0 stands for 1"
+            "master_scale is 1000000.5; a scale must be within 0.000001 and 1000000, of either sign; 0 stands for 1"
         );
         // 62 bits hold 17 places of 12, and no more.
         let fine = Fraction::new(123_456_789_012_345_678_901, 10_000_000_000_000_000_000);
         let rounded = ratio("master_scale", fine).ok();
         assert_eq!(rounded, Ratio::new(1_234_567_890_123_456_789, 100_000_000_000_000_000));
-        assert!(refused(9.9e-7).contains("a scale lies within"), "{}", refused(9.9e-7));
+        assert!(refused(9.9e-7).contains("a scale must be within"), "{}", refused(9.9e-7));
         assert!(factor("slave_scale", f64::NAN).expect_err("NaN").to_string().starts_with("slave_scale: "));
     }
 }

@@ -6,7 +6,7 @@ use super::analog::Analog;
 use super::driven::DrivenCount;
 use super::homing::{InDrive, Way};
 use super::mechanics::Brake;
-use super::motor::{FASTEST, Travel, TwoSpeed, Valve, VelocityLag};
+use super::motor::{FASTEST, Lag, Travel, TwoSpeed, Valve, VelocityLag};
 use super::plant::Servo;
 use super::word::Word;
 use super::{Fixtures, Mechanics, Model, SecondOrder, Sign, age};
@@ -43,6 +43,14 @@ impl Motion {
             Motion::TwoSpeed(law) => law.inverted,
             Motion::Valve { law, .. } => law.inverted,
             Motion::Servo(servo) => servo.is_inverted(),
+        }
+    }
+
+    /// How its velocity decays without power, if its model says so.
+    fn coast(&self) -> Option<Lag> {
+        match self {
+            Motion::SecondOrder { law, .. } => law.coast(),
+            _ => None,
         }
     }
 
@@ -453,6 +461,11 @@ impl SimDrive {
             self.fall();
         } else if is_on && let Mode::Homing(order) = output.mode {
             self.home(order, starts);
+        } else if !is_on
+            && self.state != DriveState::QuickStop
+            && let Some(lag) = self.motion.coast()
+        {
+            self.coast(lag);
         } else if self.motion.has_velocity_only() || matches!(output.mode, Mode::Velocity | Mode::Speed) {
             // Without its voltage a motor is asked for nothing, and runs down.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
@@ -476,6 +489,13 @@ impl SimDrive {
         let mean = self.velocity + self.load * cycle_s / 2.0;
         self.velocity = (self.velocity + self.load * cycle_s).clamp(-FASTEST, FASTEST);
         self.count = self.count.wrapping_add(self.travel.advance(mean.clamp(-FASTEST, FASTEST), self.cycle_ns));
+        self.rest_here();
+    }
+
+    /// One cycle without power, in which friction brakes it.
+    fn coast(&mut self, lag: Lag) {
+        let mean = lag.cycle(&mut self.velocity, 0.0);
+        self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));
         self.rest_here();
     }
 

@@ -29,7 +29,7 @@ pub(super) fn negligible(setpoint: f64) -> f64 {
 
 /// A first-order lag over a fixed time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Lag {
+pub(super) struct Lag {
     time_constant_s: f64,
     /// How much of a difference is left afterwards.
     decay: f64,
@@ -37,7 +37,7 @@ struct Lag {
 }
 
 impl Lag {
-    fn new(time_constant_ns: i64, duration_ns: u64) -> Self {
+    pub(super) fn new(time_constant_ns: i64, duration_ns: u64) -> Self {
         let (time_constant_s, duration_s) = (time_constant_ns as f64 / 1e9, duration_ns as f64 / 1e9);
         // Without a time constant nothing is left, however short the time; over no time all is.
         let decay = if duration_ns == 0 { 1.0 } else { exp(-duration_s / time_constant_s) };
@@ -59,14 +59,18 @@ impl Lag {
     }
 
     /// One cycle at one setpoint; the mean velocity over it (inc/s).
-    fn cycle(&self, velocity: &mut f64, setpoint: f64) -> f64 {
+    pub(super) fn cycle(&self, velocity: &mut f64, setpoint: f64) -> f64 {
         let further = self.run(velocity, setpoint);
         self.settle(velocity, setpoint);
         setpoint + further / self.duration_s
     }
 }
 
-fn check_lag(time_constant_ns: i64, error: fn(i64) -> ModelError) -> Result<(), ModelError> {
+/// Checks a time constant.
+///
+/// # Errors
+/// A time outside its range.
+pub(super) fn check_lag(time_constant_ns: i64, error: fn(i64) -> ModelError) -> Result<(), ModelError> {
     if (0..=MOST_LAG_NS).contains(&time_constant_ns) { Ok(()) } else { Err(error(time_constant_ns)) }
 }
 

@@ -1,12 +1,13 @@
 //! A drive whose position, or velocity, follows its setpoint as a damped second-order system.
 //!
 //! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth; r straight between the position setpoints of two cycles, held
-//!          for a velocity; solved exactly over a cycle, not approximated, so that no bandwidth makes it unstable
+//!          for a velocity; solved exactly over a cycle, not approximated, so that no bandwidth makes it unstable. Without power
+//!          v' = -v / coast where a time constant is given, else it stops at once
 //! Reads    the setpoint (inc), or (inc/s)
 //! Writes   position, whole and nearest (inc), and velocity (inc/s); or the mean velocity over the cycle (inc/s)
-//! Refuses  bandwidth or damping that is not above 0 and finite
+//! Refuses  bandwidth or damping that is not above 0 and finite, a time constant outside its range
 
-use super::motor::negligible;
+use super::motor::{Lag, check_lag, negligible};
 use libm::{cos, cosh, exp, sin, sinh};
 use std::f64::consts::TAU;
 
@@ -57,6 +58,8 @@ pub struct SecondOrder {
     softness: f64,
     /// Free motion over a cycle: new [position, velocity] from old ones.
     free: [[f64; 2]; 2],
+    /// How its velocity decays without power; none: it stops at once.
+    coast: Option<Lag>,
 }
 
 /// Where the simulated motor is: its position relative to the last setpoint, and its velocity.
@@ -100,7 +103,27 @@ impl SecondOrder {
         }
         let cycle_s = cycle_ns as f64 / 1e9;
         let w = TAU * bandwidth;
-        Ok(Self { cycle_s, lag_s: 2.0 * damping / w, softness: 1.0 / (w * w), free: free_motion(w, damping, cycle_s) })
+        Ok(Self {
+            cycle_s,
+            lag_s: 2.0 * damping / w,
+            softness: 1.0 / (w * w),
+            free: free_motion(w, damping, cycle_s),
+            coast: None,
+        })
+    }
+
+    /// The same drive, whose velocity decays with that time constant (ns) without power.
+    ///
+    /// # Errors
+    /// A time outside its range.
+    pub fn coasting(self, time_constant_ns: i64, cycle_ns: u64) -> Result<Self, ModelError> {
+        check_lag(time_constant_ns, ModelError::Coast)?;
+        Ok(Self { coast: Some(Lag::new(time_constant_ns, cycle_ns)), ..self })
+    }
+
+    /// How its velocity decays without power; none: it stops at once.
+    pub(super) fn coast(&self) -> Option<Lag> {
+        self.coast
     }
 
     pub(super) fn step(&self, state: &mut State, setpoint: i64) {

@@ -91,6 +91,44 @@ fn a_ramp_is_followed_with_the_lag_of_its_damping() {
     assert!((state.velocity() - 100_000.0).abs() < 1e-3);
 }
 
+/// v' = -v / T: from 20,000 inc/s with T = 100 ms it has 20,000 / e = 7,357.6 inc/s after T, and 2,000 inc in all; without a time constant it
+/// stops at once. In quick stop it stands, as without one.
+#[test]
+fn second_order_drive_without_power_coasts_by_its_time_constant() {
+    let ramped = |model: Model| {
+        let mut drive = switched_on(model, 0);
+        for k in 1..=1_000 {
+            drive.read();
+            drive.write(output(k * 20, control::ENABLE));
+        }
+        let from = drive.read().count;
+        (drive, from)
+    };
+    let off = |drive: &mut SimDrive, word: u16, cycles: usize| {
+        let mut input = crate::drive::DriveInput::default();
+        for _ in 0..cycles {
+            drive.write(output(20_000, word));
+            input = drive.read();
+        }
+        input
+    };
+    let coasting = Model::SecondOrder(law(60.0, 0.8).coasting(100_000_000, MS).unwrap());
+    let (mut drive, from) = ramped(coasting);
+    let after = off(&mut drive, control::DISABLE_VOLTAGE, 100);
+    assert!((after.velocity - 7_357.6).abs() < 0.1, "{}", after.velocity);
+    let end = off(&mut drive, control::DISABLE_VOLTAGE, 2_000);
+    assert!(matches!(end.count - from, 1_999 | 2_000) && end.velocity == 0.0, "{} {}", end.count - from, end.velocity);
+    for (model, word) in
+        [(Model::SecondOrder(law(60.0, 0.8)), control::DISABLE_VOLTAGE), (coasting, control::QUICK_STOP)]
+    {
+        let (mut drive, from) = ramped(model);
+        let stopped = off(&mut drive, word, 1);
+        assert_eq!((stopped.count, stopped.velocity), (from, 0.0));
+    }
+    let message = law(60.0, 0.8).coasting(-1_000_000, MS).unwrap_err().to_string();
+    assert_eq!(message, "coast is -1 ms; 0 ms to 10000 ms is allowed");
+}
+
 /// Overshoot of a step: exp(-pi d / sqrt(1 - d^2)) = 16.3 % at d = 0.5. The step rises over one cycle, which at 5 Hz is
 /// short.
 #[test]

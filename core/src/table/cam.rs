@@ -106,7 +106,7 @@ pub enum CamError {
     #[error("a cam is {0} increments of the master long; 1 to {MOST_LENGTH} are possible")]
     Length(i64),
     /// The place of this point does not lie behind the one before it, or is not 0 where it is the first.
-    #[error("point {place} of a cam is at {x}; the first is at 0, and each lies behind the one before it")]
+    #[error("point {place} of a cam is at {x}; the first is at 0, and each is after the one before it")]
     Place {
         /// Which, from 1.
         place: usize,

@@ -21,7 +21,7 @@ pub enum PitchError {
     #[error("a pitch error has {0} points; 2 or more are needed")]
     Few(usize),
     /// The place of this point does not lie behind the one before it.
-    #[error("point {point} of a pitch error is at {x}; each lies behind the one before it")]
+    #[error("point {point} of a pitch error is at {x}; each is after the one before it")]
     Order {
         /// Which, from 1.
         point: usize,

@@ -25,7 +25,7 @@ pub(super) fn of_field(event: &Event, config: &MachineConfig, text: String) -> S
 
 /// A value beyond the range of its field.
 fn out_of_range(event: &Event, config: &MachineConfig) -> String {
-    let Some(field) = field(event, config) else { return "a value lies beyond the range of its field".to_owned() };
+    let Some(field) = field(event, config) else { return "a value is outside the range of its field".to_owned() };
     let nth = match event.limit {
         Number::Count(nth) if field.count > 1 => format!("[{nth}]"),
         _ => String::new(),

@@ -2,6 +2,7 @@
 
 use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_range, read_only, reverse_forbidden};
 use super::{function, number_text, plain, row, scale_of, trajectory};
+use crate::axis::homing_methods::SWITCHES;
 use crate::axis::{COORDINATE_USES, Fallback, fallback};
 use crate::code::{Code, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
@@ -93,11 +94,9 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::SAIA_ACCELERATION_ABOVE_VELOCITY if event.limit == Number::Count(0) => {
             fixed("the velocity register is 0; fldva has to load one first")
         }
-        Code::POSITION_OUT_OF_RANGE if event.limit != Number::None => format!(
-            "at position {} a software limit would be {}, which does not lie within +-2^62 increments",
-            asked(),
-            limit()
-        ),
+        Code::POSITION_OUT_OF_RANGE if event.limit != Number::None => {
+            format!("at position {} a software limit would be {}, which is outside +-2^62 increments", asked(), limit())
+        }
         Code::MARK_NO_INPUT => format!(
             "{} names digital input {}, which the cell does not have, or which has not latch: true",
             mark_key(event.limit),
@@ -181,6 +180,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::HOMING_UNKNOWN_METHOD if event.limit == Number::None => {
             format!("scheme cia402 has no homing method {}; 1 to 14, 17 to 30, 33, 34, 35 and 37 are allowed", asked())
         }
+        Code::HOMING_NO_SWITCH if event.limit != Number::None => unread_switch(event),
         Code::HOMING_NO_SWITCH => format!(
             "i_refswitch is 0, and {} needs a reference switch; n or -n, the n-th digital input, is allowed",
             method(event.asked)
@@ -356,6 +356,17 @@ fn method(number: Number) -> String {
         Number::Count(macs) if macs < 0 => format!("home_type {}", -1 - macs),
         number => format!("homing method {}", plain(number)),
     }
+}
+
+/// A homing method whose switch is read nowhere.
+fn unread_switch(event: &Event) -> String {
+    let place = if let Number::Count(place) = event.limit { usize::try_from(place).ok() } else { None };
+    let (name, key) = place.and_then(|place| SWITCHES.get(place)).copied().unwrap_or_default();
+    format!(
+        "{} needs the {name}, and the digital inputs of the drive (60FDh) are not read; give the drive `eds` or an entry of io, or assign an \
+         input with {key}",
+        method(event.asked)
+    )
 }
 
 /// An error of the system by its number (errno of Linux).

@@ -57,7 +57,7 @@ pub(super) fn not_disabled(event: &Event, config: &MachineConfig) -> String {
 }
 
 pub(super) fn out_of_range(event: &Event, config: &MachineConfig) -> String {
-    let Some(row) = row(event) else { return "a parameter lies outside its range".to_owned() };
+    let Some(row) = row(event) else { return "a parameter is outside its range".to_owned() };
     let value = parameter_value(row, event.asked, event.source, config);
     match event.limit {
         Number::None => refused(event, row, Refused::OutOfRange, config),
@@ -104,23 +104,23 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
         _ => row.root(),
     };
     let other = match key {
-        "dfltvel" | "dfltacc" | "home_vel" | "home_ramp" => "must not lie above velres",
-        "velres" => "must not lie below dfltvel, dfltacc, home_vel or home_ramp",
-        "homing.velocity" | "homing.index_velocity" | "compensation.velocity" => "must not lie above max_velocity",
-        "neglimit" => "must lie below poslimit",
-        "poslimit" => "must lie above neglimit",
-        "swneglimact" => "puts neglimit in force, which must lie below poslimit",
-        "swposlimact" => "puts poslimit in force, which must lie above neglimit",
-        "min_position" => "must lie below max_position",
-        "max_position" => "must lie above min_position",
-        "default_velocity" => "must not lie above max_velocity",
+        "dfltvel" | "dfltacc" | "home_vel" | "home_ramp" => "must not exceed velres",
+        "velres" => "must not be below dfltvel, dfltacc, home_vel or home_ramp",
+        "homing.velocity" | "homing.index_velocity" | "compensation.velocity" => "must not exceed max_velocity",
+        "neglimit" => "must be below poslimit",
+        "poslimit" => "must be above neglimit",
+        "swneglimact" => "puts neglimit in force, which must be below poslimit",
+        "swposlimact" => "puts poslimit in force, which must be above neglimit",
+        "min_position" => "must be below max_position",
+        "max_position" => "must be above min_position",
+        "default_velocity" => "must not exceed max_velocity",
         "max_velocity" => {
-            "must not lie below default_velocity, homing.velocity, homing.index_velocity or compensation.velocity:"
+            "must not be below default_velocity, homing.velocity, homing.index_velocity or compensation.velocity:"
         }
-        "default_acceleration" => "must not lie above max_acceleration",
-        "max_acceleration" => "must not lie below default_acceleration",
-        "wf.md1" => "must not lie above max_acceleration",
-        "wf.md2" => "must not lie above the largest deceleration",
+        "default_acceleration" => "must not exceed max_acceleration",
+        "max_acceleration" => "must not be below default_acceleration",
+        "wf.md1" => "must not exceed max_acceleration",
+        "wf.md2" => "must not exceed the largest deceleration",
         key if key.starts_with("wf.") => "breaks the falling order of the steps beside",
         _ => "contradicts the other parameters of the axis:",
     };

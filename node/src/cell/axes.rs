@@ -17,6 +17,7 @@ use super::models::model;
 use super::names::{Entry, Once, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
+use super::terminals::{self, CellTerminal};
 use super::wiring;
 use crate::document::{Allowed, Value};
 use lineshaft_can::drive::probe::Probe;
@@ -62,6 +63,13 @@ impl Driven {
             Some(drive) => drive.probes.contains(&Some(Probe::Index)),
             None => self.simulated.1.fixtures.index.is_some(),
         }
+    }
+
+    /// Whether the cell alone says that the digital inputs of the drive (60FDh) are not read: it names no file of the drive, and no entry of `io`
+    /// is at them; or the drive has a fixed mapping.
+    pub(super) fn has_unread_inputs(&self, terminals: &[CellTerminal]) -> bool {
+        let Some(drive) = &self.on_can else { return false };
+        drive.drive_type.is_some() || drive.device.eds.is_none() && !terminals::reads_drive(self.at, terminals)
     }
 }
 

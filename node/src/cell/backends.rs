@@ -4,6 +4,7 @@ use super::can::{self, CellBus, CellDrive};
 use super::names::{Entry, Names, Once, Section};
 use crate::document::Map;
 use lineshaft_can::NodeId;
+use lineshaft_can::transport::Address;
 use lineshaft_core::axis::MAX_DELAY;
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::{Capabilities, Interface, Objects, Terminal};
@@ -59,6 +60,11 @@ impl CellBackend {
     /// Is it a simulation? Another one is needed by `run` without `--sim`.
     pub fn is_simulated(&self) -> bool {
         self.kind == BackendKind::Simulation
+    }
+
+    /// The way to its bus, if it is on CAN.
+    pub fn transport(&self) -> Option<&Address> {
+        self.bus.as_ref().map(|bus| &bus.transport)
     }
 }
 

@@ -5,6 +5,8 @@
 //! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the bit rate
 //! Source   CiA 301, CiA 306-1
 
+mod unread;
+
 use super::backends::{CellBackend, Hardware};
 use super::can::{CellBus, CellDrive, CellNode, owner};
 use super::names::quote;
@@ -27,6 +29,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use unread::Unread;
 
 /// Longest file of a device (bytes).
 const MAX_BYTES: usize = 8 << 20;
@@ -107,6 +110,31 @@ impl Parts<'_> {
         };
         let buses: Vec<_> = self.backends.iter().enumerate().filter_map(of).collect();
         if problems.is_empty() { Ok((buses, warnings.into_inner())) } else { Err(problems) }
+    }
+
+    /// Returns warnings of what is not read of the drives on these buses, which are those of the cell.
+    ///
+    /// # Errors
+    /// What homing needs and is not read.
+    pub(super) fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
+        let name = file.map_or("the cell".to_owned(), |file| file.display().to_string());
+        let (problems, mut warnings) = (Problems::new(&name), Vec::new());
+        let drives = self.hardware.iter().zip(self.machine.drives()).zip(self.on_can).enumerate();
+        for (place, ((hardware, (object, axis, _)), described)) in drives {
+            let backend = self.backends.get(hardware.backend).map(|backend| &backend.name);
+            let bus = buses.iter().find(|bus| Some(&bus.name) == backend);
+            let Some((bus, described)) = bus.zip(described.as_ref()) else { continue };
+            let Some(device) = bus.devices.iter().find(|device| device.node == described.device.node) else { continue };
+            let is_second = self.machine.second_drive(object) == Some(place);
+            let drive = Unread { axis, is_second, encoders: self.machine.encoders.len(), described, device };
+            let at = described.device.place;
+            for sentence in drive.of_homing() {
+                problems.push(at, sentence, None);
+            }
+            let place_of = |sentence: String| format!("{name}:{}:{}: {sentence}", at.line, at.col);
+            warnings.extend(drive.limit_switches().map(place_of));
+        }
+        if problems.is_empty() { Ok(warnings) } else { Err(problems) }
     }
 
     /// The files of the devices at one of the backends, by their nodes.

@@ -275,6 +275,15 @@ impl Cell {
         self.parts().buses(file)
     }
 
+    /// Returns warnings of what the master does not read of the drives on these buses, which are those of the cell: limit switches that do not
+    /// stop the axis.
+    ///
+    /// # Errors
+    /// Switches and index pulses that homing needs and that are not read.
+    pub fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
+        self.parts().unread(buses, file)
+    }
+
     /// The files of the devices at one of its backends on CAN, by their nodes.
     ///
     /// # Errors
@@ -357,10 +366,13 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
     let (mut configs, mut joints) = (Vec::new(), Vec::new());
     let (mut firsts, mut seconds) = (Vec::new(), Vec::new());
-    let mut without_index = Vec::new();
+    let (mut without_index, mut without_inputs) = (Vec::new(), Vec::new());
     for (place, axes::Axis { config, joint, first, second }) in axes.into_iter().enumerate() {
         if first.as_ref().is_none_or(|drive| !drive.has_index()) {
             without_index.extend(u16::try_from(place).map(Object::Axis));
+        }
+        if first.as_ref().is_some_and(|drive| drive.has_unread_inputs(&terminals_on_can)) {
+            without_inputs.extend(u16::try_from(place).map(Object::Axis));
         }
         configs.push(config);
         joints.push(joint);
@@ -394,6 +406,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
             virtual_inputs,
             full_scales,
             without_index,
+            without_inputs,
             cams: tables::cams(&cx),
         },
     };

@@ -35,7 +35,7 @@ const KEYS: [(&str, &[Kind]); 6] = [
     ("bandwidth", &[Kind::SecondOrder]),
     ("damping", &[Kind::SecondOrder]),
     ("time_constant", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve]),
-    ("coast", &[Kind::TwoSpeed]),
+    ("coast", &[Kind::SecondOrder, Kind::TwoSpeed]),
     ("dead_time", &[Kind::Valve, Kind::Motor]),
     ("inverted", &[Kind::Velocity, Kind::TwoSpeed, Kind::Valve, Kind::Motor]),
 ];
@@ -139,7 +139,13 @@ fn read(
                 let damping = value.number(f64::NEG_INFINITY..=f64::INFINITY)?;
                 accept(value, SecondOrder::new(BANDWIDTH, damping, cycle_ns).map(|_| damping))
             });
-            SecondOrder::new(hertz?, damping?, cycle_ns).ok().map(Model::SecondOrder)
+            let coast = time(coast, 0, |ns| TwoSpeed::new(0, ns, cycle_ns).map(drop));
+            let law = SecondOrder::new(hertz?, damping?, cycle_ns).ok()?;
+            let law = match coast? {
+                0 => Some(law),
+                ns => law.coasting(ns, cycle_ns).ok(),
+            };
+            law.map(Model::SecondOrder)
         }
         Kind::Velocity => {
             let law = VelocityLag::new(constant_or(SERVO_NS)?, cycle_ns).ok()?;

@@ -35,6 +35,15 @@ pub struct CellTerminal {
     pub(super) index: usize,
 }
 
+/// Whether an entry of `io` is a digital input of the drive there.
+pub(super) fn reads_drive(drive: Hardware, terminals: &[CellTerminal]) -> bool {
+    terminals.iter().any(|terminal| {
+        let is_input = matches!(terminal.kind, Kind::Io { kind: IoKind::DigitalInput, .. });
+        let (node, _) = node_and_channel(terminal.at.number);
+        is_input && terminal.at.backend == drive.backend && node == drive.number
+    })
+}
+
 /// What the nodes of a backend have; `is_drive`: they are drives of the cell.
 pub(super) fn by_node(
     terminals: &[CellTerminal],

@@ -1,5 +1,6 @@
 //! `lineshaft check`.
 
+mod coasting;
 mod functions;
 mod homing;
 mod marks;
@@ -64,16 +65,17 @@ fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
         return Err(problems.into());
     }
     let (buses, passed_over) = cell.buses_and_warnings(Some(&args.cell))?;
+    let unread = cell.unread(&buses, Some(&args.cell))?;
     output.say(&format_args!("{file}: good: {}", summary(&cell)));
     output.set("cell", object(&cell, &file.to_string()));
     if let Some(line) = joint_names(&cell) {
         output.say(&line);
     }
     let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
-    for line in buses.iter().filter_map(load_of).chain(of_devices) {
+    for line in buses.iter().filter_map(load_of).chain(of_devices).chain(coasting::note(&cell.machine)) {
         output.remark(&line);
     }
-    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over) {
+    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over).chain(unread) {
         output.warn(&warning);
     }
     if let Some(path) = &args.graph {
@@ -295,7 +297,7 @@ fn crossed_switches(cell: &Cell) -> Vec<String> {
     });
     let told = crossed.map(|(axis, _)| {
         format!(
-            "{}: the simulated positive_limit_switch, actuated at rising counts from `at` on, does not lie beyond the \
+            "{}: the simulated positive_limit_switch, actuated at rising counts from `at` on, is not above the \
              negative one, actuated up to its `at`; the axis never stands between them",
             axis.name
         )

@@ -42,7 +42,7 @@ fn sak(cycle_ns: u64, gain: u32, external: bool) -> Exit {
             Exit::Good
         }
         None => complain(&format!(
-            "with {gain} rpm in a cycle of {} ms the factor lies beyond 32767, which no function takes",
+            "with {gain} rpm in a cycle of {} ms the factor exceeds 32767, which no function takes",
             cycle_ns as f64 / 1e6
         )),
     }

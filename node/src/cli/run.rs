@@ -1,8 +1,10 @@
 //! `lineshaft run`.
 
+mod drive_lines;
 mod running;
 mod watch;
 
+use self::drive_lines::DriveLines;
 use self::running::Heard;
 pub(super) use self::running::{Given, Hardware, Prepared, Recording, Running, stop_machine};
 use self::watch::{Change, Patience, Watch};
@@ -97,6 +99,9 @@ fn start(
         summary(cell),
         if is_real { "" } else { ", simulated" }
     );
+    let DriveLines { real, simulated } = DriveLines::of(cell, args.sim);
+    real.iter().for_each(|line| tracing::warn!("{line}"));
+    simulated.iter().for_each(|line| tracing::info!("{line}"));
     warnings(cell).iter().for_each(|warning| tracing::warn!("{warning}"));
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)

@@ -36,7 +36,7 @@ fn a_code_is_explained_by_number_and_by_name() {
     for name in ["10205", "E10205", "e10205", "code 10205", " 10205 ", "0x27DD", "ENABLE_TIMEOUT", "enable_timeout"] {
         has(name, &lines);
     }
-    has("10201", &["  message       following error <asked> lies beyond max_following_error <limit>"]);
+    has("10201", &["  message       following error <asked> exceeds max_following_error <limit>"]);
     has("10201", &["  reaction      as error_reaction says; with following_error_stops_all all axes"]);
     has("6", &["code 6 HOMING_REQUIRED: a refusal, the end of a goal, a warning or a notice", "  source        MACS"]);
     has(

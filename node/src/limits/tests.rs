@@ -238,7 +238,7 @@ fn bad_files_are_refused_all_at_once_by_joint_and_line() {
 #[test]
 fn limits_that_contradict_each_other_or_the_cycle_are_refused() {
     let file = |text: &str| format!("joint_limits:\n  lift: {{{text}}}\n");
-    refused(&file("min_position: 0.6"), "l.yaml:2:24: min_position 0.6 m lies above max_position 0.5 m\n");
+    refused(&file("min_position: 0.6"), "l.yaml:2:24: min_position 0.6 m exceeds max_position 0.5 m\n");
     // 2^31 inc in a cycle of 1 ms, at 1e6 inc/m.
     refused(
         &file("has_velocity_limits: true, max_velocity: 3e6"),
@@ -248,7 +248,7 @@ fn limits_that_contradict_each_other_or_the_cycle_are_refused() {
     let slower = file("has_velocity_limits: true, max_velocity: 0.1");
     assert_eq!(
         read(&with_default, &slower).unwrap_err(),
-        "l.yaml:2:51: default_velocity 0.2 m/s lies above max_velocity 0.1 m/s\n"
+        "l.yaml:2:51: default_velocity 0.2 m/s exceeds max_velocity 0.1 m/s\n"
     );
 }
 

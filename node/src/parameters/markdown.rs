@@ -33,7 +33,7 @@ takes whole numbers. Ranges and defaults that are lengths are given here in incr
 cycle, which is where limits of its velocity end: 2147483648000 inc/s with a cycle of 1 ms.
 
 Whole numbers have the step 1. A value outside its range is refused, with the value and the range, and changes nothing. A default that
-lies outside its range means *not set* and is taken too.
+is outside its range means *not set* and is taken too.
 
 ## Layers
 

@@ -418,7 +418,7 @@ impl Reader<'_> {
         }
         let (mean, amplitude) = (mean.to_f64(), amplitude.to_f64());
         if !(mean.abs() + amplitude.abs()).is_finite() {
-            value.refuse("mean and amplitude together lie beyond what f64 holds, 1.8e308", None);
+            value.refuse("mean and amplitude together exceed what f64 holds, 1.8e308", None);
             return None;
         }
         Some(Sine { mean, amplitude, period_ns: period?, cycle_ns: self.cycle_ns, is_real: ruler.kind == Type::Real })

@@ -164,7 +164,7 @@ impl Reader<'_> {
             && let Some(back) = [from, to].map(Moment::back).into_iter().max().filter(|back| *back > cycle)
         {
             let (name, cycle) = (excerpt(step.name.as_deref().unwrap_or_default()), text(cycle, self.cycle_ns));
-            item.refuse(format!("{back} cycles before step `{name}` lies before cycle 0; it fires in {cycle}"), None);
+            item.refuse(format!("{back} cycles before step `{name}` is before cycle 0; it fires in {cycle}"), None);
             return None;
         }
         Some(Expectation { place: item.place(), since, from, to, claim: claim? })
@@ -290,7 +290,7 @@ impl Reader<'_> {
             (_, low, high) => (low.unwrap_or(Some(0))?, high.map_or(Some(None), |high| high.map(Some))?),
         };
         if let Some(max) = max.filter(|_| high.is_some_and(|high| high < low)) {
-            max.refuse(format!("max lies below min {low}"), None);
+            max.refuse(format!("max is below min {low}"), None);
             return None;
         }
         Some(Claim::Events { filter: filter?, min: low, max: high })

@@ -234,7 +234,7 @@ impl Check {
                 if let (Some(low), Some(high), Some(min)) = (low, high, min)
                     && low.to_f64() > high.to_f64()
                 {
-                    min.refuse(format!("min {} lies above max {}", ruler.text(low), ruler.text(high)), None);
+                    min.refuse(format!("min {} exceeds max {}", ruler.text(low), ruler.text(high)), None);
                     return None;
                 }
                 Some(Self::Range { min: low, max: high })

@@ -69,8 +69,7 @@ pub(crate) fn parse(text: &str, form: Form) -> Result<Numbers, Refused> {
             (Form::Xy, Some(second), None) => {
                 let place = row.whole(first, is_first)?;
                 if let Some(last) = x.last().filter(|last| **last >= place) {
-                    let sentence =
-                        format!("place {place} does not lie behind {last}, the one of line {before}; places rise");
+                    let sentence = format!("place {place} is not after {last}, the one of line {before}; places rise");
                     return Err(row.refused(first, sentence));
                 }
                 x.push(place);
@@ -263,9 +262,8 @@ mod tests {
 
     #[test]
     fn places_that_do_not_rise_are_told_with_both() {
-        let sentence = |place, last, line| {
-            format!("place {place} does not lie behind {last}, the one of line {line}; places rise")
-        };
+        let sentence =
+            |place, last, line| format!("place {place} is not after {last}, the one of line {line}; places rise");
         assert_eq!(refused("0,0\n700,1\n\n500,2\n", Form::Xy), (4, 1, sentence(500, 700, 2)));
         assert_eq!(refused("0,0\n700,1\n 700,2\n", Form::Xy), (3, 2, sentence(700, 700, 2)));
     }

@@ -17,7 +17,7 @@ pub(crate) enum FormError {
     #[error("the first place is {0}; form y begins at 0")]
     First(i64),
     #[error(
-        "place {place} of point {point} lies {distance} inc behind the one before it, the first ones {first} inc; form y has equal distances"
+        "place {place} of point {point} is {distance} inc after the one before it, the first ones {first} inc; form y has equal distances"
     )]
     Uneven {
         /// From 1, as lines count.
@@ -98,7 +98,7 @@ mod tests {
         let said = |x: &[i64]| without_places(&uneven(x)).expect_err("refused").to_string();
         assert_eq!(
             said(&[0, 10, 20, 31]),
-            "place 31 of point 4 lies 11 inc behind the one before it, the first ones 10 inc; form y has equal distances"
+            "place 31 of point 4 is 11 inc after the one before it, the first ones 10 inc; form y has equal distances"
         );
         assert_eq!(said(&[5, 10, 15]), "the first place is 5; form y begins at 0");
         assert_eq!(said(&[0]), "one point has no distance to another; 2 are needed");

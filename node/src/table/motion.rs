@@ -201,7 +201,7 @@ fn why(error: CurveError) -> String {
         CurveError::Words => "words of a data block are no curve; form y or xy is needed".to_owned(),
         CurveError::Few(count) => format!("a curve of {count} points goes nowhere; 2 at least are needed"),
         CurveError::First(first) => format!("the curve begins at {first}; 0 is needed"),
-        CurveError::Order(point) => format!("point {} does not lie behind the one before it; places rise", point + 1),
+        CurveError::Order(point) => format!("point {} is not after the one before it; places rise", point + 1),
         CurveError::Step(point) => {
             format!("point {} is 32768 inc or more from the one before it; less is needed, by more points", point + 1)
         }
@@ -399,10 +399,7 @@ mod tests {
         assert!(said(Form::Words, &[], &[0, 1], Some(5)).starts_with("words of a data block"));
         assert_eq!(said(Form::Y, &[], &[0], Some(5)), "a curve of 1 points goes nowhere; 2 at least are needed");
         assert_eq!(said(Form::Xy, &[3, 5], &[0, 1], None), "the curve begins at 3; 0 is needed");
-        assert_eq!(
-            said(Form::Xy, &[0, 5, 5], &[0, 1, 2], None),
-            "point 3 does not lie behind the one before it; places rise"
-        );
+        assert_eq!(said(Form::Xy, &[0, 5, 5], &[0, 1, 2], None), "point 3 is not after the one before it; places rise");
         // An axis takes these as a cam.
         for (y, sentence) in [
             ([3, 1], "the curve begins at 3; 0 is needed"),

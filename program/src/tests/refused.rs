@@ -34,7 +34,7 @@ fn a_module_without_entry_or_image_is_refused() {
     let at = |at: u32| format!("(global (export \"image\") i32 (i32.const {at}))");
     assert_eq!(image(&at(12), ""), "its image is at 12; an address above 0 that 8 divides is needed");
     assert_eq!(image(&at(0), ""), "its image is at 0; an address above 0 that 8 divides is needed");
-    assert_eq!(image(&at(65536), ""), "its image lies beside its memory");
+    assert_eq!(image(&at(65536), ""), "its image is outside its memory");
     assert_eq!(image(&at(16), ""), "the first word of its image, its size, is 0; 944 to 17328 bytes are possible");
     // 943 bytes: one less than what the slot writes.
     assert_eq!(

@@ -82,7 +82,7 @@ pub enum Refusal {
     },
     /// It is explained as a whole, and not where it matters to a loop.
     #[error(
-        "half of the positions lie more than {left:.1} inc from those of the model, {most:.1} inc are permitted: there is play before the load, or something else that the model does not know"
+        "half of the positions deviate by more than {left:.1} inc from those of the model, {most:.1} inc are permitted: there is play before the load, or something else that the model does not know"
     )]
     Misfit {
         /// The median (inc).

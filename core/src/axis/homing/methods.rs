@@ -4,6 +4,8 @@
 //!          sought at homing.velocity; the last approach to its edge and the way to the index are slow
 //! Source   CiA 402-2, homing methods 1 to 14, 17 to 30, 33, 34; MACS-HOME-03; WF-REF-01
 
+use crate::parameter::Assigned;
+
 /// Which switch a leg looks at, in the sense of the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Switch {
@@ -126,6 +128,27 @@ pub(crate) fn seeks_switch(method: i64) -> bool {
     legs(method).iter().any(|leg| leg.until != Index)
 }
 
+/// Name of each switch and the parameter that assigns a digital input to it, in the order of [`Switch`].
+pub(crate) const SWITCHES: [(&str, &str); 3] = [
+    ("reference switch", "i_refswitch"),
+    ("positive limit switch", "i_poslimitsw"),
+    ("negative limit switch", "i_neglimitsw"),
+];
+
+/// Returns the first switch that a method looks for and that has no digital input: the drive alone reads it (60FDh).
+pub(crate) fn without_input(method: i64, assigned: &Assigned) -> Option<Switch> {
+    let number = |switch: Switch| match switch {
+        Home => assigned.refswitch,
+        Positive => assigned.poslimitsw,
+        Negative => assigned.neglimitsw,
+    };
+    let mut sought = legs(method).iter().filter_map(|leg| match leg.until {
+        On(switch) | Off(switch) => Some(switch),
+        Index => None,
+    });
+    sought.find(|switch| number(*switch) == 0)
+}
+
 /// Does it square an axis with two drives, by the reference switch of each, or take its zero where it stands?
 pub(crate) fn squares(method: i64) -> bool {
     let ends_at = legs(method).iter().rev().find(|leg| leg.until != Index);
@@ -157,6 +180,34 @@ mod tests {
         }
         for method in [0, 15, 16, 31, 32, 35, 36, 37, -7, i64::MAX, i64::MIN] {
             assert!(legs(method).is_empty(), "{method}");
+        }
+    }
+
+    /// Methods by limit switches, by the reference switch, by the index alone and at the present position (CiA 402-2); HOME_TYPE 0.
+    #[test]
+    fn switch_without_an_input_is_the_first_one_that_a_method_looks_for() {
+        let none = Assigned::default();
+        for (method, switch) in [
+            (1, Some(Negative)),
+            (2, Some(Positive)),
+            (17, Some(Negative)),
+            (18, Some(Positive)),
+            (3, Some(Home)),
+            (7, Some(Home)),
+            (30, Some(Home)),
+            (-1, Some(Home)),
+            (33, None),
+            (34, None),
+            (35, None),
+            (0, None),
+        ] {
+            assert_eq!(without_input(method, &none), switch, "{method}");
+        }
+        assert_eq!(without_input(1, &Assigned { neglimitsw: -2, ..none }), None);
+        assert_eq!(without_input(1, &Assigned { poslimitsw: 2, refswitch: 1, ..none }), Some(Negative));
+        for (switch, (name, key)) in [(Home, SWITCHES[0]), (Positive, SWITCHES[1]), (Negative, SWITCHES[2])] {
+            assert_eq!(SWITCHES[switch as usize], (name, key));
+            assert!(key.starts_with("i_"), "{name}");
         }
     }
 

@@ -204,6 +204,26 @@ impl Axis {
         Ok(())
     }
 
+    /// Checks a homing of an axis whose drive shows no digital inputs: each switch that the method looks for needs an input of its own.
+    ///
+    /// # Errors
+    /// A method that there is not, or one whose switch is not read.
+    pub fn check_switches(&self, method: HomingMethod) -> Result<(), Refusal> {
+        let method = self.homing_method(method)?;
+        let p = &self.parameters;
+        // The drive reads its own switches; a sequence of MACS is refused without the input of its switch anyway.
+        if p.homing.in_drive || methods::is_macs(method) {
+            return Ok(());
+        }
+        match methods::without_input(method, &p.assigned) {
+            Some(switch) => {
+                let refusal = self.refuse(Code::HOMING_NO_SWITCH);
+                Err(refusal.with(Number::Count(method), Number::Count(switch as i64)))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Homing as configured, for a vocabulary.
     pub(super) fn home_as_configured(&mut self, cx: &mut Context<'_>) -> Result<(), Refusal> {
         let method = self.homing_method(HomingMethod::Configured)?;

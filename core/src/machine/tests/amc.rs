@@ -260,7 +260,7 @@ fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
     assert!(rig.was_accepted(kept), "off, nothing is judged yet");
     let version = rig.machine.parameter_version();
     rig.enable();
-    assert_eq!(warnings(&rig), ["y: target 50.001 mm lies above max_position 50 mm"]);
+    assert_eq!(warnings(&rig), ["y: target 50.001 mm exceeds max_position 50 mm"]);
     assert_eq!((rig.int("y.amc.select"), rig.int("y.command.position")), (0, 0));
     assert_eq!(rig.machine.parameters(Y).unwrap().vocabularies.amc.reference_select, 0);
     assert!(rig.machine.parameter_version() > version, "who shows parameters has to see it");
@@ -299,7 +299,7 @@ fn positions_of_2_to_the_62_are_the_end() {
     rig.run(3);
     set(&mut rig, X, &[("reference_select", 7)]);
     let beyond = set(&mut rig, X, &[("reference_select", 6)]);
-    assert!(rig.refusal(beyond).contains("does not lie within +-2^62 increments"), "{}", rig.refusal(beyond));
+    assert!(rig.refusal(beyond).contains("is outside +-2^62 increments"), "{}", rig.refusal(beyond));
     let least = set(&mut rig, X, &[("reference_select", 1), ("position_reference", -most)]);
     assert!(rig.was_accepted(least));
     assert_eq!(rig.int("x.target.position"), -most);
@@ -503,11 +503,11 @@ fn a_refused_reference_is_told_by_a_code_of_its_own() {
     let sequence = set(&mut rig, X, &[("position_reference", 360)]);
     let refused = rig.events.iter().find(|event| event.command == sequence).unwrap();
     assert_eq!(refused.code, Code::AMC_OUTSIDE_TURN);
-    let kept = "x: amc.position_reference 0.36 mm does not lie within the turn, at most 0.359 mm either way; \
+    let kept = "x: amc.position_reference 0.36 mm is outside the turn, at most 0.359 mm either way; \
                 amc.rotary_mode 4 to 6 takes more";
     assert_eq!(rig.refusal(sequence), kept);
     let narrower = set(&mut rig, X, &[("rotary_mode", 4), ("position_reference", 800)]);
     assert!(rig.was_accepted(narrower));
     let back = set(&mut rig, X, &[("rotary_mode", 0)]);
-    assert!(rig.refusal(back).contains("0.8 mm does not lie within the turn"));
+    assert!(rig.refusal(back).contains("0.8 mm is outside the turn"));
 }

@@ -258,7 +258,7 @@ fn what_cannot_wait_is_refused_and_changes_nothing() {
     assert!(rig.was_accepted(far), "the end of all positions is legal");
     let beyond = Move { mode: MoveMode::Relative, target: Length::whole(1), ..quick(0) };
     let beyond = rig.give(after(BufferMode::Buffered, beyond));
-    assert!(rig.refusal(beyond).contains("does not lie within +-2^62 increments"));
+    assert!(rig.refusal(beyond).contains("is outside +-2^62 increments"));
 }
 
 /// Behind a stop nobody knows where goals will end. Such a goal is not passed into one that a limit forbids: it stands first.

@@ -313,10 +313,7 @@ fn new_numbers_hold_at_once_and_nothing_jumps() {
     let load = |points: &[(i64, i64)]| Action::LoadTable { index: KNIFE, table: Arc::new(xy(points)) };
     let refused = rig.give(load(&[(0, 0), (5, 1), (5, 2)]));
     rig.run(1);
-    assert_eq!(
-        rig.refusal(refused),
-        "knife: point 3 is at 5; the first is at 0, and each lies behind the one before it"
-    );
+    assert_eq!(rig.refusal(refused), "knife: point 3 is at 5; the first is at 0, and each is after the one before it");
     assert_eq!(slave(&rig), Position::whole(2_000));
     rig.give(load(&[(0, 0), (8_000, 6_000), (20_000, 0)]));
     let mut before = (slave(&rig), 0.0);

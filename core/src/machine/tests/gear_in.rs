@@ -340,7 +340,7 @@ fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
     rig.give(line(200_000_000, 90.0));
     rig.run(100);
     let fast = rig.give(geared(3, 2, pair(100_000, 1_000, 20_000)));
-    assert_eq!(rig.refusal(fast), "x: velocity 135 mm/s lies above max_velocity 100 mm/s");
+    assert_eq!(rig.refusal(fast), "x: velocity 135 mm/s exceeds max_velocity 100 mm/s");
 }
 
 #[test]

@@ -49,11 +49,11 @@ fn a_part_beyond_velres_is_told_with_velres() {
     for (key, part) in [("dfltvel", 100), ("dfltacc", 10_000)] {
         let lines = [change(X, key, Value::Int(part)), change(X, "velres", Value::Int(99))];
         let refused = rig.give(Action::SetParameters(lines.into()));
-        assert_eq!(rig.refusal(refused), format!("x: {key} {part} must not lie above velres 99"));
+        assert_eq!(rig.refusal(refused), format!("x: {key} {part} must not exceed velres 99"));
     }
     set(&mut rig, "dfltvel", Value::Int(50));
     let refused = set(&mut rig, "velres", Value::Int(5));
-    assert_eq!(rig.refusal(refused), "x: velres 5 must not lie below dfltvel, dfltacc, home_vel or home_ramp 50");
+    assert_eq!(rig.refusal(refused), "x: velres 5 must not be below dfltvel, dfltacc, home_vel or home_ramp 50");
 }
 
 /// In the words of MACS a limit is told beside the other one of MACS: in inverted units it is no view of its native one.
@@ -67,7 +67,7 @@ fn limits_of_macs_that_contradict_are_told_in_its_words() {
         let lines: Vec<Change> = std::iter::once(change(X, "neglimit", Value::Int(20))).chain(on).collect();
         let refused = rig.give(Action::SetParameters(lines.into()));
         let told = rig.refusal(refused);
-        let expected = ["x: neglimit 20 must lie below poslimit 10", "x: poslimit 10 must lie above neglimit 20"];
+        let expected = ["x: neglimit 20 must be below poslimit 10", "x: poslimit 10 must be above neglimit 20"];
         assert!(expected.contains(&told.as_str()), "posdrct {posdrct}: {told}");
     }
 }
@@ -174,7 +174,7 @@ fn a_machine_begins_with_what_was_saved() {
 fn a_saved_set_that_contradicts_makes_no_machine() {
     let mut config = config(0);
     config.axes[1].saved = Some(AxisParameters { default_velocity: Some(2e5), ..parameters() });
-    assert_eq!(Machine::new(config).unwrap_err().to_string(), "x: default_velocity lies above max_velocity");
+    assert_eq!(Machine::new(config).unwrap_err().to_string(), "x: default_velocity exceeds max_velocity");
 }
 
 #[test]

@@ -29,9 +29,9 @@ fn limited() -> Rig {
 fn a_target_beyond_a_limit_is_refused_and_one_on_it_is_met() {
     let mut rig = limited();
     let beyond = rig.give(Action::Move(to(X, 50_001)));
-    assert_eq!(rig.refusal(beyond), "x: target 50.001 mm lies above max_position 50 mm");
+    assert_eq!(rig.refusal(beyond), "x: target 50.001 mm exceeds max_position 50 mm");
     let below = rig.give(Action::Move(to(X, -20_001)));
-    assert_eq!(rig.refusal(below), "x: target -20.001 mm lies below min_position -20 mm");
+    assert_eq!(rig.refusal(below), "x: target -20.001 mm is below min_position -20 mm");
     assert_eq!(rig.state("x"), "STANDSTILL");
     let on = rig.give(Action::Move(to(X, 50_000)));
     rig.run_until("x.state", 1);

@@ -124,10 +124,10 @@ fn what_a_goal_may_not_ask_is_refused_with_values_and_changes_nothing() {
         rig.refusal(sequence)
     };
     let x = to(X, 0);
-    assert_eq!(refuse(Move { velocity: 100_001.0, ..x }), "x: velocity 100.001 mm/s lies above max_velocity 100 mm/s");
+    assert_eq!(refuse(Move { velocity: 100_001.0, ..x }), "x: velocity 100.001 mm/s exceeds max_velocity 100 mm/s");
     assert_eq!(
         refuse(Move { acceleration: 2e6, ..x }),
-        "x: acceleration 2000 mm/s^2 lies above max_acceleration 1000 mm/s^2"
+        "x: acceleration 2000 mm/s^2 exceeds max_acceleration 1000 mm/s^2"
     );
     assert!(refuse(Move { deceleration: 1e7, ..x }).contains("max_deceleration 1000 mm/s^2"));
     assert!(refuse(Move { velocity: f64::NAN, ..x }).contains("finite number"));

@@ -24,7 +24,7 @@ fn a_set_is_checked_whole_and_changes_all_or_nothing() {
     assert_eq!(rig.refusal(bad), "x: error_reaction is 6; 0 to 5 is allowed");
     let contradiction =
         set(&mut rig, &[change("min_position", Value::Int(10)), change("max_position", Value::Int(10))]);
-    assert_eq!(rig.refusal(contradiction), "x: min_position 0.01 mm must lie below max_position 0.01 mm");
+    assert_eq!(rig.refusal(contradiction), "x: min_position 0.01 mm must be below max_position 0.01 mm");
     assert_eq!(rig.machine.parameters(X), Some(&before));
     // Each alone would contradict the other's old value: as a set they agree.
     let good = set(&mut rig, &[change("min_position", Value::Int(100)), change("max_position", Value::Int(200))]);

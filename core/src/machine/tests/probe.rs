@@ -131,8 +131,8 @@ fn an_end_behind_the_mark_or_too_near_is_passed_and_returned_to() {
 #[test]
 fn an_end_beyond_a_limit_fails_the_goal_and_stops_the_axis() {
     for (key, limit, distance, code, told) in [
-        ("max_position", 20_000, 17_000, Code::ABOVE_MAX_POSITION, "x: target 20.733 mm lies above max_position 20 mm"),
-        ("min_position", -10, -3_743, Code::BELOW_MIN_POSITION, "x: target -0.011 mm lies below min_position -0.01 mm"),
+        ("max_position", 20_000, 17_000, Code::ABOVE_MAX_POSITION, "x: target 20.733 mm exceeds max_position 20 mm"),
+        ("min_position", -10, -3_743, Code::BELOW_MIN_POSITION, "x: target -0.011 mm is below min_position -0.01 mm"),
     ] {
         let mut rig = rig();
         set(&mut rig, key, limit);
@@ -281,7 +281,7 @@ fn a_waiting_goal_that_the_end_of_the_probe_forbids_is_refused_when_its_turn_com
     let goal = found(&mut rig, probe(90_000));
     let next =
         rig.give(Action::Move(Move { buffer_mode: BufferMode::Buffered, mode: MoveMode::Relative, ..to(X, 9_000) }));
-    assert_eq!(rig.refusal(next), "x: target 102.733 mm lies above max_position 100 mm", "its end is known now");
+    assert_eq!(rig.refusal(next), "x: target 102.733 mm exceeds max_position 100 mm", "its end is known now");
     run_to_rest(&mut rig);
     assert_eq!(ends(&rig, goal), [(Code::NONE, 93_733)]);
 }
@@ -403,7 +403,7 @@ fn a_probe_needs_an_axis_that_can_move() {
     assert_eq!(rig.refusal(refused), "x: the axis is not enabled; enable it first");
     let mut rig = self::rig();
     let fast = rig.give(Action::Probe(Probe { velocity: 1e6, ..probe(0) }));
-    assert_eq!(rig.refusal(fast), "x: velocity 1000 mm/s lies above max_velocity 100 mm/s");
+    assert_eq!(rig.refusal(fast), "x: velocity 1000 mm/s exceeds max_velocity 100 mm/s");
     let nowhere = rig.give(Action::Probe(Probe { axis: 77, ..probe(0) }));
     assert!(rig.refusal(nowhere).ends_with("the request is not understood"));
     let goal = found(&mut rig, probe(i64::MAX));

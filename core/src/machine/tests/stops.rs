@@ -220,7 +220,7 @@ fn a_following_error_stops_the_axis_by_its_reaction_in_the_same_cycle() {
         assert_eq!((error.cycle, error.code), (cycle, Code::FOLLOWING_ERROR), "reaction {reaction}");
         assert_eq!(
             crate::text::sentence(error, rig.machine.config()),
-            "x: following error 1.001 mm lies beyond max_following_error 1 mm"
+            "x: following error 1.001 mm exceeds max_following_error 1 mm"
         );
         assert_eq!((rig.state("x"), rig.done(goal)[0].code), ("ERROR_STOP", Code::FOLLOWING_ERROR));
         assert_eq!(rig.int("x.brake"), i64::from(reaction == 1), "at once only with reaction 1");

@@ -98,7 +98,7 @@ fn a_stream_that_is_not_followed_is_told_once_and_again_when_the_reason_changes(
         warnings(&rig)[3..],
         [
             "x: streamed setpoints are not followed: the velocity is no finite number",
-            "x: streamed setpoints are not followed: velocity 100.001 mm/s lies above max_velocity 100 mm/s",
+            "x: streamed setpoints are not followed: velocity 100.001 mm/s exceeds max_velocity 100 mm/s",
         ]
     );
     assert_eq!(rig.real("x.command.velocity"), 20_000.0);

@@ -93,7 +93,7 @@ fn its_end_lies_within_the_limits_of_position() {
     rig.set("max_position", Value::Int(20_000));
     rig.give(Action::Move(to(X, 19_000)));
     let beyond = rig.give(Action::Move(over(1_001)));
-    assert_eq!(rig.refusal(beyond), "x: target 20.001 mm lies above max_position 20 mm");
+    assert_eq!(rig.refusal(beyond), "x: target 20.001 mm exceeds max_position 20 mm");
     let good = rig.give(Action::Move(over(1_000)));
     assert!(rig.was_accepted(good));
     rig.run(1_000);

@@ -133,7 +133,7 @@ fn goals_and_superimposed_motion_together_keep_the_limits_of_position() {
     rig.give(Action::Move(to(X, 10_000)));
     rig.give(after(BufferMode::Buffered, to(X, 20_000)));
     let refused = rig.give(Action::Move(Move { velocity: 5_000.0, ..over(3_000) }));
-    assert!(rig.refusal(refused).contains("lies above max_position 20 mm"), "{}", rig.refusal(refused));
+    assert!(rig.refusal(refused).contains("exceeds max_position 20 mm"), "{}", rig.refusal(refused));
     // What is added first, then the goal.
     let mut rig = limited();
     rig.give(Action::Move(to(X, 10_000)));
@@ -276,7 +276,7 @@ fn a_target_behind_a_velocity_is_checked_at_once() {
     rig.set("max_position", Value::Int(20_000));
     rig.give(Action::Move(at(X, 1_000.0)));
     let refused = rig.give(after(BufferMode::Buffered, quick(20_001)));
-    assert_eq!(rig.refusal(refused), "x: target 20.001 mm lies above max_position 20 mm");
+    assert_eq!(rig.refusal(refused), "x: target 20.001 mm exceeds max_position 20 mm");
 }
 
 /// 100 inc before the passage nothing can slow down to 10 mm/s: it goes on to the target and slows down behind it.
@@ -349,7 +349,7 @@ fn any_jerk_of_a_goal_makes_a_profile() {
             before = now;
         }
         if jerk > 1e15 {
-            assert!(rig.refusal(goal).contains("lies above max_jerk"), "{}", rig.refusal(goal));
+            assert!(rig.refusal(goal).contains("exceeds max_jerk"), "{}", rig.refusal(goal));
         } else if jerk >= 1e3 {
             assert_eq!(position(&rig), 10_000.0, "jerk {jerk}");
         }
@@ -463,7 +463,7 @@ fn goals_pass_into_each_other_at_the_end_of_all_positions() {
     let second = rig.give(after(BufferMode::BlendingHigh, quick(last)));
     let third = Move { mode: MoveMode::Relative, target: Length::whole(i64::MAX), ..quick(0) };
     let third = rig.give(after(BufferMode::Buffered, third));
-    assert!(rig.refusal(third).contains("does not lie within"));
+    assert!(rig.refusal(third).contains("is outside"));
     rig.run(4_000);
     assert_eq!((codes(&rig, first), codes(&rig, second)), (vec![Code::NONE], vec![Code::NONE]));
     assert_eq!(rig.int("x.command.position"), last);

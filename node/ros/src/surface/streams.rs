@@ -131,7 +131,7 @@ fn check(set: &Setpoints, config: &MachineConfig, image: &ParameterImage, age_ns
         let most = parameters.max_velocity;
         if setpoint.velocity.abs() > most {
             let (given, most) = (axis.scale.format_rate(setpoint.velocity, 1), axis.scale.format_rate(most, 1));
-            return Err(format!("velocity {given} of {} lies above max_velocity {most}", axis.name));
+            return Err(format!("velocity {given} of {} exceeds max_velocity {most}", axis.name));
         }
         if age_ns > i128::from(parameters.setpoint_timeout) {
             return Err(format!(

@@ -538,3 +538,112 @@ fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
     let sentence = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 800000 bit/s";
     assert_eq!(warned(&[], &odd, &["node: 3"]), [sentence]);
 }
+
+/// What is not read of the drives of a cell: the warnings, or the problems.
+fn unread(cell: &Cell) -> Result<Vec<String>, String> {
+    let named = |text: &str| text.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned();
+    let buses = cell.buses(Some(&file())).unwrap_or_else(|problems| panic!("{problems}"));
+    match cell.unread(&buses, Some(&file())) {
+        Ok(warnings) => Ok(warnings.iter().map(|warning| named(warning)).collect()),
+        Err(problems) => Err(named(&problems.to_string())),
+    }
+}
+
+/// A cell with this drive and these keys of its axis, and a section `io`.
+fn with_keys(drive: &str, keys: &str, io: &str) -> Cell {
+    let axis = axis("x0", drive).replace("max_acceleration: 1 m/s^2}", &format!("max_acceleration: 1 m/s^2{keys}}}"));
+    let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", BUS).replace("axes:\n", &format!("{io}axes:\n")) + &axis;
+    Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+const WITHOUT_EDS: &str = "the cell names no EDS or DCF file of it; give `eds`, or an entry of io of type di at this node, which maps 60FDh; or";
+
+/// 60FDh is mapped by the file of the drive, or by an entry of `io` at the drive. An axis with inputs for both limit switches needs no others, one with
+/// a modulo none.
+#[test]
+fn limit_switches_that_are_not_read_are_warned_of_by_name_and_place() {
+    let told = |line: u8, switches: &str, keys: &str| {
+        Ok(vec![format!(
+            "c.yaml:{line}:69: x0: switches at the drive (node 3) are not read, so {switches} there cannot stop the axis: {WITHOUT_EDS} assign \
+             inputs with {keys}"
+        )])
+    };
+    let io = |node: u8| {
+        format!(
+            "io:\n  a: {{type: di, backend: bus0, node: {node}, address: 0}}\n  b: {{type: di, backend: bus0, node: {node}, address: 1}}\n"
+        )
+    };
+    let both = ("limit switches", "i_poslimitsw and i_neglimitsw");
+    assert_eq!(unread(&with_keys("node: 3", "", "")), told(6, both.0, both.1));
+    assert_eq!(unread(&with_keys("node: 3, eds: cia402_sim.eds", "", "")), Ok(vec![]));
+    assert_eq!(unread(&with_keys("node: 3", "", &io(3))), Ok(vec![]), "io maps 60FDh");
+    // Inputs of a module are not those of the drive, unless they are assigned.
+    let at_module = |keys: &str| unread(&with_keys("node: 3", keys, &io(10)));
+    assert_eq!(at_module(""), told(9, both.0, both.1));
+    assert_eq!(at_module(", i_poslimitsw: 1"), told(9, "the negative limit switch", "i_neglimitsw"));
+    assert_eq!(at_module(", i_neglimitsw: -2"), told(9, "the positive limit switch", "i_poslimitsw"));
+    assert_eq!(at_module(", i_poslimitsw: 1, i_neglimitsw: -2"), Ok(vec![]));
+    let by_number = unread(&with_keys("node: 3, interface: velocity, drivetype: 2", "", "")).unwrap();
+    let why = "cannot stop the axis: key `drivetype` fixes the process data; assign inputs with";
+    assert!(by_number.len() == 1 && by_number[0].contains(why), "{by_number:?}");
+    let rotary = HEAD.replace("CYCLE", "4 ms").replace("BUS", BUS)
+        + "  x0: {type: rotary, modulo: 360 deg, scale: {increments: 10000, per: 360 deg}, drive: {backend: bus0, node: 3},\n    \
+           max_velocity: 1 rad/s, max_acceleration: 1 rad/s^2}\n";
+    let rotary = Cell::parse("c.yaml", rotary).unwrap_or_else(|problems| panic!("{problems}"));
+    assert_eq!(unread(&rotary), Ok(vec![]));
+}
+
+#[test]
+fn file_that_does_not_map_60fdh_is_named_in_the_warning() {
+    let eds = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
+    let at = eds.find("[60FD]\n").unwrap();
+    let text = format!("{}{}", &eds[..at], eds[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
+    let (_folder, at) = with_file(&text);
+    let cell = cell("4 ms", BUS, &["node: 3, eds: x.dcf".to_owned()]);
+    let buses = cell.buses(Some(&at)).unwrap();
+    let warnings = cell.unread(&buses, Some(&at)).unwrap();
+    let why = "cannot stop the axis: eds `x.dcf` does not let 60FDh be mapped; correct 60FDh in that file; or assign inputs with";
+    assert!(warnings.len() == 1 && warnings[0].contains(why), "{warnings:?}");
+}
+
+/// Methods of CiA 402 by limit switches, the reference switch, the index; by the drive itself none of them is read here.
+#[test]
+fn homing_by_a_switch_or_an_index_that_is_not_read_is_refused() {
+    let of =
+        |drive: &str, homing: &str| unread(&with_keys(drive, &format!(", homing: {{{homing}}}"), "")).map(|_| "good");
+    let needs = |method: u8, switch: &str, key: &str| {
+        Err(format!(
+            "c.yaml:6:69: x0: homing.method {method} needs the {switch}, and switches at the drive (node 3) are not read: {WITHOUT_EDS} assign an \
+             input with {key}"
+        ))
+    };
+    assert_eq!(of("node: 3", "method: 17"), needs(17, "negative limit switch", "i_neglimitsw"));
+    assert_eq!(of("node: 3", "method: 18"), needs(18, "positive limit switch", "i_poslimitsw"));
+    assert_eq!(of("node: 3", "method: 24"), needs(24, "reference switch", "i_refswitch"));
+    let index = "c.yaml:6:69: x0: homing.method 33 needs the index pulse, and index pulses of the drive (node 3) are not read; give it `probe_1: \
+                 index` or `probe_2: index`, or choose a method without index, or homing.in_drive";
+    assert_eq!(of("node: 3", "method: 33"), Err(index.to_owned()));
+    let eds = "node: 3, eds: cia402_sim.eds";
+    assert_eq!(of(eds, "method: 33"), Err(index.to_owned()));
+    for (drive, homing) in [
+        ("node: 3", "method: 35"),
+        ("node: 3", "method: 1, in_drive: true"),
+        (eds, "method: 17"),
+        ("node: 3, eds: cia402_sim.eds, probe_2: index", "method: 1"),
+    ] {
+        assert_eq!(of(drive, homing), Ok("good"), "{drive}: {homing}");
+    }
+}
+
+/// The machine refuses such a homing as well, by the cell alone: recordings replay without the files of the drives.
+#[test]
+fn machine_knows_the_axes_whose_drives_show_no_inputs() {
+    let without = |drive: &str, io: &str| with_keys(drive, "", io).machine.global.without_inputs;
+    let x = vec![lineshaft_core::object::Object::Axis(0)];
+    assert_eq!(without("node: 3", ""), x);
+    assert_eq!(without("node: 3, interface: velocity, drivetype: -2", ""), x);
+    assert_eq!(without("node: 3, eds: none.eds", ""), vec![]);
+    assert_eq!(without("node: 3", "io:\n  a: {type: di, backend: bus0, node: 3, address: 0}\n"), vec![]);
+    assert_eq!(without("node: 3", "io:\n  a: {type: do, backend: bus0, node: 3, address: 0}\n"), x);
+    assert_eq!(without("node: 3", "io:\n  a: {type: di, backend: bus0, node: 10, address: 0}\n"), x);
+}

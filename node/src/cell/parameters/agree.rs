@@ -131,9 +131,9 @@ impl<'g, 'd> File<'g, 'd> {
         let by =
             self.of_root(high).filter(|(key, _)| *key != high).map_or(String::new(), |(key, _)| format!(" ({key})"));
         let lies = if low_row.value(parameters) == high_row.value(parameters) {
-            format!("lies at {high} {high_text}{by}; below is allowed")
+            format!("equals {high} {high_text}{by}; below is allowed")
         } else {
-            format!("lies above {high} {high_text}{by}")
+            format!("exceeds {high} {high_text}{by}")
         };
         let of_low = self.of_root(low);
         let Some((key, value)) = of_low.or_else(|| self.of_root(high)).or(self.given.first()) else { return };

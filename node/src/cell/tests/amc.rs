@@ -82,7 +82,7 @@ fn parameters_that_do_not_fit_the_axis_are_refused_where_they_stand() {
             "amc: {action_on_event: 2, master: belt}",
             "13:30: amc.action_on_event 2 waits for a latch; give `amc: {freeze: ..}` in the cell",
         ),
-        ("amc: {speed_reference: -2 m/s}", "13:30: velocity 2000 mm/s lies above max_velocity 1000 mm/s"),
+        ("amc: {speed_reference: -2 m/s}", "13:30: velocity 2000 mm/s exceeds max_velocity 1000 mm/s"),
         (
             "amc: {reference_select_trigger: 1}",
             "13:39: amc.reference_select_trigger is 0 when the machine starts, leave it out",

@@ -260,15 +260,15 @@ fn steps_that_do_not_fall_are_told_with_what_stands_in_the_cell() {
     assert_eq!(
         said("md42: 10, md43: 20, md44: 30, md45: 1, md46: 2, md47: 3, md48: 4"),
         [
-            "wf.md43 20 lies above wf.md42 10",
-            "wf.md44 30 lies above wf.md43 20",
-            "wf.md46 2 mm lies above wf.md45 1 mm",
-            "wf.md47 3 mm lies above wf.md46 2 mm",
-            "wf.md48 4 mm lies above wf.md47 3 mm",
+            "wf.md43 20 exceeds wf.md42 10",
+            "wf.md44 30 exceeds wf.md43 20",
+            "wf.md46 2 mm exceeds wf.md45 1 mm",
+            "wf.md47 3 mm exceeds wf.md46 2 mm",
+            "wf.md48 4 mm exceeds wf.md47 3 mm",
         ]
     );
-    assert_eq!(said("md42: 10, md43: 20, md44: 15"), ["wf.md43 20 lies above wf.md42 10"]);
-    assert_eq!(said("md42: 10, md43: 20, md44: 20"), ["wf.md43 20 lies above wf.md42 10"]);
+    assert_eq!(said("md42: 10, md43: 20, md44: 15"), ["wf.md43 20 exceeds wf.md42 10"]);
+    assert_eq!(said("md42: 10, md43: 20, md44: 20"), ["wf.md43 20 exceeds wf.md42 10"]);
 }
 
 #[test]
@@ -281,13 +281,13 @@ fn contradictions_stand_at_the_key_that_is_too_high() {
     ];
     assert_eq!(
         said(&axis(&keys)),
-        "8:19: min_position 900 mm lies above max_position 850 mm\n\
-         10:23: default_velocity 2000 mm/s lies above max_velocity 1200 mm/s\n\
-         11:27: default_acceleration 8001 mm/s^2 lies above max_acceleration 8000 mm/s^2"
+        "8:19: min_position 900 mm exceeds max_position 850 mm\n\
+         10:23: default_velocity 2000 mm/s exceeds max_velocity 1200 mm/s\n\
+         11:27: default_acceleration 8001 mm/s^2 exceeds max_acceleration 8000 mm/s^2"
     );
     assert_eq!(
         said(&axis(&[("max_position", "850 mm"), ("min_position", "85 cm")])),
-        "9:19: min_position 850 mm lies at max_position 850 mm; below is allowed"
+        "9:19: min_position 850 mm equals max_position 850 mm; below is allowed"
     );
     // A maximum with a problem of its own contradicts nothing.
     assert_eq!(
@@ -403,7 +403,11 @@ fn models() {
     assert_eq!(model("{model: ideal}"), Model::Ideal);
     assert_eq!(model("{model: second_order}"), second_order(60.0, 0.8));
     assert_eq!(model("{model: second_order, bandwidth: 0.1 kHz, damping: 1}"), second_order(100.0, 1.0));
+    let coasting = SecondOrder::new(60.0, 0.8, 1_000_000).unwrap().coasting(200_000_000, 1_000_000).unwrap();
+    assert_eq!(model("{model: second_order, coast: 200 ms}"), Model::SecondOrder(coasting));
+    assert_eq!(model("{model: second_order, coast: 0 s}"), second_order(60.0, 0.8));
     for (sim, expected) in [
+        ("{model: second_order, coast: 11 s}", "8:39: coast is 11000 ms; 0 ms to 10000 ms is allowed"),
         ("{}", "8:10: missing key `model` in sim"),
         (
             "{model: first_order}",

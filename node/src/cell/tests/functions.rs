@@ -149,10 +149,7 @@ fn tables_have_numbers_of_their_form() {
         ("{form: ^z, points: [0]}", "form is `z`; one of y, xy, words is allowed"),
         ("{form: words, words: ^[0, 65536]}", "word 1 is 65536; -32768 to 65535 is possible"),
         ("{form: xy, points: [^[0, 0, 0]]}", "a point of form xy has 3 numbers; [master, slave] is expected"),
-        (
-            "{form: xy, points: [[0, 0], [5, 1], ^[5, 2]]}",
-            "place 5 does not lie behind 5, the one before it; places rise",
-        ),
+        ("{form: xy, points: [[0, 0], [5, 1], ^[5, 2]]}", "place 5 is not after 5, the one before it; places rise"),
         ("{form: y, points: [0, ^1.5]}", "points[1] is `1.5`; a whole number -2147483648..2147483647 is allowed"),
         ("{form: y, csv: ^long.csv}", "cannot read `long.csv`: a cell without a file has no files beside it"),
         ("{form: y, points: [0], csv: ^a.csv}", "csv stands beside points; one of them is expected"),

@@ -107,7 +107,7 @@ fn senses_of_rotation_and_rules_of_reversing() {
 fn keys_and_values_of_models() {
     for (sim, expected) in [
         ("{model: two_speed, dead_time: 1 ms}", "9:40: dead_time is for models valve, motor; this one is two_speed"),
-        ("{model: valve, coast: 1 ms}", "9:32: coast is for model two_speed; this one is valve"),
+        ("{model: valve, coast: 1 ms}", "9:32: coast is for models second_order, two_speed; this one is valve"),
         (
             "{model: ideal, time_constant: 1 ms}",
             "9:40: time_constant is for models velocity, two_speed, valve; this one is ideal",

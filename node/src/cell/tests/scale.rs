@@ -156,10 +156,10 @@ fn views_that_do_not_fit_name_what_was_written() {
             &[("velmax", "1500"), ("max_velocity", "1 m/s"), ("rampmin", "500")][..],
             "8:13: velmax is another view of max_velocity, which stands at 9:19, write one of them",
         ),
-        (&[("velmax", "1500"), ("rampmin", "500"), ("dfltvel", "101")][..], "10:14: dfltvel 101 lies above velres 100"),
+        (&[("velmax", "1500"), ("rampmin", "500"), ("dfltvel", "101")][..], "10:14: dfltvel 101 exceeds velres 100"),
         (
             &[("velmax", "1500"), ("rampmin", "500"), ("default_acceleration", "1 m/s^2")][..],
-            "10:27: default_acceleration 1000 mm/s^2 lies above max_acceleration 100 mm/s^2 (rampmin)",
+            "10:27: default_acceleration 1000 mm/s^2 exceeds max_acceleration 100 mm/s^2 (rampmin)",
         ),
         (
             &[("velmax", "60000"), ("encoder", "1073741823"), ("rampmin", "500")][..],

@@ -2,6 +2,7 @@
 
 use super::super::{Exit, FlightArgs, RunArgs, store};
 use crate::cell::{Cell, left_out_of, mode_by_sdo_of};
+use crate::document::Problems;
 use crate::recording::bag::{Bag, BagOptions, Subject};
 use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
@@ -160,12 +161,16 @@ impl Hardware {
     }
 }
 
-/// Returns the buses of a cell that runs with real drives. Warnings of the files of its devices are logged: an object that is left out of the
-/// PDOs may be a limit switch that is not read.
+/// Returns the buses of a cell that runs with real drives. Warnings of the files of its devices are logged, and limit switches that are not
+/// read.
+///
+/// # Errors
+/// What is wrong with the files, and what homing needs and is not read.
 fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
-    let found = cell.buses_and_warnings(file);
-    let (buses, warnings) = found.map_err(|problems| problems.to_string().trim_end().to_owned())?;
-    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    let sentences = |problems: Problems| problems.to_string().trim_end().to_owned();
+    let (buses, warnings) = cell.buses_and_warnings(file).map_err(sentences)?;
+    let unread = cell.unread(&buses, file).map_err(sentences)?;
+    warnings.iter().chain(&unread).for_each(|warning| tracing::warn!("{warning}"));
     Ok(buses)
 }
 

@@ -116,17 +116,17 @@ fn one_value_by_two_names_is_refused() {
 #[test]
 fn what_contradicts_the_cell_or_the_file_names_what_was_written() {
     for (text, expected) in [
-        ("x.default_velocity: 101 mm/s", "1:21: default_velocity 101 mm/s lies above max_velocity 100 mm/s"),
-        ("x.dfltvel: 150", "1:12: dfltvel 150 lies above velres 100"),
+        ("x.default_velocity: 101 mm/s", "1:21: default_velocity 101 mm/s exceeds max_velocity 100 mm/s"),
+        ("x.dfltvel: 150", "1:12: dfltvel 150 exceeds velres 100"),
         (
             "x.velmax: 60\nx.default_velocity: 3 mm/s",
-            "2:21: default_velocity 3 mm/s lies above max_velocity 2 mm/s (velmax)",
+            "2:21: default_velocity 3 mm/s exceeds max_velocity 2 mm/s (velmax)",
         ),
         (
             "x.min_position: 5 mm\nx.max_position: 5 mm",
-            "1:17: min_position 5 mm lies at max_position 5 mm; below is allowed",
+            "1:17: min_position 5 mm equals max_position 5 mm; below is allowed",
         ),
-        ("o.wf.md43: 5", "1:12: wf.md43 5 lies above wf.md42 0"),
+        ("o.wf.md43: 5", "1:12: wf.md43 5 exceeds wf.md42 0"),
         ("x.max_velocity: 3 km/s", "1:17: x.max_velocity: `3 km/s` has no unit that is known"),
         (
             "x.max_velocity: 3000000 m/s",

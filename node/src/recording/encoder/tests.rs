@@ -60,7 +60,7 @@ fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
         .filter(|event| event.kind == "refused")
         .collect();
     assert_eq!(refused.len(), 1);
-    assert_eq!(refused[0].text, "x: target 9000 mm lies above max_position 850 mm");
+    assert_eq!(refused[0].text, "x: target 9000 mm exceeds max_position 850 mm");
     assert_eq!(refused[0].header.stamp.sec, 5);
 }
 

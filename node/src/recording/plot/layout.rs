@@ -185,9 +185,9 @@ mod tests {
     fn sizes_that_hold_no_figure_are_refused_with_what_is_needed() {
         let problem = |height| parts().layout(&figure(1200, Some(height))).unwrap_err().to_string();
         assert_eq!(problem(300), "3 panels and 2 lanes need a height of 515 px or more, not 300 px");
-        assert_eq!(problem(90), "height 90 px lies outside of 200 to 20000 px");
+        assert_eq!(problem(90), "height 90 px is outside 200 to 20000 px");
         let narrow = parts().layout(&figure(100, None)).unwrap_err();
-        assert_eq!(narrow.to_string(), "width 100 px lies outside of 500 to 8000 px");
+        assert_eq!(narrow.to_string(), "width 100 px is outside 500 to 8000 px");
         let many = Parts { lanes: 1000, ..Parts::default() }.layout(&figure(1200, None)).unwrap_err();
         assert!(many.to_string().starts_with("0 panels and 1000 lanes would need a height of 26"), "{many}");
     }

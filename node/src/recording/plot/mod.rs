@@ -126,13 +126,13 @@ pub enum Problem {
         to: f64,
     },
     /// The width lies outside of its range.
-    #[error("width {given} px lies outside of {} to {} px", WIDTHS.0, WIDTHS.1)]
+    #[error("width {given} px is outside {} to {} px", WIDTHS.0, WIDTHS.1)]
     Width {
         /// (px)
         given: u32,
     },
     /// The height lies outside of its range.
-    #[error("height {given} px lies outside of {} to {} px", HEIGHTS.0, HEIGHTS.1)]
+    #[error("height {given} px is outside {} to {} px", HEIGHTS.0, HEIGHTS.1)]
     Height {
         /// (px)
         given: u32,

@@ -7,7 +7,7 @@ use crate::recording::test_bags::TestBag;
 use crate::scenario::{Options, Scenario, simulate};
 use lineshaft_core::parameter::MachineParameters;
 use lineshaft_msgs::cdr;
-use lineshaft_msgs::msg::{AppliedCommand, Signals};
+use lineshaft_msgs::msg::{AppliedCommand, Event, Signals};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -191,6 +191,29 @@ fn what_a_recording_of_ours_lacks_is_a_difference() {
     let sentence = only_changes.unwrap_err().to_string();
     let expected = format!("holds {} of {all} signals; all of them are needed", all - 1);
     assert!(sentence.ends_with(&expected), "{sentence}");
+}
+
+/// Another version may word the text of an event in another way; its code tells what it is.
+#[test]
+fn text_of_an_event_is_not_compared_and_its_code_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder);
+    let mut count = 0;
+    let mut changed = |edit: fn(&mut Event)| {
+        edited(&path, |group, _| {
+            for (_, data) in group.others.iter_mut().filter(|(topic, _)| *topic == Topic::Events) {
+                let mut event: Event = cdr::decode_with_header(data).unwrap();
+                edit(&mut event);
+                *data = cdr::encode_with_header(&event);
+                count += 1;
+            }
+        })
+        .unwrap()
+    };
+    assert_eq!(changed(|event| event.text.insert_str(0, "in other words: ")), None);
+    let Some(Verdict::Differs(difference)) = changed(|event| event.code += 1) else { panic!("no difference") };
+    assert!(difference.what.ends_with("Event.code"), "{difference:?}");
+    assert!(count > 12, "{count} events");
 }
 
 #[test]

@@ -129,7 +129,16 @@ pub(super) const SIM: &[Key] = &[
             "time_constant: 20 ms",
         ],
     ),
-    key("axes.*.sim.coast", TIME, [TO_10_S, "100 ms", "Time for which model two_speed coasts.", "coast: 80 ms"]),
+    key(
+        "axes.*.sim.coast",
+        TIME,
+        [
+            TO_10_S,
+            "100 ms of two_speed, 0 s of second_order",
+            "Time constant of models two_speed and second_order without power; 0 s: stops at once.",
+            "coast: 80 ms",
+        ],
+    ),
     key(
         "axes.*.sim.dead_time",
         TIME,

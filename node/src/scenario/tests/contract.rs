@@ -37,5 +37,5 @@ fn the_example_runs_and_is_refused_as_it_says() {
     assert!(recorded::plays_the_same_as_json(&example_cell(), &scenario) > 3);
     assert!(report.failures.is_empty(), "{report}");
     assert_eq!(report.refused.len(), 1);
-    assert!(report.refused[0].sentence.contains("target 900 mm lies above max_position 850 mm"), "{report}");
+    assert!(report.refused[0].sentence.contains("target 900 mm exceeds max_position 850 mm"), "{report}");
 }

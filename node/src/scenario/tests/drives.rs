@@ -303,7 +303,7 @@ fn what_cannot_be_driven_is_refused() {
     );
     assert_eq!(
         bad("{signal: gain, sine: ^{mean: 1e308, amplitude: -1e308, period: 1 s}}"),
-        "mean and amplitude together lie beyond what f64 holds, 1.8e308"
+        "mean and amplitude together exceed what f64 holds, 1.8e308"
     );
     assert_eq!(
         problems("{scenario: s, cycles: 9, drive: [{signal: feed, valeus: [1]}]}"),

@@ -29,7 +29,7 @@ fn events_are_chosen_by_their_fields() {
     holds("{event: {kind: done, source: x, code: 0, increments: 10 mm}, at: 400, count: 1}");
     holds("{event: {kind: done, source: x, code: NONE, increments: 10000}}");
     holds("{event: {kind: refused, severity: warn, code: ABOVE_MAX_POSITION}, count: 1}");
-    holds("{event: {kind: refused, text: 'target 900 mm lies above max_position 850 mm'}, at: 200, count: 1}");
+    holds("{event: {kind: refused, text: 'target 900 mm exceeds max_position 850 mm'}, at: 200, count: 1}");
     holds("{event: {severity: error}, max: 0}");
     holds("{event: {kind: state, source: x, text: now STANDSTILL}, min: 2, max: 2}");
     holds("{event: {kind: accepted, source: machine}, at: 0}");
@@ -121,7 +121,7 @@ fn what_is_wrong_with_an_event_is_told() {
         bad("{event: {kind: latch}, count: 1, min: ^1}"),
         "count and min stand side by side; one of them is expected"
     );
-    assert_eq!(bad("{event: {kind: latch}, min: 3, max: ^2}"), "max lies below min 3");
+    assert_eq!(bad("{event: {kind: latch}, min: 3, max: ^2}"), "max is below min 3");
     assert_eq!(bad("{event: {kind: latch}, count: ^-1}"), "count is -1; 0..9223372036854775807 is allowed");
     assert_eq!(bad("{event: {^knid: latch}}"), "unknown key `knid` in event, did you mean `kind`?");
 }

@@ -266,7 +266,7 @@ fn what_came_before_a_step_counts_from_it() {
     let known = |expectation: &str| problems(&format!("{at}{expectation}]}}"));
     assert_eq!(
         known("{signal: feed, since: go, from: -8, to: 3, is: 1}"),
-        "2:1: 8 cycles before step `go` lies before cycle 0; it fires in cycle 7 (0.007 s)\n"
+        "2:1: 8 cycles before step `go` is before cycle 0; it fires in cycle 7 (0.007 s)\n"
     );
     assert_eq!(
         known("{signal: feed, since: go, at: -100001, is: 1}"),

@@ -51,7 +51,7 @@ fn sentences_tell_values_in_the_axis_unit() {
     assert_eq!(
         told,
         [
-            "move_axis was refused: x: target 9000 * 0.1 mm lies above max_position 8500 * 0.1 mm; in cycle 50 (0.05 s)",
+            "move_axis was refused: x: target 9000 * 0.1 mm exceeds max_position 8500 * 0.1 mm; in cycle 50 (0.05 s)",
             "x.command.position is 0 inc (0 * 0.1 mm) in cycle 98 (0.098 s); 50 inc (0.5 * 0.1 mm) was expected",
             "x.max_velocity is 1000 * 0.1 mm/s in cycle 98 (0.098 s); 900 * 0.1 mm/s was expected",
         ]

@@ -180,7 +180,7 @@ fn what_is_wrong_with_a_step_is_told() {
         bad("{when: {all: [{signal: feed, is: 1}], any: ^[{signal: feed, is: 1}]}, do: {halt: {}}}"),
         "all and any stand side by side; put one into the other"
     );
-    assert_eq!(bad("{when: {signal: feed, min: ^3, max: 2}, do: {halt: {}}}"), "min 3 lies above max 2");
+    assert_eq!(bad("{when: {signal: feed, min: ^3, max: 2}, do: {halt: {}}}"), "min 3 exceeds max 2");
     assert_eq!(
         bad("{when: {signal: feed, is: 3, within: ^-2}, do: {halt: {}}}"),
         "within is -2; 0 and above is allowed"

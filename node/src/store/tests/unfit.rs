@@ -50,12 +50,12 @@ fn each_problem_has_its_place() {
         (
             X,
             "  x.min_position: 2000000 inc\n",
-            "p.yaml:6:19: x: min_position 2000 mm must lie below max_position 1000 mm",
+            "p.yaml:6:19: x: min_position 2000 mm must be below max_position 1000 mm",
         ),
         (
             X,
             "  x.max_velocity: 10000 inc/s\n  x.default_velocity: 20000 inc/s\n",
-            "p.yaml:7:23: x: default_velocity 20 mm/s must not lie above max_velocity 10 mm/s",
+            "p.yaml:7:23: x: default_velocity 20 mm/s must not exceed max_velocity 10 mm/s",
         ),
         (X, "  x.amc.reference_select: 1\n  x.amc.speed_reference: 2000000 inc/s\n", "p.yaml:7:26: x: "),
     ];
@@ -72,7 +72,7 @@ fn a_limit_of_the_cell_that_contradicts_what_was_saved_is_named() {
     let text = format!("lineshaft_store: 1\ngeneration: 4\naxes:\n{X}parameters:\n  x.max_position: 400000 inc\n");
     let edited = CELL.replace("min_position: 0 mm", "min_position: 500 mm");
     let config = Cell::parse("cell.yaml", edited).unwrap().machine;
-    assert_eq!(problems_of(&text, &config), ["p.yaml:6:19: x: max_position 400 mm must lie above min_position 500 mm"]);
+    assert_eq!(problems_of(&text, &config), ["p.yaml:6:19: x: max_position 400 mm must be above min_position 500 mm"]);
 }
 
 /// The cell turned the sense of rotation over: a limit that was saved would guard another place.

@@ -75,7 +75,10 @@ fn a_model_that_is_far_from_its_record_has_no_gains() {
     let found = Findings::find(subject(), &record, &wish(), &before()).unwrap();
     assert!(found.identified.explained > 95.0 && found.before.is_ok() && found.gains.is_empty());
     let refused = found.after.unwrap_err();
-    assert!(refused.starts_with("half of the positions lie more than ") && refused.contains("play"), "{refused}");
+    assert!(
+        refused.starts_with("half of the positions deviate by more than ") && refused.contains("play"),
+        "{refused}"
+    );
 }
 
 #[test]

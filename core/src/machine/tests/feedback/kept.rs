@@ -140,7 +140,7 @@ fn a_reset_tells_what_the_error_told() {
         let event = rig.events.iter().find(|event| event.kind == kind && event.code == Code::FOLLOWING_ERROR).unwrap();
         crate::text::sentence(event, rig.machine.config())
     };
-    let sentence = "following error -20.001 mm lies beyond max_following_error 20 mm";
+    let sentence = "following error -20.001 mm exceeds max_following_error 20 mm";
     assert_eq!(told(Kind::Error), format!("x: {sentence}"));
     assert_eq!(told(Kind::Reset), format!("x: reset after: {sentence}"));
 }

@@ -6,7 +6,7 @@ use crate::axis::Safety;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
 use crate::config::{IoConfig, IoKind};
-use crate::object::{AxisSet, Leader};
+use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::Value;
 use crate::position::Length;
 use crate::sim::Model;
@@ -184,5 +184,45 @@ fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
     ] {
         let refused = rig.give(Action::HomeAxis(HomeAxis { axis: X, method }));
         assert_eq!(rig.refusal(refused), format!("x: {sentence}"));
+    }
+}
+
+/// Its drive shows no digital inputs: a method that looks for a switch is refused without an input for it; one by the index, or in the drive, is
+/// not.
+#[test]
+fn homing_by_a_switch_that_is_not_read_is_refused() {
+    let told = |name: &str, key: &str, method: i64| {
+        format!(
+            "x: homing method {method} needs the {name}, and the digital inputs of the drive (60FDh) are not read; give the drive `eds` or an \
+             entry of io, or assign an input with {key}"
+        )
+    };
+    let rig_of = |assigned: &[(&str, i64)], in_drive: i64| {
+        let mut config = cell(0);
+        config.global.without_inputs = vec![Object::Axis(X)];
+        let p = &mut config.axes[usize::from(X)].parameters;
+        assign(p, "i_refswitch", Value::Int(0));
+        assign(p, "homing.in_drive", Value::Int(in_drive));
+        assigned.iter().for_each(|(key, input)| assign(p, key, Value::Int(*input)));
+        rig_with(config, Model::Ideal, way(START, (5_000, 7_000)))
+    };
+    for (method, name, key) in [
+        (1, "negative limit switch", "i_neglimitsw"),
+        (18, "positive limit switch", "i_poslimitsw"),
+        (7, "reference switch", "i_refswitch"),
+    ] {
+        let mut rig = rig_of(&[], 0);
+        let sequence = home(&mut rig, method);
+        assert_eq!(rig.refusal(sequence), told(name, key, method));
+        assert_eq!(rig.state("x"), "STANDSTILL");
+        for mut rig in [rig_of(&[(key, 1)], 0), rig_of(&[], 1)] {
+            let sequence = home(&mut rig, method);
+            assert!(rig.was_accepted(sequence), "{method}");
+        }
+    }
+    for method in [33, 35] {
+        let mut rig = rig_of(&[], 0);
+        let sequence = home(&mut rig, method);
+        assert!(rig.was_accepted(sequence), "{method}");
     }
 }

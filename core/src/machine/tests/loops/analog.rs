@@ -365,13 +365,13 @@ fn more_than_10_v_and_words_that_no_voltage_brings_are_refused() {
     let answer = rig.set("max_velocity", Value::Real(200_001.0));
     assert_eq!(
         rig.refusal(answer),
-        "x: max_velocity 200.001 mm/s lies above 200 mm/s, which is what its drive does at 10 V"
+        "x: max_velocity 200.001 mm/s exceeds 200 mm/s, which is what its drive does at 10 V"
     );
     let answer = rig.set("max_velocity", Value::Real(200_000.0));
     assert!(rig.was_accepted(answer));
     let mut rig = self::rig(analog_config(Interface::Torque), motor());
     for (key, value, says) in [
-        ("max_effort", Value::Real(1000.5), "max_effort 1000.5 lies above 1000, which is what its drive does at 10 V"),
+        ("max_effort", Value::Real(1000.5), "max_effort 1000.5 exceeds 1000, which is what its drive does at 10 V"),
         (
             "torque_constant",
             Value::Real(0.5),

@@ -231,7 +231,7 @@ fn an_encoder_has_its_new_value_in_the_cycle() {
     assert_eq!((rig.int("belt.position"), rig.int("x.actual.position")), (1_000, 1_000), "what it has read counts");
     for wrong in [1 << 62, -(1 << 62), (1 << 62) - 1] {
         let refused = rig.give(encoder(wrong));
-        assert!(rig.refusal(refused).contains("does not lie within +-2^62 increments"), "the limits of x go with it");
+        assert!(rig.refusal(refused).contains("is outside +-2^62 increments"), "the limits of x go with it");
     }
     let nobody = Action::SetEncoderPosition(SetEncoderPosition { encoder: 1, position: Length::whole(0) });
     let refused = rig.give(nobody);

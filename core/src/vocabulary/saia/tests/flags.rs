@@ -369,8 +369,8 @@ fn software_limits_hold_for_starts_and_jogs() {
     rig.parameter("max_position", Value::Int(20_000));
     rig.parameter("min_position", Value::Int(-20_000));
     let before = rig.picture();
-    rig.refuses(&[("destp", 20_001.0)], "fldda fstart", "lies above max_position 20 mm");
-    rig.refuses(&[("destp", -20_001.0)], "fldda fstart", "lies below min_position -20 mm");
+    rig.refuses(&[("destp", 20_001.0)], "fldda fstart", "exceeds max_position 20 mm");
+    rig.refuses(&[("destp", -20_001.0)], "fldda fstart", "is below min_position -20 mm");
     assert_eq!(rig.picture(), before);
     rig.does(&[("destp", 20_000.0)], "fldda fstart");
     rig.run_until("x.saia.ondest", 1);

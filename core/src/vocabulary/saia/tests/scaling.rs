@@ -161,8 +161,8 @@ fn a_rate_at_the_limit_of_the_axis_is_taken_and_never_exceeded() {
         let sentence = rig.verb(X, &[(register, value)], &format!("{flag} fstart")).unwrap_err();
         assert!(sentence.contains(part), "{sentence}");
     };
-    refused(&mut rig, "veloc", 501.0, "fldva", "lies above max_velocity 49.99999 mm/s");
-    refused(&mut rig, "accel", 102.0, "fldaa", "lies above max_acceleration");
+    refused(&mut rig, "veloc", 501.0, "fldva", "exceeds max_velocity 49.99999 mm/s");
+    refused(&mut rig, "accel", 102.0, "fldaa", "exceeds max_acceleration");
 }
 
 proptest! {

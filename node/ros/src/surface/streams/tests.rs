@@ -79,7 +79,7 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
         (with(|m| m.joint_names[1] = "w".into()), "joint_names has the joint `w`; there are x, y"),
         (with(|m| m.velocities[1] = f64::NAN), "velocity of y: "),
         (with(|m| m.velocities[0] = f64::INFINITY), "velocity of x: "),
-        (with(|m| m.velocities[1] = -0.100001), "velocity -100.001 mm/s of y lies above max_velocity 100 mm/s"),
+        (with(|m| m.velocities[1] = -0.100001), "velocity -100.001 mm/s of y exceeds max_velocity 100 mm/s"),
         (with(|m| m.duration = -1.0), "duration is -1 s; 0 (until the next message) or more is allowed"),
         (with(|m| m.duration = f64::NAN), "duration is NaN s"),
         (with(|m| m.duration = f64::INFINITY), "duration is inf s"),

@@ -21,7 +21,7 @@ fn run() -> Vec<Series> {
 
 fn events() -> Vec<Mark> {
     vec![
-        mark(0.5, 1, "refused", "target 900 mm lies above max_position 850 mm"),
+        mark(0.5, 1, "refused", "target 900 mm exceeds max_position 850 mm"),
         mark(1.0, 0, "accepted", "move_axis accepted"),
         mark(1.5, 2, "error", "following error <12 mm & more>"),
     ]
@@ -47,7 +47,7 @@ fn panels_have_their_names_units_legends_lanes_and_events() {
         "x.in_position",
         "time (s)",
         "0.500 s",
-        "target 900 mm lies above max_position 850 mm",
+        "target 900 mm exceeds max_position 850 mm",
         "following error &lt;12 mm &amp; more&gt;",
         "events not listed: 1 accepted",
         "constant: x.homed 1, x.target.position 120 mm",
