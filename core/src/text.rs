@@ -18,6 +18,7 @@ mod set;
 mod trajectory;
 
 pub use parameter::{allowed_text, expected_text, outside_text, range_text, refused_text, value_text};
+pub use trajectory::pair_in_si;
 
 use reason::reason;
 
