@@ -457,7 +457,9 @@ fn goals_that_are_wrong_in_themselves_are_rejected_with_a_sentence() {
         (format!("{joints} --point 1:0.05,0"), "points[0].positions has 2 numbers"),
         (format!("{joints} --point 1:0.05,0,nan"), "points[0].positions of `turret` is NaN"),
         (format!("{joints} --point 1:0.05,0,0 --point 1:0.06,0,0"), "points[1].time_from_start is 1 s"),
-        (format!("{joints} --point 1:0.05,0,0:0.1,0,0"), "the velocity of `x` in the last point is 0.1"),
+        (format!("{joints} --point=-1:0.05,0,0"), "points[0].time_from_start is -1 s; 0 s or more is expected"),
+        (format!("{joints} --point 1:0.05,0,1e300"), "points[0].positions of `turret` is 1e300"),
+        (format!("{joints} --point 1:0.05,0,0:0.1,0,0"), "the velocity of `x` in the last point is 0.1 m/s (100 mm/s)"),
         (format!("{joints} --point 1:0.05,0,0 --start -5"), "before now"),
         (format!("{joints} --point 1:0.05,0,0 --path elbow:1"), "path_tolerance has the joint `elbow`"),
         (format!("{joints} --point 1:0.05,0,0 --goal x:-2"), "goal_tolerance (position) of `x` is -2"),
@@ -579,6 +581,34 @@ fn the_topic_moves_and_stops_the_joints() {
     let log = bench.log();
     assert!(log.contains("joint_names has the joint `elbow`; there are x, y, turret"), "{log}");
     assert_eq!(bench.command("x"), rests);
+}
+
+#[test]
+fn messages_of_the_topic_that_are_wrong_are_refused_and_move_nothing() {
+    let mut bench = Bench::enabled();
+    let joints = "publish-trajectory /lineshaft --joint x --joint y --joint turret";
+    let cases = [
+        ("publish-trajectory /lineshaft --joint x --joint x --joint y --point 1:0,0,0".to_owned(), "`x` twice"),
+        ("publish-trajectory /lineshaft --joint x --point 1:0.05".to_owned(), "joint_names has 1 of x, y, turret"),
+        (format!("{joints} --point 1:0.05,0"), "points[0].positions has 2 numbers; one for each joint (3) is expected"),
+        (format!("{joints} --point 1:0.05,nan,0"), "points[0].positions of `y` is NaN"),
+        (format!("{joints} --point=-1:0.05,0,0"), "points[0].time_from_start is -1 s"),
+        (format!("{joints} --point 1:0.05,0,0 --point 1:0.06,0,0"), "points[1].time_from_start is 1 s"),
+        (format!("{joints} --point 1:0.05,0,0 --fill 99999 --fill-from 1"), "points has 100000 entries for 3 joints"),
+    ];
+    for (message, _) in &cases {
+        bench.cyclone.run(message);
+    }
+    let last = cases.last().map_or("", |(_, sentence)| *sentence);
+    let end = Instant::now() + Duration::from_secs(60);
+    let mut log = bench.log();
+    while !log.contains(last) && Instant::now() < end {
+        log += &bench.log();
+    }
+    for (message, sentence) in &cases {
+        assert!(log.contains(sentence), "`{sentence}` of `{message}` is not on /rosout:\n{log}");
+    }
+    assert_eq!(["x", "y", "turret"].map(|axis| bench.command(axis)), [0; 3], "nothing has moved");
 }
 
 #[test]

@@ -105,8 +105,7 @@ fn in_both_units(number: Number, scale: &Scale, is_precise: bool) -> String {
     if let Number::Time(time_ns) = number {
         return format!("{} s", number_to_text(time_ns as f64 / 1e9));
     }
-    let si = scale.in_si();
-    if si.unit() == scale.unit() { of(scale) } else { format!("{} ({})", of(&si), of(scale)) }
+    scale.text_in_si(of)
 }
 
 fn rate_text(scale: &Scale, rate: f64, order: u8, is_precise: bool) -> String {
