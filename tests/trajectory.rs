@@ -360,6 +360,22 @@ fn a_joint_that_settles_too_late_aborts() {
     bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --goal-time 10"));
 }
 
+/// x settles to 0.1 um some 20 ms after the last point.
+#[test]
+fn max_duration_refuses_a_longer_goal_and_ends_one_that_is_not_done() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("params /lineshaft set max_duration=0.505");
+    let seen = bench.cyclone.run(&format!("{} --expect ABORTED", all(1.0, 0.05, 0.0, 0.0)));
+    let sentence = "machine: the trajectory takes 1 s; at most 0.505 s is allowed (max_duration)";
+    assert_eq!((&seen["error"], &seen["text"]), (&"INVALID_GOAL".into(), &sentence.into()));
+    assert_eq!(bench.command("x"), 0, "nothing has moved");
+    let goal = all(0.5, 0.3, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --expect ABORTED"));
+    let text = seen["text"].as_str().expect("a text");
+    assert!(text.ends_with("at most 0.505 s is allowed (max_duration)"), "{text}");
+    assert_eq!(seen["error"], "GOAL_TOLERANCE_VIOLATED");
+}
+
 #[test]
 fn a_cancelled_goal_stops_the_joints() {
     let mut bench = Bench::enabled();
