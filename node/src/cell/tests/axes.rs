@@ -285,6 +285,11 @@ fn contradictions_stand_at_the_key_that_is_too_high() {
          10:23: default_velocity 2000 mm/s lies above max_velocity 1200 mm/s\n\
          11:27: default_acceleration 8001 mm/s^2 lies above max_acceleration 8000 mm/s^2"
     );
+    // Nine digits of both are the same.
+    assert_eq!(
+        said(&axis(&[("default_velocity", "1200.0000001 mm/s")])),
+        "8:23: default_velocity 1200.0000001 mm/s lies above max_velocity 1200 mm/s"
+    );
     assert_eq!(
         said(&axis(&[("max_position", "850 mm"), ("min_position", "85 cm")])),
         "9:19: min_position 850 mm lies at max_position 850 mm; below is allowed"
