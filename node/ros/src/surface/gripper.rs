@@ -8,6 +8,7 @@
 use super::controllers::Controllers;
 use super::group::Group;
 use super::hub::{Answers, Hub};
+use super::joint_names::with_joint;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
@@ -233,7 +234,7 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
                 let handle = request.accept();
                 match hub.submit(command) {
                     Ok(answers) => {
-                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone(), target));
+                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone(), (name.clone(), target)));
                     }
                     Err(busy) => {
                         hub.refuse(format!("{name}: {busy}"));
@@ -250,13 +251,14 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
     }
 }
 
-/// Works on an accepted goal until it ends. Its result has no room for a sentence: what ended it is on `/rosout` and in `~/events`.
+/// Works on an accepted goal of the action with that name until it ends. Its result has no room for a sentence: what ended it is on
+/// `/rosout` and in `~/events`.
 async fn run<A: GripperAction>(
     hub: Arc<Hub>,
     handle: GoalHandle<A>,
     mut answers: Answers,
     gripper: Gripper,
-    target: f64,
+    (name, target): (String, f64),
 ) {
     let mut ticks = tokio::time::interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -273,8 +275,11 @@ async fn run<A: GripperAction>(
                 }
                 Some(event) if event.kind == Kind::Done && event.code.is_none() => arrived = true,
                 Some(event) if matches!(event.kind, Kind::Refused | Kind::Done) => {
-                    if !stalled {
-                        hub.refuse(text::sentence(&event, hub.host.config()));
+                    let is_wanted = stalled || event.code == Code::CANCELLED && handle.is_cancel_requested();
+                    if !is_wanted {
+                        let sentence = text::sentence(&event, hub.host.config());
+                        let sentence = with_joint(sentence, &gripper.axis, &gripper.joint);
+                        hub.refuse(format!("{name}: goal aborted: {sentence}"));
                     }
                     break event.code;
                 }
