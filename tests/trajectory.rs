@@ -599,6 +599,32 @@ fn the_topic_moves_and_stops_the_joints() {
     assert_eq!(bench.command("x"), rests);
 }
 
+/// 2 mm more each time, 0.1 s ahead, for one joint of three: each message replaces the one before it on its way.
+#[test]
+fn a_new_point_20_times_a_second_is_followed() {
+    let mut bench = Bench::enabled();
+    let set = "allow_partial_joints_goal=true constraints.goal_time=0.5 constraints.x.goal=0.001";
+    bench.cyclone.run(&format!("params /lineshaft set {set}"));
+    bench.cyclone.run("events /lineshaft --seconds 0");
+    let to = |place: f64| format!("publish-trajectory /lineshaft --joint x --point 0.1:{place}");
+    bench.cyclone.run(&to(0.0));
+    let begin = Instant::now();
+    for number in 1..=40_u32 {
+        bench.cyclone.run(&to(0.002 * f64::from(number)));
+        thread::sleep((begin + number * Duration::from_millis(50)).saturating_duration_since(Instant::now()));
+    }
+    bench.wait("x", "at 80 mm", |axis| axis["command_increments"] == 8 * 1_048_576);
+    let seen = bench.cyclone.run("events /lineshaft --seconds 1");
+    let texts = |kinds: &[&str]| {
+        let of_kind = |event: &&Value| event["message"]["kind"].as_str().is_some_and(|kind| kinds.contains(&kind));
+        seen.all().iter().filter(of_kind).map(|event| event["message"]["text"].to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(texts(&["refused", "error"]), [""; 0]);
+    assert!(texts(&["accepted"]).len() >= 41, "{:?}", texts(&["accepted"]));
+    assert!(!texts(&["done"]).iter().any(|text| text.contains("tolerance")), "{:?}", texts(&["done"]));
+    assert_eq!((bench.command("y"), bench.command("turret")), (0, 0));
+}
+
 #[test]
 fn messages_of_the_topic_that_are_wrong_are_refused_and_move_nothing() {
     let mut bench = Bench::enabled();
