@@ -223,7 +223,7 @@ impl Trajectory {
 
     /// The same, with what it asks of its axes; without that where its law does not hold.
     fn with_demands(self) -> Self {
-        // Points that are past are asked of nobody. One at time 0 is where a trajectory that starts now begins.
+        // Past points are skipped. A point at time 0 is where a trajectory that starts now begins.
         let ahead = if self.past_ns() == 0 { 0 } else { self.passed(self.past_ns()) };
         let of = |track| demand(&self.times_ns, track, ahead);
         let demands = if self.has_shape() { self.tracks.iter().map(of).collect() } else { Box::default() };

@@ -64,7 +64,7 @@ pub fn outside_text(row: &Row, value: Value, scale: &Scale, allowed: &str) -> St
     }
 }
 
-/// Two values that were compared, with as many digits as tell them apart.
+/// Two values that were compared, with enough digits to differ.
 pub fn pair_text(one: (&Row, Value), other: (&Row, Value), scale: &Scale) -> (String, String) {
     let text = |(row, value): (&Row, Value)| value_text(row, value, scale);
     let usual = (text(one), text(other));

@@ -79,7 +79,7 @@ pub(super) fn given_twice(event: &Event, config: &MachineConfig) -> String {
     format!("{} {value} stands twice in the set: another line makes it {other}; give it once", row.key)
 }
 
-/// The value of a parameter and what it was compared with, with as many digits as tell them apart.
+/// The value of a parameter and the value it was compared with, with enough digits to differ.
 fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, String) {
     let value = parameter_value(row, event.asked, event.source, config);
     let limit = number_text(event.limit, event.source, config);

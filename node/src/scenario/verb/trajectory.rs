@@ -124,7 +124,7 @@ impl Reader<'_> {
         Some(Given { joints, units, points })
     }
 
-    /// The command; what is wrong with the request is told as `shown` makes it, at the place that its sentence has.
+    /// The command. Errors of the request are changed by `shown` and reported at the place that their sentence has.
     fn trajectory<'v, 'd: 'v>(
         &self,
         given: Given<'_>,

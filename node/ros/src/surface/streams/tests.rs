@@ -111,7 +111,7 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
     ] {
         assert_eq!(judged(jog(&["Shoulder_Pan", joint]), 0).unwrap_err(), sentence);
     }
-    // The same name comes back, and as many digits as tell the velocities apart.
+    // The answer has the name of the message, and enough digits to differ.
     let fast = judged_as(&names, super::jog(joint_jog(&["left/arm_1"], &[0.100_000_000_1]), &names, &config), 0);
     let sentence = "velocity 0.1000000001 m/s (100.0000001 mm/s) of left/arm_1 exceeds max_velocity 0.1 m/s (100 mm/s)";
     assert_eq!(fast.unwrap_err(), sentence);

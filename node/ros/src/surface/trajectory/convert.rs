@@ -176,7 +176,7 @@ pub(super) fn request(
     })
 }
 
-/// The points. Whether lists have the right lengths, and numbers that are finite, the core tells.
+/// The points. The core checks the lengths of lists and their numbers.
 fn points(points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
     if points.is_empty() {
         return Err(Wrong::NoPoints);
