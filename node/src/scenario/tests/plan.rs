@@ -107,7 +107,7 @@ fn plan_is_played_and_recorded_with_its_points() {
 #[test]
 fn what_is_wrong_with_a_plan_is_told_with_its_file_and_line() {
     let wrong = |from: &str, to: &str| Bench::with(&ECHO.replacen(from, to, 1)).problems();
-    assert_eq!(wrong("- x\n", "- z\n"), "plan.yaml:7:3: no axis is called `z`; there are line, x, turret\n");
+    assert_eq!(wrong("- x\n", "- z\n"), "plan.yaml:7:3: joint_names has the joint `z`; there are x, turret\n");
     assert_eq!(wrong("- turret\n", "- x\n"), "plan.yaml:7:3: joint_names has the joint `x` twice; once is expected\n");
     assert_eq!(
         wrong("  - -0.0\n", ""),

@@ -82,6 +82,9 @@ impl Reader<'_> {
         let deed = document.root("the trajectory").and_then(|root| {
             let plan = Plan::read(&root)?;
             let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
+            if let Some(joint) = given.joints.iter().find(|joint| joint.scale.is_none()) {
+                return self.settle(&plan.joints, Err(self.unknown_joint(joint)));
+            }
             if !may_lack_joints {
                 self.check_joints(&given.joints, &plan.joints);
             }
@@ -90,6 +93,19 @@ impl Reader<'_> {
         let is_good = document.problems().is_empty();
         file.add_problems(document.into_problems());
         deed.filter(|_| is_good)
+    }
+
+    /// Why a joint of a plan is refused that no axis is, as the action says it.
+    fn unknown_joint(&self, joint: &Joint<'_>) -> RequestError {
+        let joints = self.names.joints;
+        let driven = (0..).zip(&self.names.config.axes).filter(|(_, axis)| axis.drive.is_some());
+        let known: Vec<&str> =
+            driven.map(|(place, axis)| joints.map_or(axis.name.as_str(), |joints| joints.get(place))).collect();
+        RequestError::BadTrajectory {
+            name: "joint_names".to_owned(),
+            value: format!("has the joint `{}`", excerpt(joint.name)),
+            allowed: format!("there are {}", known.join(", ")),
+        }
     }
 
     /// Refuses a plan with some of the joints of a group, as the action does.
