@@ -27,6 +27,8 @@ use tokio::task::JoinSet;
 
 /// Least time between two refusals of one topic: a stream that is wrong is wrong many times a second.
 const PAUSE: Duration = Duration::from_secs(1);
+/// How far beyond max_velocity a velocity is still that (m/s, rad/s): clients round limits to six decimals.
+const ROUNDING: f64 = 1e-6;
 /// From here on a number is none that the core takes.
 const LARGEST: f64 = 1e38;
 
@@ -136,9 +138,21 @@ fn pair(
 fn resolve(asked: &Asked, host: &dyn Host, shown: &JointNames, now: Time) -> Result<Setpoints, String> {
     let (stamp, requests) = asked;
     let (config, image) = (host.config(), host.parameters());
-    let set = config.resolve_setpoints(Source::Ros, Units::Si, requests).map_err(|error| error.to_string())?;
+    let mut set = config.resolve_setpoints(Source::Ros, Units::Si, requests).map_err(|error| error.to_string())?;
+    limit(&mut set, config, &image);
     check(&set, config, shown, &image, age_ns(stamp, &now))?;
     Ok(set)
+}
+
+/// Limits velocities to max_velocity that exceed it by [`ROUNDING`] at most.
+fn limit(set: &mut Setpoints, config: &MachineConfig, image: &ParameterImage) {
+    for ((axis, parameters), setpoint) in config.axes.iter().zip(&image.effective).zip(&mut set.axes) {
+        let Some(setpoint) = setpoint else { continue };
+        let excess = setpoint.velocity.abs() - parameters.max_velocity;
+        if excess > 0.0 && axis.scale.rate_to_si(excess).abs() <= ROUNDING {
+            setpoint.velocity = parameters.max_velocity.copysign(setpoint.velocity);
+        }
+    }
 }
 
 /// Is it what its axes may do, and as new as it has to be? Velocities are sent in SI units, so these come first in an answer.

@@ -131,6 +131,25 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
     assert_eq!(setpoints("left/arm_1").unwrap_err(), "no axis is called `left/arm_1`; there are x, y");
 }
 
+/// 150 deg/s are 2.6179939 rad/s, and 2.617994 in a URDF. Here 0.1 m/s.
+#[test]
+fn a_velocity_that_was_rounded_beyond_the_limit_is_the_limit() {
+    let (config, image) = machine();
+    for (velocity, limited) in
+        [(0.100_000_9, 100_000.0), (-0.100_000_9, -100_000.0), (0.1, 100_000.0), (0.05, 50_000.0)]
+    {
+        let (_, requests) = jog(joint_jog(&["x"], &[velocity])).expect("a good message");
+        let mut set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).expect("a good request");
+        limit(&mut set, &config, &image);
+        assert_eq!(set.axes[0].map(|setpoint| setpoint.velocity), Some(limited), "{velocity}");
+        assert!(check(&set, &config, &JointNames::of_objects(&config), &image, 0).is_ok());
+    }
+    let (_, requests) = jog(joint_jog(&["x"], &[0.100_001_1])).expect("a good message");
+    let mut set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).expect("a good request");
+    limit(&mut set, &config, &image);
+    assert!(check(&set, &config, &JointNames::of_objects(&config), &image, 0).is_err());
+}
+
 #[test]
 fn a_message_is_no_older_than_its_axes_allow() {
     let both = || jog(joint_jog(&["x", "y"], &[0.01, 0.01]));
