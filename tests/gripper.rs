@@ -33,8 +33,11 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
     cyclone.run("axis-states /lineshaft");
     let reads = cyclone.run("graph /lineshaft")["reads"].clone();
     assert!(!reads.to_string().contains("arm/gripper_cmd"), "{reads}");
-    // Without power.
+    // Without power. The result has no room for the reason.
     assert_eq!(cyclone.run("gripper /lineshaft --group hand --position 0.02")["status"], "ABORTED");
+    program.until_log(
+        "/lineshaft/hand/gripper_cmd: goal aborted: axis finger (joint left_finger): the axis is not enabled",
+    );
     cyclone.run("axes /lineshaft enable");
 
     let seen = cyclone.run("gripper /lineshaft --group hand --position 0.02");

@@ -127,6 +127,7 @@ fn object_names_are_refused_where_joint_names_are_expected() {
     for (message, sentence) in [
         ("publish-trajectory /lineshaft --joint shoulder", object("joint_names", "shoulder", "Shoulder_Pan")),
         ("stream /lineshaft jog --axis wrist=0.02", object("joint_names", "wrist", "J1")),
+        ("stream /lineshaft jog --axis J1=100 --seconds 1.5", " of J1 exceeds max_velocity ".to_owned()),
         ("stream /lineshaft setpoints --axis J1=0.02", "no axis is called `J1`; there are shoulder,".to_owned()),
     ] {
         bench.cyclone.run(message);

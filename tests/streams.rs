@@ -142,10 +142,10 @@ fn what_is_refused_moves_nothing_and_says_why() {
     let start = demo.position("x");
     for (message, part) in [
         ("jog --axis x=0.01 --axis w=0.01", "joint_names has the joint `w`"),
-        ("jog --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
-        ("jog --axis x=nan", "velocity of x"),
-        ("jog --axis x=-inf", "velocity of x"),
-        ("jog --axis x=100", "exceeds max_velocity"),
+        ("jog --axis x=0.01 --axis x=0.01", "joint_names has the joint `x` twice"),
+        ("jog --axis x=nan", "velocity of `x` is NaN"),
+        ("jog --axis x=-inf", "velocity of `x` is -inf"),
+        ("jog --axis x=100", "velocity 100 m/s (100000 mm/s) of x exceeds max_velocity 1.2 m/s (1200 mm/s)"),
         ("jog --axis x=0.01 --displacements 1", "displacements has 1 entries"),
         ("jog --axis x=0.01 --duration -1", "duration is -1 s"),
         ("jog", "no axis is named"),

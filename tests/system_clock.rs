@@ -76,7 +76,7 @@ fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Item 5 of issue 43: each step is reported within a second by one event and one line, before any stamp of joint_states, axis_states,
+/// Each step is reported within a second by one event and one line, before any stamp of joint_states, axis_states,
 /// diagnostics or cycle_statistics shows it; events and lines of `/rosout` show it from then on. Bags keep steady log times and replay.
 #[test]
 fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {

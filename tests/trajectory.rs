@@ -360,6 +360,22 @@ fn a_joint_that_settles_too_late_aborts() {
     bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --goal-time 10"));
 }
 
+/// x settles to 0.1 um some 20 ms after the last point.
+#[test]
+fn max_duration_refuses_a_longer_goal_and_ends_one_that_is_not_done() {
+    let mut bench = Bench::enabled();
+    bench.cyclone.run("params /lineshaft set max_duration=0.505");
+    let seen = bench.cyclone.run(&format!("{} --expect ABORTED", all(1.0, 0.05, 0.0, 0.0)));
+    let sentence = "machine: the trajectory takes 1 s; at most 0.505 s is allowed (max_duration)";
+    assert_eq!((&seen["error"], &seen["text"]), (&"INVALID_GOAL".into(), &sentence.into()));
+    assert_eq!(bench.command("x"), 0, "nothing has moved");
+    let goal = all(0.5, 0.3, 0.0, 0.0);
+    let seen = bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --expect ABORTED"));
+    let text = seen["text"].as_str().expect("a text");
+    assert!(text.ends_with("at most 0.505 s is allowed (max_duration)"), "{text}");
+    assert_eq!(seen["error"], "GOAL_TOLERANCE_VIOLATED");
+}
+
 #[test]
 fn a_cancelled_goal_stops_the_joints() {
     let mut bench = Bench::enabled();
@@ -457,7 +473,9 @@ fn goals_that_are_wrong_in_themselves_are_rejected_with_a_sentence() {
         (format!("{joints} --point 1:0.05,0"), "points[0].positions has 2 numbers"),
         (format!("{joints} --point 1:0.05,0,nan"), "points[0].positions of `turret` is NaN"),
         (format!("{joints} --point 1:0.05,0,0 --point 1:0.06,0,0"), "points[1].time_from_start is 1 s"),
-        (format!("{joints} --point 1:0.05,0,0:0.1,0,0"), "the velocity of `x` in the last point is 0.1"),
+        (format!("{joints} --point=-1:0.05,0,0"), "points[0].time_from_start is -1 s; 0 s or more is expected"),
+        (format!("{joints} --point 1:0.05,0,1e300"), "points[0].positions of `turret` is 1e300"),
+        (format!("{joints} --point 1:0.05,0,0:0.1,0,0"), "the velocity of `x` in the last point is 0.1 m/s (100 mm/s)"),
         (format!("{joints} --point 1:0.05,0,0 --start -5"), "before now"),
         (format!("{joints} --point 1:0.05,0,0 --path elbow:1"), "path_tolerance has the joint `elbow`"),
         (format!("{joints} --point 1:0.05,0,0 --goal x:-2"), "goal_tolerance (position) of `x` is -2"),
@@ -579,6 +597,60 @@ fn the_topic_moves_and_stops_the_joints() {
     let log = bench.log();
     assert!(log.contains("joint_names has the joint `elbow`; there are x, y, turret"), "{log}");
     assert_eq!(bench.command("x"), rests);
+}
+
+/// 2 mm more each time, 0.1 s ahead, for one joint of three: each message replaces the one before it on its way.
+#[test]
+fn a_new_point_20_times_a_second_is_followed() {
+    let mut bench = Bench::enabled();
+    let set = "allow_partial_joints_goal=true constraints.goal_time=0.5 constraints.x.goal=0.001";
+    bench.cyclone.run(&format!("params /lineshaft set {set}"));
+    bench.cyclone.run("events /lineshaft --seconds 0");
+    let to = |place: f64| format!("publish-trajectory /lineshaft --joint x --point 0.1:{place}");
+    bench.cyclone.run(&to(0.0));
+    let begin = Instant::now();
+    for number in 1..=40_u32 {
+        bench.cyclone.run(&to(0.002 * f64::from(number)));
+        thread::sleep((begin + number * Duration::from_millis(50)).saturating_duration_since(Instant::now()));
+    }
+    bench.wait("x", "at 80 mm", |axis| axis["command_increments"] == 8 * 1_048_576);
+    let seen = bench.cyclone.run("events /lineshaft --seconds 1");
+    let texts = |kinds: &[&str]| {
+        let of_kind = |event: &&Value| event["message"]["kind"].as_str().is_some_and(|kind| kinds.contains(&kind));
+        seen.all().iter().filter(of_kind).map(|event| event["message"]["text"].to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(texts(&["refused", "error"]), [""; 0]);
+    assert!(texts(&["accepted"]).len() >= 41, "{:?}", texts(&["accepted"]));
+    assert!(!texts(&["done"]).iter().any(|text| text.contains("tolerance")), "{:?}", texts(&["done"]));
+    assert_eq!((bench.command("y"), bench.command("turret")), (0, 0));
+}
+
+#[test]
+fn messages_of_the_topic_that_are_wrong_are_refused_and_move_nothing() {
+    let mut bench = Bench::enabled();
+    let joints = "publish-trajectory /lineshaft --joint x --joint y --joint turret";
+    let cases = [
+        ("publish-trajectory /lineshaft --joint x --joint x --joint y --point 1:0,0,0".to_owned(), "`x` twice"),
+        ("publish-trajectory /lineshaft --joint x --point 1:0.05".to_owned(), "joint_names has 1 of x, y, turret"),
+        (format!("{joints} --point 1:0.05,0"), "points[0].positions has 2 numbers; one for each joint (3) is expected"),
+        (format!("{joints} --point 1:0.05,nan,0"), "points[0].positions of `y` is NaN"),
+        (format!("{joints} --point=-1:0.05,0,0"), "points[0].time_from_start is -1 s"),
+        (format!("{joints} --point 1:0.05,0,0 --point 1:0.06,0,0"), "points[1].time_from_start is 1 s"),
+        (format!("{joints} --point 1:0.05,0,0 --fill 99999 --fill-from 1"), "points has 100000 entries for 3 joints"),
+    ];
+    for (message, _) in &cases {
+        bench.cyclone.run(message);
+    }
+    let last = cases.last().map_or("", |(_, sentence)| *sentence);
+    let end = Instant::now() + Duration::from_secs(60);
+    let mut log = bench.log();
+    while !log.contains(last) && Instant::now() < end {
+        log += &bench.log();
+    }
+    for (message, sentence) in &cases {
+        assert!(log.contains(sentence), "`{sentence}` of `{message}` is not on /rosout:\n{log}");
+    }
+    assert_eq!(["x", "y", "turret"].map(|axis| bench.command(axis)), [0; 3], "nothing has moved");
 }
 
 #[test]

@@ -17,7 +17,8 @@ mod reason;
 mod set;
 mod trajectory;
 
-pub use parameter::{allowed_text, expected_text, outside_text, range_text, refused_text, value_text};
+pub use parameter::{allowed_text, expected_text, outside_text, pair_text, range_text, refused_text, value_text};
+pub use trajectory::pair_in_si;
 
 use reason::reason;
 
@@ -173,6 +174,10 @@ mod tests {
         assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s exceeds max_velocity 100 mm/s");
         assert_eq!(of(120_000.0), "x: velocity 120 mm/s exceeds max_velocity 100 mm/s");
         assert_eq!(of(100_000.0), "x: velocity 100 mm/s exceeds max_velocity 100 mm/s");
+        let event = Event::new(Severity::Warn, Kind::Refused, Object::Axis(1), Code::PARAMETERS_CONTRADICT);
+        let event = Event { parameter: Some(Row::place("default_velocity")), ..event };
+        let of = |asked| sentence(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
+        assert_eq!(of(100_000.000_1), "x: default_velocity 100.0000001 mm/s must not exceed max_velocity 100 mm/s");
     }
 
     #[test]

@@ -142,7 +142,7 @@ impl Peaks {
     }
 }
 
-/// What a trajectory asks of an axis from its first point on.
+/// What a trajectory asks of an axis from its first point on, or from the first point that lies ahead where it began in the past.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Demand {
     /// Of its splines.
@@ -216,9 +216,16 @@ impl Trajectory {
         trajectory.is_sound().then_some(trajectory)
     }
 
+    /// How long ago its time 0 was when the command applies (ns).
+    fn past_ns(&self) -> u64 {
+        if self.start_ns < 0 { self.start_ns.unsigned_abs() } else { 0 }
+    }
+
     /// The same, with what it asks of its axes; without that where its law does not hold.
     fn with_demands(self) -> Self {
-        let of = |track| demand(&self.times_ns, track);
+        // Past points are skipped. A point at time 0 is where a trajectory that starts now begins.
+        let ahead = if self.past_ns() == 0 { 0 } else { self.passed(self.past_ns()) };
+        let of = |track| demand(&self.times_ns, track, ahead);
         let demands = if self.has_shape() { self.tracks.iter().map(of).collect() } else { Box::default() };
         Self { demands, ..self }
     }
@@ -254,10 +261,13 @@ impl Trajectory {
         self.start_ns
     }
 
-    /// The same, with another time from the cycle in which the command applies to time 0 (ns).
+    /// The same, with another time from the cycle in which the command applies to time 0 (ns). For a time in the past all points are
+    /// looked at.
     #[must_use]
     pub fn starting(self, start_ns: i64) -> Self {
-        Self { start_ns, ..self }
+        let before_ns = self.past_ns();
+        let started = Self { start_ns, ..self };
+        if started.past_ns() == before_ns { started } else { started.with_demands() }
     }
 
     /// The same, with what happens where its points exceed limits of axes.
@@ -426,15 +436,18 @@ impl Trajectory {
     }
 }
 
-fn demand(times_ns: &[u64], track: &Track) -> Demand {
-    let places = || track.knots.iter().map(|knot| knot.position).enumerate();
+/// What a track asks for from a point on: from the last one where none lies ahead.
+fn demand(times_ns: &[u64], track: &Track, ahead: usize) -> Demand {
+    let first = ahead.min(track.knots.len().saturating_sub(1));
+    let places = || track.knots.iter().map(|knot| knot.position).enumerate().skip(first);
     let (lowest_point, lowest) = places().min_by_key(|(_, place)| *place).unwrap_or_default();
     let (highest_point, highest) = places().max_by_key(|(_, place)| *place).unwrap_or_default();
-    let stands = track.knots.first().map_or(Position::ZERO, |first| first.position);
+    let stands = track.knots.get(first).map_or(Position::ZERO, |first| first.position);
     let mut way = Reach::at(stands);
     let mut peaks = Peaks { lowest: lowest_point as u32, highest: highest_point as u32, ..Peaks::default() };
     let (mut step, mut velocity): (f64, Option<f64>) = (0.0, None);
-    for (before, (knots, times)) in std::iter::zip(track.knots.windows(2), times_ns.windows(2)).enumerate() {
+    let segments = std::iter::zip(track.knots.windows(2), times_ns.windows(2)).enumerate();
+    for (before, (knots, times)) in segments.skip(first) {
         let spline = Spline::new(&knots[0], &knots[1], times[1].saturating_sub(times[0]));
         let segment = spline.reach();
         peaks.note(&way, &segment, before as u32 + 1);

@@ -52,7 +52,7 @@ impl Axis {
     /// least (inc), and the refusal of a trajectory that must not lag.
     pub fn track_step(&self, from: Motion, run: &Run, track: usize) -> Option<(f64, Refusal)> {
         let trajectory = &run.trajectory;
-        // Where the largest step is past, the largest one ahead is not known: finding it would take a pass over all points.
+        // Points within the cycle in which it begins may be past, too.
         let is_ahead = |step: &(f64, u32)| step.1 >= trajectory.point_ahead(run.begin_ns);
         let steps = self.steps(from, run, track)?.into_iter().filter(is_ahead);
         let (step, point) = steps.max_by(|one, other| one.0.total_cmp(&other.0))?;
@@ -66,7 +66,7 @@ impl Axis {
         Some((step * step / (2.0 * rate), Refusal { place: Some(place(trajectory, point)), ..refusal }))
     }
 
-    /// Whether no step of that track, nor one that is past, is more than the axis can do in a cycle.
+    /// Whether no step of that track ahead is more than the axis can do in a cycle.
     pub(super) fn is_smooth(&self, from: Motion, run: &Run, track: usize) -> bool {
         let most = self.most_step().0;
         self.steps(from, run, track).is_some_and(|steps| steps.iter().all(|(step, _)| *step <= most))
@@ -78,7 +78,8 @@ impl Axis {
         (rate * self.cycle_s(), rate)
     }
 
-    /// The steps of velocity where that track begins, at the first point ahead, and the largest one of its points (inc/s), with their points.
+    /// The steps of velocity where that track begins, at the first point ahead, and the largest one of the points after that (inc/s), with their
+    /// points.
     fn steps(&self, from: Motion, run: &Run, track: usize) -> Option<[(f64, u32); 3]> {
         let trajectory = &run.trajectory;
         let demand = trajectory.demand(track)?;

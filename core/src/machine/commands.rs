@@ -56,7 +56,7 @@ impl Machine {
     fn check_switches(&self, request: &HomeAxis) -> Result<(), Refusal> {
         let is_unread = self.config.global.without_inputs.contains(&Object::Axis(request.axis));
         match self.state.axes.get(usize::from(request.axis)).filter(|_| is_unread) {
-            Some(axis) => axis.check_switches(request.method),
+            Some(axis) => axis.check_homing_switches(request.method),
             None => Ok(()),
         }
     }

@@ -174,11 +174,11 @@ pub enum RequestError {
         allowed: &'static str,
     },
     /// Something of a trajectory.
-    #[error("{name}: {value}; {allowed}")]
+    #[error("{name} {value}; {allowed}")]
     BadTrajectory {
-        /// What.
+        /// What, by the fields of the request: `points[1].time`, or that of a joint.
         name: String,
-        /// What was given.
+        /// What it is or has.
         value: String,
         /// What it may be.
         allowed: String,

@@ -6,6 +6,7 @@ use crate::config::{AxisConfig, MachineConfig};
 use crate::drive::Interface;
 use crate::position::Position;
 use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory, TrajectoryLimits};
+use crate::unit::UnitError;
 
 /// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
@@ -57,6 +58,8 @@ impl<N> Default for ToleranceRequest<N> {
 pub struct TrajectoryRequest<N = f64> {
     /// Names of the axes; each once.
     pub axes: Vec<String>,
+    /// What errors call them, such as joint names: one for each axis, or empty for the names of the axes.
+    pub joints: Vec<String>,
     /// What the numbers mean.
     pub units: Units,
     /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
@@ -85,6 +88,7 @@ impl<N> Default for TrajectoryRequest<N> {
     fn default() -> Self {
         Self {
             axes: Vec::new(),
+            joints: Vec::new(),
             units: Units::default(),
             start_ns: 0,
             points: Vec::new(),
@@ -115,38 +119,41 @@ impl MachineConfig {
     where
         N: Copy + Into<Amount>,
     {
-        let axes = self.axes_of(&request.axes)?;
+        let axes = self.axes_of(&request.axes, &request.joints)?;
         let times = times(&request.points)?;
         let knots = request.points.len().saturating_mul(axes.len());
         if knots > MAX_KNOTS {
-            let value = format!("{} for {} axes", request.points.len(), axes.len());
-            return Err(bad("points", value, format!("points times axes may be {MAX_KNOTS}, and are {knots}")));
+            let value = format!("has {} entries for {} joints", request.points.len(), axes.len());
+            return Err(bad(
+                "points",
+                value,
+                format!("points times joints may be at most {MAX_KNOTS}, and are {knots}"),
+            ));
         }
         if request.start_ns > MAX_START_NS {
-            let value = format!("{} s ahead", request.start_ns as f64 / 1e9);
+            let value = format!("is {} s", seconds(request.start_ns.unsigned_abs()));
             return Err(bad("start", value, format!("at most {} s is allowed", MAX_START_NS / 1_000_000_000)));
         }
         if let Some(time) = request.goal_time_ns.filter(|time| i64::try_from(*time).is_err()) {
-            return Err(bad("goal time", format!("{time} ns"), format!("at most {} ns is allowed", i64::MAX)));
+            return Err(bad("goal_time", format!("is {} s", seconds(time)), longest()));
         }
         for (place, point) in request.points.iter().enumerate() {
             check_lists(place, point, axes.len())?;
         }
-        let tolerances = [
-            ("path tolerances", &request.path),
-            ("goal tolerances", &request.goal),
-            ("start tolerances", &request.start),
-        ];
+        let tolerances =
+            [("path_tolerance", &request.path), ("goal_tolerance", &request.goal), ("start_tolerance", &request.start)];
         for (name, list) in tolerances {
             if !list.is_empty() && list.len() != axes.len() {
-                return Err(bad(name, format!("{} values", list.len()), format!("none or {} are allowed", axes.len())));
+                let value = format!("has {}", counted(list.len(), "entry", "entries"));
+                return Err(bad(name, value, each_of(axes.len(), true)));
             }
         }
         let tracks: Result<Box<[Track]>, RequestError> = axes
             .iter()
             .enumerate()
             .map(|(place, &(index, axis))| {
-                let field = Field { axis, units: request.units };
+                let name = request.joints.get(place).map_or(axis.name.as_str(), String::as_str);
+                let field = Field { axis, name, units: request.units };
                 let tolerance = |name: &str, list: &[ToleranceRequest<N>]| match list.get(place) {
                     Some(asked) => field.tolerance(name, asked),
                     None => Ok(Tolerance::default()),
@@ -154,9 +161,9 @@ impl MachineConfig {
                 Ok(Track {
                     axis: index,
                     knots: field.knots(place, &request.points, request.may_end_in_motion)?,
-                    path: tolerance("path tolerance", &request.path)?,
-                    goal: tolerance("goal tolerance", &request.goal)?,
-                    start: field.start(tolerance("start tolerance", &request.start)?)?,
+                    path: tolerance("path_tolerance", &request.path)?,
+                    goal: tolerance("goal_tolerance", &request.goal)?,
+                    start: field.start(tolerance("start_tolerance", &request.start)?)?,
                     wraps: request.angle_wraparound && axis.modulo.is_some(),
                 })
             })
@@ -165,7 +172,7 @@ impl MachineConfig {
             .map(|trajectory| trajectory.within(request.limits).ended_after(request.max_duration_ns))
             .filter(Trajectory::is_sound);
         trajectory
-            .ok_or_else(|| bad("the trajectory", "not sound".to_owned(), "finite numbers are expected".to_owned()))
+            .ok_or_else(|| bad("the trajectory", "is not sound".to_owned(), "finite numbers are expected".to_owned()))
     }
 
     /// A question for what the trajectory of an axis asks of it as a command's content; `at_ns` is the number of a cycle times its length.
@@ -176,20 +183,21 @@ impl MachineConfig {
         self.find_axis(axis).map(|(axis, _)| QueryTrajectory { axis, at_ns })
     }
 
-    /// The axes of a trajectory, with their places.
-    fn axes_of(&self, names: &[String]) -> Result<Vec<(u16, &AxisConfig)>, RequestError> {
+    /// The axes of a trajectory, with their places. `joints` is what errors call them, or empty.
+    fn axes_of(&self, names: &[String], joints: &[String]) -> Result<Vec<(u16, &AxisConfig)>, RequestError> {
         if names.is_empty() {
-            return Err(bad("axes", "empty".to_owned(), format!("1 to {} names are expected", self.axes.len())));
+            return Err(bad("joints", "is empty".to_owned(), "one or more are expected".to_owned()));
         }
         let mut axes: Vec<(u16, &AxisConfig)> = Vec::with_capacity(names.len().min(self.axes.len()));
-        for name in names {
+        for (place, name) in names.iter().enumerate() {
             let (index, axis) = self.find_axis(name)?;
+            let joint = joints.get(place).unwrap_or(name);
             if axes.iter().any(|(known, _)| *known == index) {
-                return Err(bad("axes", format!("{name} twice"), "each axis may stand once".to_owned()));
+                return Err(bad("joints", format!("has the joint `{joint}` twice"), "once is expected".to_owned()));
             }
             if axis.drive.is_some() && axis.interface == Interface::OpenLoop {
                 let allowed = "an axis with a closed position loop, or a virtual one, is expected".to_owned();
-                return Err(bad("axes", format!("{name}, which runs in open loop"), allowed));
+                return Err(bad("joints", format!("has the joint `{joint}`, which runs in open loop"), allowed));
             }
             axes.push((index, axis));
         }
@@ -201,24 +209,35 @@ fn bad(name: impl Into<String>, value: String, allowed: String) -> RequestError 
     RequestError::BadTrajectory { name: name.into(), value, allowed }
 }
 
-fn times<N>(points: &[PointRequest<N>]) -> Result<Box<[u64]>, RequestError> {
-    if !(1..=MAX_POINTS).contains(&points.len()) {
-        return Err(bad("points", format!("a list of {}", points.len()), format!("1 to {MAX_POINTS} are allowed")));
+/// An amount that cannot be converted.
+fn bad_value(field: String, error: UnitError) -> RequestError {
+    match error {
+        UnitError::NotFinite { value } => {
+            bad(field, format!("is {value:?}"), "a finite number within +-1e38 is expected".to_owned())
+        }
+        error => RequestError::BadValue { field, error: Box::new(error) },
     }
+}
+
+fn times<N>(points: &[PointRequest<N>]) -> Result<Box<[u64]>, RequestError> {
+    if points.is_empty() {
+        return Err(bad("points", "is empty".to_owned(), "one point or more is expected".to_owned()));
+    }
+    if points.len() > MAX_POINTS {
+        let value = format!("has {} entries", points.len());
+        return Err(bad("points", value, format!("at most {MAX_POINTS} are allowed")));
+    }
+    let is = |time_ns: u64| format!("is {} s", seconds(time_ns));
     for (place, pair) in points.windows(2).enumerate() {
         if pair[1].time_ns <= pair[0].time_ns {
-            let (name, value) = (format!("time of point {}", place + 1), format!("{} ns", pair[1].time_ns));
-            return Err(bad(
-                name,
-                value,
-                format!("more than {} ns, that of the point before, is expected", pair[0].time_ns),
-            ));
+            let allowed =
+                format!("more than {} s, the time of the point before it, is expected", seconds(pair[0].time_ns));
+            return Err(bad(format!("points[{}].time", place + 1), is(pair[1].time_ns), allowed));
         }
     }
     let last = points.last().map_or(0, |last| last.time_ns);
     if i64::try_from(last).is_err() {
-        let name = format!("time of point {}", points.len() - 1);
-        return Err(bad(name, format!("{last} ns"), format!("at most {} ns is allowed", i64::MAX)));
+        return Err(bad(format!("points[{}].time", points.len() - 1), is(last), longest()));
     }
     Ok(points.iter().map(|point| point.time_ns).collect())
 }
@@ -231,39 +250,52 @@ fn check_lists<N>(place: usize, point: &PointRequest<N>, axes: usize) -> Result<
     ];
     for (name, count, may_lack) in lists {
         if count != axes && !(may_lack && count == 0) {
-            let allowed =
-                if may_lack { format!("none or {axes} are expected") } else { format!("{axes} are expected") };
-            return Err(bad(format!("{name} of point {place}"), format!("a list of {count}"), allowed));
+            let value = format!("has {}", counted(count, "number", "numbers"));
+            return Err(bad(format!("points[{place}].{name}"), value, each_of(axes, may_lack)));
         }
     }
     Ok(())
 }
 
+/// Seconds with all digits of the nanoseconds.
+fn seconds(time_ns: u64) -> String {
+    let (whole, rest) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
+    let digits = format!("{rest:09}");
+    let digits = digits.trim_end_matches('0');
+    if digits.is_empty() { whole.to_string() } else { format!("{whole}.{digits}") }
+}
+
+/// What is allowed of a time.
+fn longest() -> String {
+    format!("at most {} s is allowed", seconds(i64::MAX.unsigned_abs()))
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// How many values a list of a trajectory with so many joints may have.
+fn each_of(joints: usize, may_lack: bool) -> String {
+    let none = if may_lack { ", or none," } else { "" };
+    format!("one for each joint ({joints}){none} is expected")
+}
+
 /// Values of one axis.
 struct Field<'a> {
     axis: &'a AxisConfig,
+    /// What errors call it.
+    name: &'a str,
     units: Units,
 }
 
 impl Field<'_> {
-    fn named(&self, name: &str, point: Option<usize>) -> String {
-        match point {
-            Some(point) => format!("{name} of {} at point {point}", self.axis.name),
-            None => format!("{name} of {}", self.axis.name),
-        }
+    /// A list of a point, for this axis.
+    fn at_point(&self, point: usize, list: &str) -> String {
+        format!("points[{point}].{list} of `{}`", self.name)
     }
 
-    fn rate<N: Into<Amount>>(
-        &self,
-        name: &str,
-        point: Option<usize>,
-        asked: N,
-        order: u8,
-    ) -> Result<f64, RequestError> {
-        asked
-            .into()
-            .rate(self.units, &self.axis.scale, order)
-            .map_err(|error| RequestError::BadValue { field: self.named(name, point), error: Box::new(error) })
+    fn rate<N: Into<Amount>>(&self, field: impl Fn() -> String, asked: N, order: u8) -> Result<f64, RequestError> {
+        asked.into().rate(self.units, &self.axis.scale, order).map_err(|error| bad_value(field(), error))
     }
 
     fn knots<N: Copy + Into<Amount>>(
@@ -274,41 +306,41 @@ impl Field<'_> {
     ) -> Result<Box<[Knot]>, RequestError> {
         let last = points.len() - 1;
         let knot = |(number, point): (usize, &PointRequest<N>)| {
-            let at = Some(number);
             let position = match point.positions.get(place) {
                 Some(&asked) => self.position(number, asked.into())?,
                 None => Position::ZERO,
             };
-            let velocity = point.velocities.get(place).map(|&asked| self.rate("velocity", at, asked, 1)).transpose()?;
-            let velocity = if number == last { self.end(number, velocity, may_end_in_motion)? } else { velocity };
-            let acceleration = point.accelerations.get(place).map(|&asked| self.rate("acceleration", at, asked, 2));
+            let velocity = |&asked: &N| self.rate(|| self.at_point(number, "velocities"), asked, 1);
+            let velocity = point.velocities.get(place).map(velocity).transpose()?;
+            let velocity = if number == last { self.end(velocity, may_end_in_motion)? } else { velocity };
+            let acceleration = |&asked: &N| self.rate(|| self.at_point(number, "accelerations"), asked, 2);
+            let acceleration = point.accelerations.get(place).map(acceleration);
             Ok(Knot { position, velocity, acceleration: acceleration.transpose()? })
         };
         points.iter().enumerate().map(knot).collect()
     }
 
     /// The velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
-    fn end(&self, point: usize, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
+    fn end(&self, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
         let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
         match velocity.filter(moves) {
             Some(velocity) if may_move => Ok(Some(velocity)),
             Some(velocity) => {
-                let value = self.axis.scale.format_rate(velocity, 1);
-                Err(bad(self.named("velocity", Some(point)), value, "0 is expected at the last point".to_owned()))
+                let value = self.axis.scale.text_in_si(|scale| scale.format_rate(velocity, 1));
+                let allowed = "0 is expected, or set allow_nonzero_velocity_at_trajectory_end".to_owned();
+                Err(bad(format!("the velocity of `{}` in the last point", self.name), format!("is {value}"), allowed))
             }
             None => Ok(velocity.map(|_| 0.0)),
         }
     }
 
     fn position(&self, point: usize, asked: Amount) -> Result<Position, RequestError> {
-        let length = asked.length(self.units, &self.axis.scale).map_err(|error| RequestError::BadValue {
-            field: self.named("position", Some(point)),
-            error: Box::new(error),
-        })?;
+        let length = asked.length(self.units, &self.axis.scale);
+        let length = length.map_err(|error| bad_value(self.at_point(point, "positions"), error))?;
         let position = length.exact();
         if !position.is_legal() {
-            let value = format!("{} inc", length.nearest);
-            return Err(bad(self.named("position", Some(point)), value, "within +-2^62 inc is expected".to_owned()));
+            let value = format!("is {} inc", length.nearest);
+            return Err(bad(self.at_point(point, "positions"), value, "within +-2^62 inc is expected".to_owned()));
         }
         Ok(self.on_limit(position))
     }
@@ -326,8 +358,8 @@ impl Field<'_> {
     /// A start tolerance; 0 is none.
     fn start(&self, tolerance: Tolerance) -> Result<Option<f64>, RequestError> {
         if tolerance.velocity.or(tolerance.acceleration).is_some() {
-            let value = "a velocity or an acceleration".to_owned();
-            return Err(bad(self.named("start tolerance", None), value, "a position is expected".to_owned()));
+            let (name, value) = (format!("start_tolerance of `{}`", self.name), "has a velocity or an acceleration");
+            return Err(bad(name, value.to_owned(), "a position is expected".to_owned()));
         }
         Ok(tolerance.position.filter(|most| *most > 0.0))
     }
@@ -339,15 +371,12 @@ impl Field<'_> {
     ) -> Result<Tolerance, RequestError> {
         let of = |asked: Option<N>, order: u8| {
             let Some(asked) = asked else { return Ok(None) };
-            let value = self.rate(name, None, asked, order)?;
+            let what = ["position", "velocity", "acceleration"].get(usize::from(order)).unwrap_or(&"position");
+            let field = || format!("{name} ({what}) of `{}`", self.name);
+            let value = self.rate(field, asked, order)?;
             if value < 0.0 {
-                let units = ["inc", "inc/s", "inc/s^2"];
-                let value = format!(
-                    "{} {}",
-                    crate::unit::number_to_text(value),
-                    units.get(usize::from(order)).unwrap_or(&"inc")
-                );
-                return Err(bad(self.named(name, None), value, "0 or more is expected".to_owned()));
+                let value = self.axis.scale.text_in_si(|scale| scale.format_rate(value, order));
+                return Err(bad(field(), format!("is {value}"), "0 or more is expected".to_owned()));
             }
             Ok(Some(value))
         };

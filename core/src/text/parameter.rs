@@ -64,6 +64,20 @@ pub fn outside_text(row: &Row, value: Value, scale: &Scale, allowed: &str) -> St
     }
 }
 
+/// Two values that were compared, with enough digits to differ.
+pub fn pair_text(one: (&Row, Value), other: (&Row, Value), scale: &Scale) -> (String, String) {
+    let text = |(row, value): (&Row, Value)| value_text(row, value, scale);
+    let usual = (text(one), text(other));
+    if usual.0 != usual.1 || one.1 == other.1 {
+        return usual;
+    }
+    let precise = |(row, value): (&Row, Value)| match (value, row.measure.order()) {
+        (Value::Real(rate), Some(order)) => scale.format_rate_precisely(rate, order),
+        _ => value_text(row, value, scale),
+    };
+    (precise(one), precise(other))
+}
+
 /// Ranges one by one; a regular row of them by its beginning and its end: `0 to 2, 10 to 12, .. 90 to 92`.
 fn ranges_text(ranges: &[(i64, i64)]) -> String {
     /// A shorter row is written out.

@@ -314,7 +314,7 @@ fn filled(says: &str, event: &Event, config: &MachineConfig) -> String {
 /// The requested and the permitted value, with as many digits as it takes to tell them apart.
 fn told_apart(event: &Event, config: &MachineConfig) -> (String, String) {
     if trajectory::is_in_si(event.code) {
-        return trajectory::told_apart(event.asked, event.limit, &scale_of(event.source, config));
+        return trajectory::pair_in_si(event.asked, event.limit, &scale_of(event.source, config));
     }
     let text = |number| number_text(number, event.source, config);
     let usual = (text(event.asked), text(event.limit));

@@ -79,11 +79,27 @@ pub(super) fn given_twice(event: &Event, config: &MachineConfig) -> String {
     format!("{} {value} stands twice in the set: another line makes it {other}; give it once", row.key)
 }
 
+/// The value of a parameter and the value it was compared with, with enough digits to differ.
+fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, String) {
+    let value = parameter_value(row, event.asked, event.source, config);
+    let limit = number_text(event.limit, event.source, config);
+    if value != limit || event.asked == event.limit {
+        return (value, limit);
+    }
+    let scale = scale_of(event.source, config);
+    let precise = |number, usual| match number {
+        Number::Velocity(rate) => scale.format_rate_precisely(rate, 1),
+        Number::Acceleration(rate) => scale.format_rate_precisely(rate, 2),
+        Number::Jerk(rate) => scale.format_rate_precisely(rate, 3),
+        _ => usual,
+    };
+    (precise(event.asked, value), precise(event.limit, limit))
+}
+
 /// Two values that cannot stand together, or one that leads another out of its range.
 pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
     let Some(row) = row(event) else { return "the parameters contradict each other".to_owned() };
-    let value = parameter_value(row, event.asked, event.source, config);
-    let limit = number_text(event.limit, event.source, config);
+    let (value, limit) = told_apart(event, row, config);
     let derived = match event.limit {
         Number::Velocity(value) => Some(("max_velocity", value)),
         Number::Acceleration(value) => Some(("max_acceleration", value)),

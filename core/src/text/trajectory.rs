@@ -25,7 +25,7 @@ pub(super) fn is_in_si(code: Code) -> bool {
 /// Why a trajectory was refused or stretched, or what it makes its axes do, at one of its points.
 pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineConfig) -> Option<String> {
     let scale = scale_of(event.source, config);
-    let (asked, limit) = told_apart(event.asked, event.limit, &scale);
+    let (asked, limit) = pair_in_si(event.asked, event.limit, &scale);
     let point = format!("point {} ({} s)", place.point, number_to_text(place.time_ns as f64 / 1e9));
     let says = match event.code {
         Code::ABOVE_MAX_POSITION | Code::TRAJECTORY_ABOVE_MAX_POSITION => {
@@ -86,7 +86,7 @@ fn rounded_up(factor: f64) -> f64 {
 }
 
 /// Both values in SI units with the units of the axis in brackets, with as many digits as tell them apart.
-pub(super) fn told_apart(asked: Number, limit: Number, scale: &Scale) -> (String, String) {
+pub fn pair_in_si(asked: Number, limit: Number, scale: &Scale) -> (String, String) {
     let both = |digits: bool| {
         let text = |number| in_both_units(number, scale, digits);
         (text(asked), text(limit))
@@ -105,8 +105,7 @@ fn in_both_units(number: Number, scale: &Scale, is_precise: bool) -> String {
     if let Number::Time(time_ns) = number {
         return format!("{} s", number_to_text(time_ns as f64 / 1e9));
     }
-    let si = scale.in_si();
-    if si.unit() == scale.unit() { of(scale) } else { format!("{} ({})", of(&si), of(scale)) }
+    scale.text_in_si(of)
 }
 
 fn rate_text(scale: &Scale, rate: f64, order: u8, is_precise: bool) -> String {

@@ -312,6 +312,12 @@ impl Scale {
         self.with_unit(self.si_unit()).unwrap_or(*self)
     }
 
+    /// A text in m or rad, with that in the axis unit in brackets where this is another one: `0.5 m/s (500 mm/s)`.
+    pub fn text_in_si(&self, of: impl Fn(&Self) -> String) -> String {
+        let si = self.in_si();
+        if si.unit() == self.unit() { of(self) } else { format!("{} ({})", of(&si), of(self)) }
+    }
+
     fn si_unit(&self) -> Unit {
         self.kind.dimension(0).si_unit()
     }

@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn refusal_of_another_axis_is_no_refusal_of_this_one() {
-        let refusal = "velocity 3000 mm/s of x exceeds max_velocity 1200 mm/s";
+        let refusal = "velocity 3 m/s (3000 mm/s) of x exceeds max_velocity 1.2 m/s (1200 mm/s)";
         assert!(names(refusal, "x") && !names(refusal, "y") && !names(refusal, "max"));
     }
 

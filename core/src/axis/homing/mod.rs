@@ -208,7 +208,7 @@ impl Axis {
     ///
     /// # Errors
     /// A method that there is not, or one whose switch is not read.
-    pub fn check_switches(&self, method: HomingMethod) -> Result<(), Refusal> {
+    pub fn check_homing_switches(&self, method: HomingMethod) -> Result<(), Refusal> {
         let method = self.homing_method(method)?;
         let p = &self.parameters;
         // The drive reads its own switches; a sequence of MACS is refused without the input of its switch anyway.

@@ -175,10 +175,6 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     rig.run(1);
     assert_eq!((end(&rig, goal).code, command(&rig, "x")), (Code::NONE, 1_500.0));
     // It began 150 ms ago: the first point is past, 50 ms are left to the second.
-    let points = [(9_000, Some(5_000.0), None), rest(1_800)];
-    let goal = rig.give(start(-150_000_000, &[100, 200], vec![track(X, &points)], None));
-    // Of the whole of it.
-    assert!(rig.refusal(goal).starts_with("x: velocity 0.10926"), "{}", rig.refusal(goal));
     let points = [(1_700, Some(5_000.0), None), rest(1_800)];
     let goal = rig.give(start(-150_000_000, &[100, 200], vec![track(X, &points)], None));
     rig.run(25);
@@ -188,6 +184,35 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     let goal = rig.give(start(-200_000_000, &[100, 200], vec![track(X, &points)], None));
     let sentence = "machine: the last point of the trajectory is at 0.2 s; it must be after the present time, 0.2 s";
     assert_eq!(rig.refusal(goal), sentence);
+}
+
+/// Points that are past are skipped, and with them what they would ask for: 20000 inc, which is beyond max_position, and 300000 inc/s. Only
+/// 300 inc in 50 ms are ahead. A point ahead that is beyond the limit is refused by its own number.
+#[test]
+fn points_that_are_past_are_not_held_against_limits() {
+    let mut config = config(0);
+    config.axes[usize::from(X)].parameters.max_position = Some(10_000);
+    let goal = |start_ms: i64, last: i64| {
+        let points = [(20_000, Some(0.0), None), rest(0), rest(last)];
+        start(start_ms * MS as i64, &[50, 150, 200], vec![track(X, &points)], None)
+    };
+    let rig = || {
+        let mut rig = Rig::of(config.clone());
+        rig.enable();
+        rig
+    };
+    let mut taken = rig();
+    let sequence = taken.give(goal(-150, 300));
+    assert!(taken.was_accepted(sequence), "{}", taken.refusal(sequence));
+    taken.run(50);
+    assert_eq!((end(&taken, sequence).code, command(&taken, "x")), (Code::NONE, 300.0));
+    for (start_ms, last, beyond) in [(-40, 300, "0.02 m (20 mm)"), (-150, 10_001, "0.010001 m (10.001 mm)")] {
+        let mut refused = rig();
+        let sequence = refused.give(goal(start_ms, last));
+        let place = if last == 300 { "point 0 (0.05 s)" } else { "point 2 (0.2 s)" };
+        let sentence = format!("x: position {beyond} exceeds max_position 0.01 m (10 mm) at {place}");
+        assert_eq!(refused.refusal(sequence), sentence);
+    }
 }
 
 /// The first spline begins with the velocity of the motion before it.

@@ -291,6 +291,28 @@ fn a_step_that_is_past_is_none() {
     }
 }
 
+/// The largest step is past: 100000 inc/s at point 0. Ahead are 10000 inc/s at point 3, and back at point 4, which is a step of 20000; an axis
+/// can do 1000 in a cycle.
+#[test]
+fn a_smaller_step_ahead_is_reported_where_the_largest_is_past() {
+    let points: [Point; 6] =
+        [(5_000, None, None), (0, None, None), rest(0), rest(0), (1_000, None, None), (0, None, None)];
+    let times = [100, 200, 300, 400, 500, 600].map(|ms| ms * MS);
+    let of = |limits| {
+        let trajectory = Trajectory::new(-300_000_000, times.into(), [track(X, &points)].into(), None);
+        Action::Trajectory(Arc::new(trajectory.expect("a sound one").within(limits)))
+    };
+    let mut rig = Rig::enabled();
+    let goal = rig.give(of(refusing(0.0)));
+    let refusal = rig.refusal(goal);
+    assert!(refusal.starts_with("x: velocity steps by 0.02 m/s (20 mm/s) at point 4 (0.5 s)"), "{refusal}");
+    let goal = rig.give(of(TrajectoryLimits::default()));
+    assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
+    rig.run(600);
+    let lags = |event: &&Event| event.command == goal && event.code == Code::TRAJECTORY_LAG;
+    assert_eq!(rig.events.iter().filter(lags).count(), 1);
+}
+
 /// What has no meaning as limits is no trajectory.
 #[test]
 fn limits_outside_of_their_ranges_are_refused() {

@@ -85,28 +85,37 @@ fn what_is_wrong_is_refused_with_name_value_and_range() {
         config().resolve_trajectory(&request).unwrap_err().to_string()
     };
     type Wrong = (fn(&mut TrajectoryRequest), &'static str);
-    let table: [Wrong; 17] = [
-        (|r| r.axes.clear(), "axes: empty; 1 to 3 names are expected"),
+    let table: [Wrong; 21] = [
+        (|r| r.axes.clear(), "joints is empty; one or more are expected"),
         (|r| r.axes[0] = "z".into(), "no axis is called `z`; there are x, y, valve"),
-        (|r| r.axes[0] = "x".into(), "axes: x twice; each axis may stand once"),
+        (|r| r.axes[0] = "x".into(), "joints has the joint `x` twice; once is expected"),
         (
             |r| r.axes[0] = "valve".into(),
-            "axes: valve, which runs in open loop; an axis with a closed position loop, or a virtual one, is expected",
+            "joints has the joint `valve`, which runs in open loop; an axis with a closed position loop, or a virtual one, is expected",
         ),
-        (|r| r.points.clear(), "points: a list of 0; 1 to 100000 are allowed"),
+        (|r| r.points.clear(), "points is empty; one point or more is expected"),
         (
             |r| r.points[1].time_ns = 10,
-            "time of point 1: 10 ns; more than 10 ns, that of the point before, is expected",
+            "points[1].time is 0.00000001 s; more than 0.00000001 s, the time of the point before it, is expected",
         ),
         (
             |r| r.points[1].time_ns = 1 << 63,
-            "time of point 1: 9223372036854775808 ns; at most 9223372036854775807 ns is allowed",
+            "points[1].time is 9223372036.854775808 s; at most 9223372036.854775807 s is allowed",
         ),
-        (|r| r.points[0].positions.clear(), "positions of point 0: a list of 0; 2 are expected"),
-        (|r| r.points[0].positions.push(1.0), "positions of point 0: a list of 3; 2 are expected"),
-        (|r| r.points[1].velocities.truncate(1), "velocities of point 1: a list of 1; none or 2 are expected"),
-        (|r| r.points[1].accelerations.truncate(1), "accelerations of point 1: a list of 1; none or 2 are expected"),
-        (|r| r.points[1].velocities[1] = 0.5, "velocity of x at point 1: 0.5 m/s; 0 is expected at the last point"),
+        (|r| r.points[0].positions.clear(), "points[0].positions has 0 numbers; one for each joint (2) is expected"),
+        (|r| r.points[0].positions.push(1.0), "points[0].positions has 3 numbers; one for each joint (2) is expected"),
+        (
+            |r| r.points[1].velocities.truncate(1),
+            "points[1].velocities has 1 number; one for each joint (2), or none, is expected",
+        ),
+        (
+            |r| r.points[1].accelerations.truncate(1),
+            "points[1].accelerations has 1 number; one for each joint (2), or none, is expected",
+        ),
+        (
+            |r| r.points[1].velocities[1] = 0.5,
+            "the velocity of `x` in the last point is 0.5 m/s; 0 is expected, or set allow_nonzero_velocity_at_trajectory_end",
+        ),
         (
             |r| {
                 r.points = vec![PointRequest::default(); 60_000]
@@ -115,15 +124,31 @@ fn what_is_wrong_is_refused_with_name_value_and_range() {
                     .map(|(p, time_ns)| PointRequest { time_ns, ..p })
                     .collect()
             },
-            "points: 60000 for 2 axes; points times axes may be 100000, and are 120000",
+            "points has 60000 entries for 2 joints; points times joints may be at most 100000, and are 120000",
         ),
         (
             |r| r.goal_time_ns = Some(u64::MAX),
-            "goal time: 18446744073709551615 ns; at most 9223372036854775807 ns is allowed",
+            "goal_time is 18446744073.709551615 s; at most 9223372036.854775807 s is allowed",
         ),
-        (|r| r.path.truncate(1), "path tolerances: 1 values; none or 2 are allowed"),
-        (|r| r.path[1].position = Some(-1.0), "path tolerance of x: -1000000 inc; 0 or more is expected"),
-        (|r| r.points[0].positions[1] = f64::NAN, "position of x at point 0: "),
+        (
+            |r| r.points = vec![PointRequest::default(); 100_001],
+            "points has 100001 entries; at most 100000 are allowed",
+        ),
+        (|r| r.start_ns = MAX_START_NS + 500_000_000, "start is 600.5 s; at most 600 s is allowed"),
+        (|r| r.path.truncate(1), "path_tolerance has 1 entry; one for each joint (2), or none, is expected"),
+        (|r| r.path[1].position = Some(-1.0), "path_tolerance (position) of `x` is -1 m; 0 or more is expected"),
+        (
+            |r| r.path[1].velocity = Some(f64::INFINITY),
+            "path_tolerance (velocity) of `x` is inf; a finite number within +-1e38 is expected",
+        ),
+        (
+            |r| r.points[0].positions[1] = f64::NAN,
+            "points[0].positions of `x` is NaN; a finite number within +-1e38 is expected",
+        ),
+        (
+            |r| r.points[1].accelerations[1] = 1e300,
+            "points[1].accelerations of `x` is 1e300; a finite number within +-1e38 is expected",
+        ),
     ];
     for (change, expected) in table {
         let sentence = refused(change);
@@ -165,5 +190,29 @@ fn a_trajectory_may_end_with_the_rounding_of_a_velocity() {
         assert!(trajectory.tracks().iter().all(|track| track.knots[1].velocity == Some(0.0)), "{velocity}");
     }
     let error = ends(1.2e-7).unwrap_err().to_string();
-    assert!(error.starts_with("velocity of y at point 1: 0.00000012 rad/s; 0 is expected"), "{error}");
+    assert!(error.starts_with("the velocity of `y` in the last point is 0.00000012 rad/s; 0 is expected"), "{error}");
+}
+
+/// A client that names joints is answered with its names, and in SI units before those of the axis.
+#[test]
+fn errors_have_the_names_of_the_request_and_its_units_first() {
+    let mut config = config();
+    let scale = config.axes[0].scale.with_unit(Unit::MILLIMETRE).expect("a length");
+    config.axes[0].scale = scale;
+    let refused = |change: fn(&mut TrajectoryRequest)| {
+        let mut request = request();
+        request.joints = vec!["wrist".into(), "Shoulder_Pan".into()];
+        change(&mut request);
+        config.resolve_trajectory(&request).unwrap_err().to_string()
+    };
+    assert_eq!(
+        refused(|r| r.points[1].velocities[1] = 0.5),
+        "the velocity of `Shoulder_Pan` in the last point is 0.5 m/s (500 mm/s); 0 is expected, or set \
+         allow_nonzero_velocity_at_trajectory_end"
+    );
+    assert_eq!(
+        refused(|r| r.path[1].position = Some(-1.0)),
+        "path_tolerance (position) of `Shoulder_Pan` is -1 m (-1000 mm); 0 or more is expected"
+    );
+    assert_eq!(refused(|r| r.axes[1] = "y".into()), "joints has the joint `Shoulder_Pan` twice; once is expected");
 }

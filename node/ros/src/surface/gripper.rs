@@ -8,13 +8,17 @@
 use super::controllers::Controllers;
 use super::group::Group;
 use super::hub::{Answers, Hub};
+use super::joint_names::with_joint;
 use super::signals::AxisView;
 use super::table::{self, Acted};
 use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
-use lineshaft_core::command::{Action, MoveMode};
+use lineshaft_core::command::{Action, Move, MoveMode};
+use lineshaft_core::config::AxisConfig;
 use lineshaft_core::event::Kind;
 use lineshaft_core::object::Object;
+use lineshaft_core::parameter::AxisParameters;
+use lineshaft_core::position::Length;
 use lineshaft_core::request::{Amount, MoveRequest, Rates, Units};
 use lineshaft_core::signal::Board;
 use lineshaft_core::signal::axis::AxisSignal;
@@ -35,6 +39,8 @@ const GOAL_TOLERANCE: f64 = 0.001;
 /// Below this velocity (m/s, rad/s) a gripper does not move, and after this time it has stalled: the values of the controllers.
 const STALL_VELOCITY: f64 = 0.001;
 const STALL_TIMEOUT: Duration = Duration::from_secs(1);
+/// How far beyond a position limit a target is still on it (m, rad): clients round limits to six decimals.
+const ROUNDING: f64 = 1e-6;
 /// Between two looks at it, and two feedback messages.
 const PERIOD: Duration = Duration::from_millis(50);
 
@@ -177,8 +183,24 @@ impl Gripper {
             buffer_mode: 0,
             direction: 0,
         };
-        hub.host.config().resolve_move(&request).map(Action::Move).map_err(|error| error.to_string())
+        let config = hub.host.config();
+        let command = config.resolve_move(&request).map_err(|error| error.to_string())?;
+        let (place, image) = (usize::from(command.axis), hub.host.parameters());
+        Ok(Action::Move(match config.axes.get(place).zip(image.effective.get(place)) {
+            Some((axis, parameters)) => on_limit(command, axis, parameters),
+            None => command,
+        }))
     }
+}
+
+/// The move to a position limit where its target exceeds that by [`ROUNDING`] at most.
+fn on_limit(command: Move, axis: &AxisConfig, parameters: &AxisParameters) -> Move {
+    let per_increment = axis.scale.rate_to_si(1.0).abs();
+    let is_near = |beyond: i64| beyond > 0 && beyond as f64 * per_increment <= ROUNDING;
+    let target = command.target.nearest;
+    let high = parameters.max_position.filter(|high| is_near(target.saturating_sub(*high)));
+    let low = parameters.min_position.filter(|low| is_near(low.saturating_sub(target)));
+    high.or(low).map_or(command, |limit| Move { target: Length::whole(limit), ..command })
 }
 
 /// Opens both actions for each group that is a gripper.
@@ -233,7 +255,7 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
                 let handle = request.accept();
                 match hub.submit(command) {
                     Ok(answers) => {
-                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone(), target));
+                        open.spawn(run(Arc::clone(&hub), handle, answers, gripper.clone(), (name.clone(), target)));
                     }
                     Err(busy) => {
                         hub.refuse(format!("{name}: {busy}"));
@@ -250,13 +272,14 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
     }
 }
 
-/// Works on an accepted goal until it ends. Its result has no room for a sentence: what ended it is on `/rosout` and in `~/events`.
+/// Works on an accepted goal of the action with that name until it ends. Its result has no room for a sentence: what ended it is on
+/// `/rosout` and in `~/events`.
 async fn run<A: GripperAction>(
     hub: Arc<Hub>,
     handle: GoalHandle<A>,
     mut answers: Answers,
     gripper: Gripper,
-    target: f64,
+    (name, target): (String, f64),
 ) {
     let mut ticks = tokio::time::interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -273,8 +296,11 @@ async fn run<A: GripperAction>(
                 }
                 Some(event) if event.kind == Kind::Done && event.code.is_none() => arrived = true,
                 Some(event) if matches!(event.kind, Kind::Refused | Kind::Done) => {
-                    if !stalled {
-                        hub.refuse(text::sentence(&event, hub.host.config()));
+                    let is_wanted = stalled || event.code == Code::CANCELLED && handle.is_cancel_requested();
+                    if !is_wanted {
+                        let sentence = text::sentence(&event, hub.host.config());
+                        let sentence = with_joint(sentence, &gripper.axis, &gripper.joint);
+                        hub.refuse(format!("{name}: goal aborted: {sentence}"));
                     }
                     break event.code;
                 }
@@ -329,7 +355,35 @@ async fn cancel(hub: &Hub, goal: u64, ticks: &mut Interval) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lineshaft_core::config::MachineConfig;
+    use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
     use lineshaft_msgs::foreign::control_msgs::msg;
+
+    /// 10,000,000 inc/m: 1e-6 m are 10 inc. Limits at 0 and 0.05 m.
+    #[test]
+    fn a_target_that_was_rounded_beyond_a_limit_is_on_it() {
+        let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
+        let scale = Scale::new(Fraction::from_integer(10_000), per).expect("a sound scale");
+        let mut parameters = AxisParameters::new(1e6, 1e7);
+        (parameters.min_position, parameters.max_position) = (Some(0), Some(500_000));
+        let config = MachineConfig {
+            cycle_ns: 1_000_000,
+            axes: vec![AxisConfig::new("finger".to_owned(), scale, None, parameters)],
+            ..MachineConfig::default()
+        };
+        for (position, target) in
+            [(0.050_000_9, 500_000), (0.050_001_1, 500_011), (-0.000_000_9, 0), (-0.000_001_1, -11), (0.03, 300_000)]
+        {
+            let request = MoveRequest {
+                axis: "finger".to_owned(),
+                mode: MoveMode::Absolute as u8,
+                position: Amount::Number(position),
+                ..MoveRequest::default()
+            };
+            let command = config.resolve_move(&request).expect("a sound request");
+            assert_eq!(on_limit(command, &config.axes[0], &parameters).target.nearest, target, "{position}");
+        }
+    }
 
     #[test]
     fn goals_of_both_types_ask_for_a_position() {

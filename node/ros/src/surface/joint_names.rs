@@ -59,6 +59,14 @@ impl JointNames {
     }
 }
 
+/// A sentence that begins with an axis, with its joint name as well where that is another one: `axis x (joint Shoulder_Pan): ..`.
+pub(super) fn with_joint(sentence: String, axis: &str, joint: &str) -> String {
+    match sentence.strip_prefix(axis) {
+        Some(rest) if joint != axis => format!("axis {axis} (joint {joint}){rest}"),
+        _ => sentence,
+    }
+}
+
 /// Why a name that stands in `field` is refused: it is the object name of an axis.
 pub(super) fn object_name(field: &str, axis: &str, joint: &str) -> String {
     format!("{field} has `{axis}`, the object name of an axis; its joint name is `{joint}`")
@@ -91,6 +99,13 @@ mod tests {
         assert_eq!(joint_states(&views, &names, machine.board(), 0).name, ["left/arm_1"], "line is virtual");
         let axes = axis_states(&views, machine.board(), 0, 0).axes;
         assert_eq!(axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>(), ["line", "x"]);
+    }
+
+    #[test]
+    fn a_sentence_has_both_names_where_they_differ() {
+        let of = |joint: &str| with_joint("x: done".to_owned(), "x", joint);
+        assert_eq!((&*of("x"), &*of("Shoulder_Pan")), ("x: done", "axis x (joint Shoulder_Pan): done"));
+        assert_eq!(with_joint("machine: done".to_owned(), "x", "Shoulder_Pan"), "machine: done");
     }
 
     #[test]

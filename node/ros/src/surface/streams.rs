@@ -12,8 +12,10 @@ use super::table;
 use crate::layer::{CreateError, Node, Subscription};
 use lineshaft_core::command::{Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::event::Number;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_core::request::{Amount, SetpointRequest, Units};
+use lineshaft_core::text;
 use lineshaft_core::unit::number_to_text;
 use lineshaft_msgs::Message;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
@@ -25,26 +27,33 @@ use tokio::task::JoinSet;
 
 /// Least time between two refusals of one topic: a stream that is wrong is wrong many times a second.
 const PAUSE: Duration = Duration::from_secs(1);
+/// How far beyond max_velocity a velocity is still that (m/s, rad/s): clients round limits to six decimals.
+const ROUNDING: f64 = 1e-6;
+/// From here on a number is none that the core takes.
+const LARGEST: f64 = 1e38;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    tasks.spawn(follow(table::JOG.subscription(node)?, Arc::clone(hub), "jog", jog));
-    tasks.spawn(follow(table::SETPOINTS.subscription(node)?, Arc::clone(hub), "setpoints", setpoints));
+    let joints = hub.host.joint_names().clone();
+    let objects = JointNames::of_objects(hub.host.config());
+    tasks.spawn(follow(table::JOG.subscription(node)?, Arc::clone(hub), ("jog", joints), jog));
+    tasks.spawn(follow(table::SETPOINTS.subscription(node)?, Arc::clone(hub), ("setpoints", objects), setpoints));
     Ok(())
 }
 
 /// What a message asks for: its stamp, and for each axis what it is to do.
 type Asked = (Time, Vec<SetpointRequest>);
 
+/// Follows a topic. `shown` are the names that its messages give to axes.
 async fn follow<M: Message>(
     mut topic: Subscription<M>,
     hub: Arc<Hub>,
-    name: &'static str,
+    (name, shown): (&'static str, JointNames),
     read: impl Fn(M, &JointNames, &MachineConfig) -> Result<Asked, String> + Send,
 ) {
     let mut refusals = Refusals::default();
     while let Some(message) = topic.next().await {
         let asked = read(message, hub.host.joint_names(), hub.host.config());
-        let set = asked.and_then(|asked| resolve(&asked, &*hub.host, hub.clock.request_time()));
+        let set = asked.and_then(|asked| resolve(&asked, &*hub.host, &shown, hub.clock.request_time()));
         let taken = set.and_then(|set| hub.host.stream(&set).map_err(|busy| busy.to_string()));
         if let Err(sentence) = taken
             && let Some(more) = refusals.say(Instant::now())
@@ -91,6 +100,16 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
     // The cast saturates: 584 years. What is less than a nanosecond is one, not for ever.
     let ns = ((duration * 1e9).round() as u64).max(1);
     let duration = (duration > 0.0).then_some(ns);
+    for (name, velocity) in joint_names.iter().zip(&velocities) {
+        joints.object(name, "joint_names", config)?;
+        if !velocity.is_finite() || velocity.abs() >= LARGEST {
+            return Err(format!("velocity of `{name}` is {velocity:?}; a finite number within +-1e38 is expected"));
+        }
+    }
+    let twice = |(place, name): &(usize, &String)| joint_names.iter().take(*place).any(|before| before == *name);
+    if let Some((_, name)) = joint_names.iter().enumerate().find(twice) {
+        return Err(format!("joint_names has the joint `{name}` twice; once is expected"));
+    }
     for name in &mut joint_names {
         *name = joints.object(name, "joint_names", config)?.to_owned();
     }
@@ -116,29 +135,48 @@ fn pair(
     Ok(pairs.map(|(axis, v)| SetpointRequest { axis, velocity: Amount::Number(v), duration }).collect())
 }
 
-fn resolve(asked: &Asked, host: &dyn Host, now: Time) -> Result<Setpoints, String> {
+fn resolve(asked: &Asked, host: &dyn Host, shown: &JointNames, now: Time) -> Result<Setpoints, String> {
     let (stamp, requests) = asked;
     let (config, image) = (host.config(), host.parameters());
-    let set = config.resolve_setpoints(Source::Ros, Units::Si, requests).map_err(|error| error.to_string())?;
-    check(&set, config, &image, age_ns(stamp, &now))?;
+    let mut set = config.resolve_setpoints(Source::Ros, Units::Si, requests).map_err(|error| error.to_string())?;
+    limit(&mut set, config, &image);
+    check(&set, config, shown, &image, age_ns(stamp, &now))?;
     Ok(set)
 }
 
-/// Is it what its axes may do, and as new as it has to be?
-fn check(set: &Setpoints, config: &MachineConfig, image: &ParameterImage, age_ns: i128) -> Result<(), String> {
-    for ((axis, parameters), setpoint) in config.axes.iter().zip(&image.effective).zip(&set.axes) {
+/// Limits velocities to max_velocity that exceed it by [`ROUNDING`] at most.
+fn limit(set: &mut Setpoints, config: &MachineConfig, image: &ParameterImage) {
+    for ((axis, parameters), setpoint) in config.axes.iter().zip(&image.effective).zip(&mut set.axes) {
+        let Some(setpoint) = setpoint else { continue };
+        let excess = setpoint.velocity.abs() - parameters.max_velocity;
+        if excess > 0.0 && axis.scale.rate_to_si(excess).abs() <= ROUNDING {
+            setpoint.velocity = parameters.max_velocity.copysign(setpoint.velocity);
+        }
+    }
+}
+
+/// Is it what its axes may do, and as new as it has to be? Velocities are sent in SI units, so these come first in an answer.
+fn check(
+    set: &Setpoints,
+    config: &MachineConfig,
+    shown: &JointNames,
+    image: &ParameterImage,
+    age_ns: i128,
+) -> Result<(), String> {
+    let axes = config.axes.iter().zip(shown.iter()).zip(&image.effective).zip(&set.axes);
+    for (((axis, name), parameters), setpoint) in axes {
         let Some(setpoint) = setpoint else { continue };
         let most = parameters.max_velocity;
         if setpoint.velocity.abs() > most {
-            let (given, most) = (axis.scale.format_rate(setpoint.velocity, 1), axis.scale.format_rate(most, 1));
-            return Err(format!("velocity {given} of {} exceeds max_velocity {most}", axis.name));
+            let (given, most) = (Number::Velocity(setpoint.velocity), Number::Velocity(most));
+            let (given, most) = text::pair_in_si(given, most, &axis.scale);
+            return Err(format!("velocity {given} of {name} exceeds max_velocity {most}"));
         }
         if age_ns > i128::from(parameters.setpoint_timeout) {
             return Err(format!(
-                "the message is {} ms old by its stamp; setpoint_timeout {} ms of {} is allowed, or a stamp of 0",
+                "the message is {} ms old by its stamp; setpoint_timeout {} ms of {name} is allowed, or a stamp of 0",
                 age_ns / 1_000_000,
-                parameters.setpoint_timeout as f64 / 1e6,
-                axis.name
+                parameters.setpoint_timeout as f64 / 1e6
             ));
         }
     }

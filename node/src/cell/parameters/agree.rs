@@ -5,7 +5,7 @@ use crate::document::Value;
 use lineshaft_core::code::not_built_here;
 use lineshaft_core::config::highest_velocity;
 use lineshaft_core::parameter::{self, AxisParameters, Contradiction, Row};
-use lineshaft_core::text::{allowed_text, value_text};
+use lineshaft_core::text::{allowed_text, pair_text, value_text};
 use lineshaft_core::unit::{Scale, excerpt};
 
 /// Keys that stand in the file, with their values.
@@ -126,7 +126,8 @@ impl<'g, 'd> File<'g, 'd> {
 
     fn refuse_pair(&self, parameters: &AxisParameters, low: &'static str, high: &'static str) {
         let (Some((_, low_row)), Some((_, high_row))) = (Row::find(low), Row::find(high)) else { return };
-        let (low_text, high_text) = (self.text(low_row, parameters), self.text(high_row, parameters));
+        let [lower, higher] = [low_row, high_row].map(|row| (row, row.value(parameters)));
+        let (low_text, high_text) = pair_text(lower, higher, self.scale);
         // A limit that follows from another key is told with it.
         let by =
             self.of_root(high).filter(|(key, _)| *key != high).map_or(String::new(), |(key, _)| format!(" ({key})"));

@@ -272,7 +272,7 @@ fn steps_that_do_not_fall_are_told_with_what_stands_in_the_cell() {
 }
 
 #[test]
-fn contradictions_stand_at_the_key_that_is_too_high() {
+fn contradictions_are_reported_at_the_key_that_is_too_high() {
     let keys = [
         ("min_position", "900 mm"),
         ("max_position", "850 mm"),
@@ -284,6 +284,11 @@ fn contradictions_stand_at_the_key_that_is_too_high() {
         "8:19: min_position 900 mm exceeds max_position 850 mm\n\
          10:23: default_velocity 2000 mm/s exceeds max_velocity 1200 mm/s\n\
          11:27: default_acceleration 8001 mm/s^2 exceeds max_acceleration 8000 mm/s^2"
+    );
+    // Nine digits of both are the same.
+    assert_eq!(
+        said(&axis(&[("default_velocity", "1200.0000001 mm/s")])),
+        "8:23: default_velocity 1200.0000001 mm/s exceeds max_velocity 1200 mm/s"
     );
     assert_eq!(
         said(&axis(&[("max_position", "850 mm"), ("min_position", "85 cm")])),

@@ -107,9 +107,12 @@ fn plan_is_played_and_recorded_with_its_points() {
 #[test]
 fn what_is_wrong_with_a_plan_is_told_with_its_file_and_line() {
     let wrong = |from: &str, to: &str| Bench::with(&ECHO.replacen(from, to, 1)).problems();
-    assert_eq!(wrong("- x\n", "- z\n"), "plan.yaml:7:3: no axis is called `z`; there are line, x, turret\n");
-    assert_eq!(wrong("- turret\n", "- x\n"), "plan.yaml:7:3: axes: x twice; each axis may stand once\n");
-    assert_eq!(wrong("  - -0.0\n", ""), "plan.yaml:10:3: positions of point 0: a list of 1; 2 are expected\n");
+    assert_eq!(wrong("- x\n", "- z\n"), "plan.yaml:7:3: joint_names has the joint `z`; there are x, turret\n");
+    assert_eq!(wrong("- turret\n", "- x\n"), "plan.yaml:7:3: joint_names has the joint `x` twice; once is expected\n");
+    assert_eq!(
+        wrong("  - -0.0\n", ""),
+        "plan.yaml:10:3: points[0].positions has 1 number; one for each joint (2) is expected\n"
+    );
     assert_eq!(
         wrong("  - 0.004\n", "  - .nan\n"),
         "plan.yaml:20:5: points[1].positions[0] is `.nan`; a finite number is expected\n"
@@ -120,7 +123,7 @@ fn what_is_wrong_with_a_plan_is_told_with_its_file_and_line() {
     );
     assert_eq!(
         wrong("nanosec: 400000000", "nanosec: 0"),
-        "plan.yaml:19:3: time of point 1: 0 ns; more than 0 ns, that of the point before, is expected\n"
+        "plan.yaml:19:3: points[1].time_from_start is 0 s; more than 0 s, the time of the point before it, is expected\n"
     );
     assert_eq!(
         wrong("sec: 0\n    nanosec: 4", "sec: -1\n    nanosec: 4"),
@@ -128,7 +131,8 @@ fn what_is_wrong_with_a_plan_is_told_with_its_file_and_line() {
     );
     assert_eq!(
         wrong("  - 0.0\n  - 0.0\n", "  - 0.0\n  - 0.5\n"),
-        "plan.yaml:19:3: velocity of turret at point 1: 28.6478898 deg/s; 0 is expected at the last point\n"
+        "plan.yaml:19:3: the velocity of `turret` in the last point is 0.5 rad/s (28.6478898 deg/s); 0 is expected, or set \
+         allow_nonzero_velocity_at_trajectory_end\n"
     );
     assert_eq!(
         wrong("  effort: []\n", "  effort: [1.0, 1.0]\n"),
@@ -201,9 +205,9 @@ fn problems_of_a_plan_and_of_its_step_are_told_together() {
 #[test]
 fn plan_that_a_step_expects_to_be_refused_is_refused() {
     let double = ECHO.replacen("- turret\n", "- x\n", 1);
-    assert!(Bench::with(&double).read("{file: plan.yaml}", ", refused: x twice").is_ok());
-    let wrong = Bench::with(&double).read("{file: plan.yaml}", ", refused: y twice").unwrap_err();
-    assert!(wrong.starts_with("plan.yaml:7:3: axes: x twice"), "{wrong}");
+    assert!(Bench::with(&double).read("{file: plan.yaml}", ", refused: the joint `x` twice").is_ok());
+    let wrong = Bench::with(&double).read("{file: plan.yaml}", ", refused: the joint `y` twice").unwrap_err();
+    assert!(wrong.starts_with("plan.yaml:7:3: joint_names has the joint `x` twice"), "{wrong}");
     // What limits forbid is found in the cycle, as for points in the verb.
     let fast = ECHO.replacen("- 0.004", "- 0.5", 1);
     let scenario = Bench::with(&fast).read("{file: plan.yaml}", ", refused: max_velocity").unwrap();

@@ -59,7 +59,7 @@ fn it_is_cancelled_by_id_and_refused_with_a_part_of_its_sentence() {
          - {at: 100, do: {follow_joint_trajectory: {id: t, joints: [x], points: [{time: 1 s, positions: [10 mm], velocities: [0]}]}}}\n\
          - {at: 300, do: {cancel: {id: t}}}\n\
          - {at: 400, do: {follow_joint_trajectory: {joints: [x], units: axis_unit, points: [{time: 1 ms, positions: [50]}]}}, refused: max_velocity}\n\
-         - {at: 400, do: {follow_joint_trajectory: {joints: [x, x], points: []}}, refused: x twice}\n\
+         - {at: 400, do: {follow_joint_trajectory: {joints: [x, x], points: []}}, refused: twice}\n\
          expect:\n\
          - {event: {kind: done, source: machine, code: CANCELLED}, count: 1}\n\
          - {signal: x.state, at: end, is: STANDSTILL}\n",
@@ -81,7 +81,7 @@ fn what_is_wrong_with_it_is_told_at_its_place() {
     );
     assert_eq!(
         wrong("^{joints: [x], points: [{time: 1, positions: [1, 2]}]}"),
-        "positions of point 0: a list of 2; 1 are expected"
+        "points[0].positions has 2 numbers; one for each joint (1) is expected"
     );
     assert_eq!(
         wrong("{joints: [x], points: [{time: ^-1 ms, positions: [1]}]}"),

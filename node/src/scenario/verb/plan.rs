@@ -5,7 +5,7 @@
 //! Source   message_to_yaml of rosidl_runtime_py; trajectory_msgs (Jazzy). The stamp of the header has no meaning here: the step says when
 
 use crate::document::{Map, Value};
-use lineshaft_core::request::{Amount, PointRequest};
+use lineshaft_core::request::{Amount, PointRequest, RequestError};
 
 /// What stands at the end of a list that was cut off.
 const CUT_OFF: &str = "...";
@@ -37,11 +37,27 @@ impl<'d> Plan<'d> {
         points.into_iter().collect()
     }
 
-    /// Where a sentence belongs: to the point that it names by its number, else to the joints.
+    /// An error by the fields of the message: they have other names than those of the verb.
+    pub(super) fn by_its_fields(error: RequestError) -> RequestError {
+        match error {
+            RequestError::BadTrajectory { name, value, allowed } => {
+                let name = match name.strip_suffix("].time") {
+                    Some(point) => format!("{point}].time_from_start"),
+                    None if name == "joints" => "joint_names".to_owned(),
+                    None => name,
+                };
+                RequestError::BadTrajectory { name, value, allowed }
+            }
+            error => error,
+        }
+    }
+
+    /// Where a sentence belongs: to the point that it names by its number or as the last one, else to the joints.
     pub(super) fn place_of(&self, sentence: &str) -> &Value<'d> {
-        let number = |rest: &str| rest.split(|c: char| !c.is_ascii_digit()).next()?.parse::<usize>().ok();
-        let named = sentence.split("point ").skip(1).find_map(number);
-        named.and_then(|number| self.points.get(number)).unwrap_or(&self.joints)
+        let number = |rest: &str| rest.split(']').next()?.parse::<usize>().ok();
+        let named = sentence.split("points[").skip(1).find_map(number).and_then(|number| self.points.get(number));
+        let last = self.points.last().filter(|_| sentence.contains(" in the last point "));
+        named.or(last).unwrap_or(&self.joints)
     }
 }
 

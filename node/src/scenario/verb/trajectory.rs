@@ -7,7 +7,7 @@ use crate::document::{Allowed, Document, Map, Value};
 use crate::scenario::{moment, names::Names};
 use lineshaft_core::command::Action;
 use lineshaft_core::object::Object;
-use lineshaft_core::request::{Amount, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::request::{Amount, PointRequest, RequestError, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::trajectory::TrajectoryLimits;
 use lineshaft_core::unit::{Dimension, Scale, excerpt};
 use lineshaft_ros::surface::{Group, TrajectorySettings};
@@ -66,7 +66,7 @@ impl Reader<'_> {
         let others = OtherKeys::read(&mut map);
         map.finish();
         let deed = match &file {
-            None => given.and_then(|given| self.trajectory(given, others, |_| value)),
+            None => given.and_then(|given| self.trajectory(given, others, |error| error, |_| value)),
             Some(file) => may_lack_joints.and_then(|may_lack_joints| self.plan(file, others, may_lack_joints)),
         };
         (deed, id.flatten())
@@ -82,14 +82,30 @@ impl Reader<'_> {
         let deed = document.root("the trajectory").and_then(|root| {
             let plan = Plan::read(&root)?;
             let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
+            if let Some(joint) = given.joints.iter().find(|joint| joint.scale.is_none()) {
+                return self.settle(&plan.joints, Err(self.unknown_joint(joint)));
+            }
             if !may_lack_joints {
                 self.check_joints(&given.joints, &plan.joints);
             }
-            self.trajectory(given, others, |sentence| plan.place_of(sentence))
+            self.trajectory(given, others, Plan::by_its_fields, |sentence| plan.place_of(sentence))
         });
         let is_good = document.problems().is_empty();
         file.add_problems(document.into_problems());
         deed.filter(|_| is_good)
+    }
+
+    /// Why a joint of a plan is refused that no axis is, as the action says it.
+    fn unknown_joint(&self, joint: &Joint<'_>) -> RequestError {
+        let joints = self.names.joints;
+        let driven = (0..).zip(&self.names.config.axes).filter(|(_, axis)| axis.drive.is_some());
+        let known: Vec<&str> =
+            driven.map(|(place, axis)| joints.map_or(axis.name.as_str(), |joints| joints.get(place))).collect();
+        RequestError::BadTrajectory {
+            name: "joint_names".to_owned(),
+            value: format!("has the joint `{}`", excerpt(joint.name)),
+            allowed: format!("there are {}", known.join(", ")),
+        }
     }
 
     /// Refuses a plan with some of the joints of a group, as the action does.
@@ -124,11 +140,12 @@ impl Reader<'_> {
         Some(Given { joints, units, points })
     }
 
-    /// The command; what is wrong with the request is told at the place that its sentence has.
+    /// The command. Errors of the request are changed by `shown` and reported at the place that their sentence has.
     fn trajectory<'v, 'd: 'v>(
         &self,
         given: Given<'_>,
         others: OtherKeys<'_>,
+        shown: fn(RequestError) -> RequestError,
         place: impl Fn(&str) -> &'v Value<'d>,
     ) -> Option<Deed> {
         let Given { joints, units, points } = given;
@@ -145,6 +162,7 @@ impl Reader<'_> {
         let [path, goal, start_tolerance] = others.tolerances.map(|value| numbers.tolerances(value.as_ref()));
         let request = TrajectoryRequest {
             axes: joints.iter().map(|joint| joint.axis.clone()).collect(),
+            joints: joints.iter().map(|joint| joint.name.to_owned()).collect(),
             units,
             start_ns: others.start?,
             points: points?,
@@ -158,7 +176,7 @@ impl Reader<'_> {
             max_duration_ns: others.max_duration?.or(usual.max_duration_ns()).filter(|ns| *ns > 0),
             may_end_in_motion: others.may_end_in_motion?,
         };
-        let trajectory = self.names.config.resolve_trajectory(&request);
+        let trajectory = self.names.config.resolve_trajectory(&request).map_err(shown);
         let at = trajectory.as_ref().err().map_or_else(|| place(""), |error| place(&error.to_string()));
         self.settle(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
     }

@@ -34,10 +34,16 @@ fn setpoints(message: msg::Setpoints) -> Result<Asked, String> {
 }
 
 fn judged(asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> {
+    let shown = JointNames::of_objects(&machine().0);
+    judged_as(&shown, asked, age)
+}
+
+/// The same, where messages give these names to axes.
+fn judged_as(shown: &JointNames, asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> {
     let (config, image) = machine();
     let (_, requests) = asked?;
     let set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).map_err(|error| error.to_string())?;
-    check(&set, &config, &image, age).map(|()| set)
+    check(&set, &config, shown, &image, age).map(|()| set)
 }
 
 #[test]
@@ -75,11 +81,15 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
         (with(|m| m.displacements = vec![1.0]), "displacements has 1 entries; none is allowed, give velocities"),
         (with(|m| m.velocities = vec![1.0]), "velocities has 1 entries; 2 are expected, one for each of joint_names"),
         (with(|m| *m = JointJog::default()), "no axis is named"),
-        (with(|m| m.joint_names[1] = "x".into()), "axis `x` stands twice"),
+        (with(|m| m.joint_names[1] = "x".into()), "joint_names has the joint `x` twice; once is expected"),
         (with(|m| m.joint_names[1] = "w".into()), "joint_names has the joint `w`; there are x, y"),
-        (with(|m| m.velocities[1] = f64::NAN), "velocity of y: "),
-        (with(|m| m.velocities[0] = f64::INFINITY), "velocity of x: "),
-        (with(|m| m.velocities[1] = -0.100001), "velocity -100.001 mm/s of y exceeds max_velocity 100 mm/s"),
+        (with(|m| m.velocities[1] = f64::NAN), "velocity of `y` is NaN; a finite number within +-1e38 is expected"),
+        (with(|m| m.velocities[0] = f64::INFINITY), "velocity of `x` is inf; a finite number"),
+        (with(|m| m.velocities[0] = 1e60), "velocity of `x` is 1e60; a finite number"),
+        (
+            with(|m| m.velocities[1] = -0.100001),
+            "velocity -0.100001 m/s (-100.001 mm/s) of y exceeds max_velocity 0.1 m/s (100 mm/s)",
+        ),
         (with(|m| m.duration = -1.0), "duration is -1 s; 0 (until the next message) or more is allowed"),
         (with(|m| m.duration = f64::NAN), "duration is NaN s"),
         (with(|m| m.duration = f64::INFINITY), "duration is inf s"),
@@ -101,12 +111,43 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
     ] {
         assert_eq!(judged(jog(&["Shoulder_Pan", joint]), 0).unwrap_err(), sentence);
     }
+    // The answer has the name of the message, and enough digits to differ.
+    let fast = judged_as(&names, super::jog(joint_jog(&["left/arm_1"], &[0.100_000_000_1]), &names, &config), 0);
+    let sentence = "velocity 0.1000000001 m/s (100.0000001 mm/s) of left/arm_1 exceeds max_velocity 0.1 m/s (100 mm/s)";
+    assert_eq!(fast.unwrap_err(), sentence);
+    let old = judged_as(&names, jog(&["left/arm_1"]), 21_000_000).unwrap_err();
+    assert!(old.contains("setpoint_timeout 20 ms of left/arm_1 is allowed"), "{old}");
+    for (velocities, sentence) in [
+        ([0.01, f64::NAN], "velocity of `left/arm_1` is NaN; a finite number within +-1e38 is expected"),
+        ([0.01, 0.01], "joint_names has the joint `left/arm_1` twice; once is expected"),
+    ] {
+        assert_eq!(super::jog(joint_jog(&["left/arm_1"; 2], &velocities), &names, &config).unwrap_err(), sentence);
+    }
     let setpoints = |axis: &str| {
         let message = msg::Setpoints { axes: vec![axis.to_owned()], velocities: vec![0.05], ..Default::default() };
         judged(super::setpoints(message, &names, &config), 0)
     };
     assert!(setpoints("y").is_ok());
     assert_eq!(setpoints("left/arm_1").unwrap_err(), "no axis is called `left/arm_1`; there are x, y");
+}
+
+/// 150 deg/s are 2.6179939 rad/s, and 2.617994 in a URDF. Here 0.1 m/s.
+#[test]
+fn a_velocity_that_was_rounded_beyond_the_limit_is_the_limit() {
+    let (config, image) = machine();
+    for (velocity, limited) in
+        [(0.100_000_9, 100_000.0), (-0.100_000_9, -100_000.0), (0.1, 100_000.0), (0.05, 50_000.0)]
+    {
+        let (_, requests) = jog(joint_jog(&["x"], &[velocity])).expect("a good message");
+        let mut set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).expect("a good request");
+        limit(&mut set, &config, &image);
+        assert_eq!(set.axes[0].map(|setpoint| setpoint.velocity), Some(limited), "{velocity}");
+        assert!(check(&set, &config, &JointNames::of_objects(&config), &image, 0).is_ok());
+    }
+    let (_, requests) = jog(joint_jog(&["x"], &[0.100_001_1])).expect("a good message");
+    let mut set = config.resolve_setpoints(Source::Ros, Units::Si, &requests).expect("a good request");
+    limit(&mut set, &config, &image);
+    assert!(check(&set, &config, &JointNames::of_objects(&config), &image, 0).is_err());
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker
             Ok(Ok(answers)) => {
                 open.spawn(run(taker.clone(), request.accept(), answers, period));
             }
-            Ok(Err(busy)) => finish(request.accept(), Code::TOO_MANY_WAITING, &busy.to_string(), &[]),
+            Ok(Err(busy)) => finish(request.accept(), (Code::TOO_MANY_WAITING, false), &busy.to_string(), &[]),
             Err(sentence) => {
                 taker.hub.refuse(format!("{name}: goal rejected: {sentence}"));
                 request.reject();
@@ -47,9 +47,9 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker
     }
 }
 
-/// Ends a goal. `notes` is what the machine said of it before.
-fn finish(handle: Handle, code: Code, sentence: &str, notes: &[String]) {
-    let (last, mut result) = end(code, sentence, handle.is_cancel_requested());
+/// Ends a goal with a code, and whether it has run. `notes` is what the machine said of it before.
+fn finish(handle: Handle, (code, has_run): (Code, bool), sentence: &str, notes: &[String]) {
+    let (last, mut result) = end(code, sentence, handle.is_cancel_requested(), has_run);
     for note in notes {
         result.error_string += if result.error_string.is_empty() { "" } else { " " };
         result.error_string += note;
@@ -81,14 +81,14 @@ async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duratio
                     Kind::Refused | Kind::Done => {
                         controllers.is_read(place, goal);
                         let sentence = joints.sentence(&event, hub.host.config());
-                        return finish(handle, event.code, &sentence, &notes);
+                        return finish(handle, (event.code, event.kind == Kind::Done), &sentence, &notes);
                     }
                     Kind::Warning => notes.push(joints.sentence(&event, hub.host.config())),
                     _ => {}
                 },
                 None => {
                     controllers.is_read(place, goal);
-                    return finish(handle, Code::DISABLED, "the machine has stopped", &notes);
+                    return finish(handle, (Code::DISABLED, accepted), "the machine has stopped", &notes);
                 }
             },
             () = handle.cancel_requested(), if !cancelled => {

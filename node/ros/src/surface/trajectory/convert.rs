@@ -20,6 +20,8 @@ use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point
 const WITHOUT_LIMIT: f64 = -1.0;
 /// The same for the goal time (ns).
 const FOR_EVER: i64 = -1_000_000_000;
+/// From here on the core takes no number.
+const LARGEST: f64 = 1e38;
 
 /// Why a goal is rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -42,10 +44,6 @@ pub(super) enum Wrong {
     NotMoved { field: &'static str, name: String },
     #[error("points is empty; one point or more is expected")]
     NoPoints,
-    #[error("points[{point}].{field} has {given} numbers; {expected}")]
-    Length { point: usize, field: &'static str, given: usize, expected: String },
-    #[error("points[{point}].{field} of `{name}` is {value:?}; a finite number is expected")]
-    NoNumber { point: usize, field: &'static str, name: String, value: f64 },
     #[error("points have velocities alone, and header.stamp is not 0; give positions, or a stamp of 0")]
     IntegrationLater,
     #[error("points have velocities alone; give positions, or set allow_integration_in_goal_trajectories")]
@@ -54,10 +52,6 @@ pub(super) enum Wrong {
     Effort { point: usize },
     #[error("points[{point}].time_from_start is {} s; {expected}", seconds(*.time_ns))]
     Time { point: usize, time_ns: i64, expected: String },
-    #[error(
-        "the velocity of `{name}` in the last point is {value:?}; 0 is expected, or set allow_nonzero_velocity_at_trajectory_end"
-    )]
-    EndsMoving { name: String, value: f64 },
     #[error("the trajectory ends {} s before now; it may have begun before, but must end later", seconds(*.ago_ns))]
     Past { ago_ns: i64 },
     #[error(
@@ -132,11 +126,7 @@ pub(super) fn request(
     if !settings.partial && given != joints.names.len() {
         return Err(Wrong::Count { given, known: known() });
     }
-    let names = &trajectory.joint_names;
-    let points = points(names, &trajectory.points)?;
-    if let Some(last) = points.last().filter(|_| !settings.may_end_in_motion) {
-        ends(names, &last.velocities)?;
-    }
+    let points = points(&trajectory.points)?;
     let stamp = stamp_ns(&trajectory.header.stamp);
     if let Some(stamp_ns) = stamp.filter(|_| now_ns == 0) {
         return Err(Wrong::NoTime { stamp_ns });
@@ -171,6 +161,7 @@ pub(super) fn request(
     let start = |place: usize| ToleranceRequest { position: positive(usual(place)[2]), ..ToleranceRequest::default() };
     Ok(TrajectoryRequest {
         axes: places.iter().filter_map(|&place| joints.objects.get(place).cloned()).collect(),
+        joints: trajectory.joint_names.clone(),
         units: Units::Si,
         start_ns: stamp.map_or(0, |stamp| stamp.saturating_sub(now_ns)),
         points,
@@ -185,7 +176,8 @@ pub(super) fn request(
     })
 }
 
-fn points(names: &[String], points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
+/// The points. The core checks the lengths of lists and their numbers.
+fn points(points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
     if points.is_empty() {
         return Err(Wrong::NoPoints);
     }
@@ -195,9 +187,9 @@ fn points(names: &[String], points: &[Point]) -> Result<Vec<PointRequest>, Wrong
         let time_ns = duration_ns(&given.time_from_start);
         all.push(PointRequest {
             time_ns: time(point, time_ns, before)?,
-            positions: numbers(names, point, "positions", &given.positions, false)?,
-            velocities: numbers(names, point, "velocities", &given.velocities, true)?,
-            accelerations: numbers(names, point, "accelerations", &given.accelerations, true)?,
+            positions: given.positions.clone(),
+            velocities: given.velocities.clone(),
+            accelerations: given.accelerations.clone(),
         });
         if !given.effort.is_empty() {
             return Err(Wrong::Effort { point });
@@ -215,35 +207,9 @@ fn time(point: usize, time_ns: i64, before: Option<i64>) -> Result<u64, Wrong> {
     u64::try_from(time_ns).map_err(|_| wrong("0 s or more is expected".to_owned()))
 }
 
-fn numbers(
-    names: &[String],
-    point: usize,
-    field: &'static str,
-    values: &[f64],
-    may_be_empty: bool,
-) -> Result<Vec<f64>, Wrong> {
-    if values.len() != names.len() && !(may_be_empty && values.is_empty()) {
-        let none = if may_be_empty { " or none" } else { "" };
-        let expected = format!("{} as in joint_names{none} are expected", names.len());
-        return Err(Wrong::Length { point, field, given: values.len(), expected });
-    }
-    match names.iter().zip(values).find(|(_, value)| !value.is_finite()) {
-        Some((name, &value)) => Err(Wrong::NoNumber { point, field, name: name.clone(), value }),
-        None => Ok(values.to_vec()),
-    }
-}
-
-/// A trajectory ends at rest, but for what is left of a velocity by rounding.
-fn ends(names: &[String], velocities: &[f64]) -> Result<(), Wrong> {
-    match names.iter().zip(velocities).find(|(_, velocity)| velocity.abs() > NO_VELOCITY) {
-        Some((name, &value)) => Err(Wrong::EndsMoving { name: name.clone(), value }),
-        None => Ok(()),
-    }
-}
-
-/// A tolerance of a parameter; 0 is none, and so is infinity.
+/// A tolerance of a parameter; 0 is none, and so is infinity and all that the core does not take.
 fn positive(value: f64) -> Option<f64> {
-    Some(value).filter(|value| *value > 0.0 && value.is_finite())
+    Some(value).filter(|value| *value > 0.0 && *value < LARGEST)
 }
 
 /// The tolerances of the joints at `places`: the usual ones, and what the goal says instead.
@@ -288,8 +254,8 @@ fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
 /// How long the goal tolerances may be waited for; none: for ever.
 fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, Wrong> {
     match time_ns {
-        // Rounded to a nanosecond; what is longer than 584 years ends there.
-        0 => Ok(positive(settings.goal_time).map(|seconds| (seconds * 1e9).round() as u64)),
+        // Rounded to a nanosecond; what is longer than 292 years ends there.
+        0 => Ok(positive(settings.goal_time).map(|seconds| ((seconds * 1e9).round() as u64).min(i64::MAX as u64))),
         FOR_EVER => Ok(None),
         time_ns => u64::try_from(time_ns).map(Some).map_err(|_| Wrong::GoalTime { time_ns }),
     }

@@ -12,10 +12,10 @@ pub(super) enum Last {
 }
 
 /// The last state and the result of a goal that ended with `code`, of which the machine says `sentence`; `is_cancelled` when a
-/// client asked for it.
+/// client asked for it, `has_run` when the machine had accepted it.
 ///
 /// Each text begins as joint_trajectory_controller has it; where the machine knows more, that follows.
-pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool) -> (Last, Result) {
+pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool, has_run: bool) -> (Last, Result) {
     let (last, error_code, error_string) = match code {
         Code::NONE => (Last::Succeeded, Result::SUCCESSFUL, "Goal successfully reached!".to_owned()),
         // The controller leaves the result of a cancelled goal as it is made: nothing went wrong.
@@ -28,6 +28,9 @@ pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool) -> (Last, Resu
             let text = format!("Aborted due to goal_time_tolerance exceeding: {sentence}");
             (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, text)
         }
+        // Tolerances of the axis and of the group by other names.
+        Code::FOLLOWING_ERROR if has_run => (Last::Aborted, Result::PATH_TOLERANCE_VIOLATED, sentence.to_owned()),
+        Code::TRAJECTORY_TOO_LONG if has_run => (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, sentence.to_owned()),
         Code::TRAJECTORY_IN_THE_PAST => (Last::Aborted, Result::OLD_HEADER_TIMESTAMP, sentence.to_owned()),
         Code::REPLACED => {
             let text = format!("Current goal cancelled due to new incoming action. {sentence}");
@@ -64,13 +67,17 @@ mod tests {
             (Code::HALTED, false, Last::Aborted, -1, "why"),
             (Code::NOT_ENABLED, false, Last::Aborted, -1, "why"),
             (Code::VELOCITY_TOO_HIGH, true, Last::Aborted, -1, "why"),
-            (Code::FOLLOWING_ERROR, false, Last::Aborted, -1, "why"),
+            (Code::FOLLOWING_ERROR, false, Last::Aborted, -4, "why"),
+            (Code::TRAJECTORY_TOO_LONG, false, Last::Aborted, -5, "why"),
             // Nobody who sees this goal has cancelled it.
             (Code::CANCELLED, false, Last::Aborted, -1, "why"),
         ];
         for (code, is_cancelled, last, error_code, text) in cases {
             let result = Result { error_code, error_string: text.to_owned() };
-            assert_eq!(end(code, "why", is_cancelled), (last, result), "{code:?}");
+            assert_eq!(end(code, "why", is_cancelled, true), (last, result), "{code:?}");
         }
+        // A plan that is too long is refused before it runs: nothing was tried.
+        let refused = Result { error_code: -1, error_string: "why".to_owned() };
+        assert_eq!(end(Code::TRAJECTORY_TOO_LONG, "why", false, false), (Last::Aborted, refused));
     }
 }

@@ -53,7 +53,7 @@ pub(super) fn integrate(joints: &Joints, goal: &mut Goal, command: &Point) -> Re
 mod tests {
     use super::super::convert;
     use super::super::settings::Settings;
-    use super::super::tests::joints;
+    use super::super::tests::{config, joints};
     use super::*;
     use lineshaft_msgs::foreign::builtin_interfaces::msg::Duration;
     use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
@@ -97,8 +97,9 @@ mod tests {
         let mut fewer = goal(vec![point(0, &[], &[0.0])]);
         integrate(&joints(), &mut fewer, &command()).expect("the request finds it");
         let settings = Settings { joints: vec![[0.0; 3]; 2], ..Settings::default() };
-        let error = convert::request(&joints(), &settings, &fewer, 1).unwrap_err().to_string();
-        assert_eq!(error, "points[0].positions has 0 numbers; 2 as in joint_names are expected");
+        let request = convert::request(&joints(), &settings, &fewer, 1).expect("the core finds it");
+        let error = config().resolve_trajectory(&request).unwrap_err().to_string();
+        assert_eq!(error, "points[0].positions has 0 numbers; one for each joint (2) is expected");
         assert!(!is_asked_for(&goal(vec![point(0, &[], &[])])));
     }
 }

@@ -1,7 +1,7 @@
 //! The axes that one action and one topic move.
 
 use crate::surface::group::{Group, TrajectorySettings};
-use crate::surface::joint_names::JointNames;
+use crate::surface::joint_names::{JointNames, with_joint};
 use crate::surface::messages::AxisView;
 use crate::surface::table::Row;
 use lineshaft_core::config::MachineConfig;
@@ -94,10 +94,7 @@ impl Joints {
     pub(super) fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
         let sentence = text::sentence(event, config);
         let object = config.name(event.source);
-        match (self.meant(object), sentence.strip_prefix(object)) {
-            (Some(joint), Some(rest)) => format!("axis {object} (joint {joint}){rest}"),
-            _ => sentence,
-        }
+        with_joint(sentence, object, self.meant(object).unwrap_or(object))
     }
 
     /// Place of a joint among them.

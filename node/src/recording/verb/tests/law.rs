@@ -239,6 +239,7 @@ fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
             let tolerances = |list: Option<Vec<_>>| list.map_or(Vec::new(), |list| list[..count].to_vec());
             TrajectoryRequest {
                 axes: axes.iter().map(|axis| (*axis).to_owned()).collect(),
+                joints: Vec::new(),
                 units,
                 start_ns,
                 points: points.collect(),

@@ -1,4 +1,4 @@
-use super::super::tests::{joints, joints_called};
+use super::super::tests::{config, joints, joints_called};
 use super::*;
 use crate::surface::JointNames;
 use crate::surface::group::TrajectorySettings;
@@ -49,6 +49,15 @@ fn refused(change: impl FnOnce(&mut Goal), sentence: &str) {
     assert_eq!(error, sentence);
 }
 
+/// The same, where the core refuses what becomes of the goal.
+#[track_caller]
+fn refused_by_core(change: impl FnOnce(&mut Goal), sentence: &str) {
+    let mut goal = goal();
+    change(&mut goal);
+    let request = read(&goal).expect("nothing is wrong with the message");
+    assert_eq!(config().resolve_trajectory(&request).expect_err("it should be refused").to_string(), sentence);
+}
+
 #[test]
 fn a_plain_goal_starts_now_and_has_the_usual_tolerances() {
     let stands = ToleranceRequest { velocity: Some(0.01), ..ToleranceRequest::default() };
@@ -56,6 +65,7 @@ fn a_plain_goal_starts_now_and_has_the_usual_tolerances() {
         |time_ns, positions: &[f64]| PointRequest { time_ns, positions: positions.to_vec(), ..PointRequest::default() };
     let expected = TrajectoryRequest {
         axes: vec!["x".to_owned(), "y".to_owned()],
+        joints: vec!["x".to_owned(), "y".to_owned()],
         units: Units::Si,
         start_ns: 0,
         points: vec![point(1_000_000_000, &[1.0, 2.0]), point(2_500_000_000, &[3.0, 4.0])],
@@ -166,17 +176,29 @@ fn last_point_may_have_velocities_where_the_parameter_allows_them() {
 
 #[test]
 fn a_trajectory_ends_at_rest() {
-    let mut goal = goal();
-    goal.trajectory.points[1].velocities = vec![0.0, -0.25];
-    assert_eq!(
-        read(&goal).unwrap_err().to_string(),
-        "the velocity of `y` in the last point is -0.25; 0 is expected, or set allow_nonzero_velocity_at_trajectory_end"
+    refused_by_core(
+        |goal| goal.trajectory.points[1].velocities = vec![0.0, -0.25],
+        "the velocity of `y` in the last point is -0.25 m/s (-250 mm/s); 0 is expected, or set \
+         allow_nonzero_velocity_at_trajectory_end",
     );
     // What a float rounds away is no velocity: 1.19e-7, as in the controller.
+    let mut goal = goal();
+    let is_taken = |goal: &Goal| config().resolve_trajectory(&read(goal).expect("a good message")).is_ok();
     goal.trajectory.points[1].velocities = vec![1.1e-7, -1.1e-7];
-    assert!(read(&goal).is_ok());
+    assert!(is_taken(&goal));
     goal.trajectory.points[1].velocities = vec![1.2e-7, 0.0];
-    assert!(read(&goal).is_err());
+    assert!(!is_taken(&goal));
+}
+
+/// The range of these parameters has no end.
+#[test]
+fn parameters_that_are_very_large_are_no_limit_and_refuse_no_goal() {
+    let settings =
+        Settings { goal_time: f64::MAX, stopped: f64::MAX, joints: vec![[f64::MAX; 3]; 2], ..Settings::default() };
+    let request = request(&joints(), &settings, &goal(), NOW).expect("nothing is wrong");
+    assert_eq!((request.path[0], request.goal[1]), (ToleranceRequest::default(), ToleranceRequest::default()));
+    assert_eq!(request.goal_time_ns, Some(i64::MAX as u64));
+    assert!(config().resolve_trajectory(&request).is_ok());
 }
 
 #[test]
@@ -221,25 +243,25 @@ fn what_is_wrong_in_itself_is_told() {
         |goal| goal.trajectory.points[0].time_from_start = at(-0.5),
         "points[0].time_from_start is -0.5 s; 0 s or more is expected",
     );
-    refused(
+    refused_by_core(
         |goal| goal.trajectory.points[0].positions = vec![1.0],
-        "points[0].positions has 1 numbers; 2 as in joint_names are expected",
+        "points[0].positions has 1 number; one for each joint (2) is expected",
     );
-    refused(
+    refused_by_core(
         |goal| goal.trajectory.points[1].positions.clear(),
-        "points[1].positions has 0 numbers; 2 as in joint_names are expected",
+        "points[1].positions has 0 numbers; one for each joint (2) is expected",
     );
-    refused(
+    refused_by_core(
         |goal| goal.trajectory.points[1].accelerations = vec![0.0; 3],
-        "points[1].accelerations has 3 numbers; 2 as in joint_names or none are expected",
+        "points[1].accelerations has 3 numbers; one for each joint (2), or none, is expected",
     );
-    refused(
+    refused_by_core(
         |goal| goal.trajectory.points[0].velocities = vec![0.0, f64::NAN],
-        "points[0].velocities of `y` is NaN; a finite number is expected",
+        "points[0].velocities of `y` is NaN; a finite number within +-1e38 is expected",
     );
-    refused(
+    refused_by_core(
         |goal| goal.trajectory.points[0].positions[0] = f64::INFINITY,
-        "points[0].positions of `x` is inf; a finite number is expected",
+        "points[0].positions of `x` is inf; a finite number within +-1e38 is expected",
     );
     refused(
         |goal| goal.trajectory.points[0].effort = vec![1.0, 1.0],
@@ -288,7 +310,9 @@ fn joint_names_stand_for_their_axes_and_object_names_are_refused_with_them() {
         let mut goal = goal();
         goal.trajectory.joint_names = vec!["left/arm_1".to_owned(), "Shoulder_Pan".to_owned()];
         change(&mut goal);
-        request(&joints, &settings(), &goal, NOW).map_err(|wrong| wrong.to_string())
+        let request = request(&joints, &settings(), &goal, NOW).map_err(|wrong| wrong.to_string())?;
+        config().resolve_trajectory(&request).map_err(|error| error.to_string())?;
+        Ok::<_, String>(request)
     };
     let good = read(&|goal| goal.path_tolerance = vec![tolerance("Shoulder_Pan", 0.5, 0.0, 0.0)]).unwrap();
     assert_eq!(good.axes, ["y", "x"]);
@@ -298,11 +322,15 @@ fn joint_names_stand_for_their_axes_and_object_names_are_refused_with_them() {
     assert_eq!(wrong, Err(object("joint_names")));
     let wrong = read(&|goal| goal.goal_tolerance = vec![tolerance("x", 0.5, 0.0, 0.0)]);
     assert_eq!(wrong, Err(object("goal_tolerance")));
+    let wrong = read(&|goal| goal.trajectory.points[0].positions[1] = 1e300);
+    let sentence = "points[0].positions of `Shoulder_Pan` is 1e300; a finite number within +-1e38 is expected";
+    assert_eq!(wrong.unwrap_err(), sentence);
     // Of an axis that is none of the group nothing is meant.
     let wrong = read(&|goal| goal.trajectory.joint_names[1] = "line".to_owned());
     assert_eq!(wrong.unwrap_err(), "joint_names has the joint `line`; there are Shoulder_Pan, left/arm_1");
     let wrong = read(&|goal| goal.trajectory.points[0].positions[1] = f64::NAN);
-    assert_eq!(wrong.unwrap_err(), "points[0].positions of `Shoulder_Pan` is NaN; a finite number is expected");
+    let sentence = "points[0].positions of `Shoulder_Pan` is NaN; a finite number within +-1e38 is expected";
+    assert_eq!(wrong.unwrap_err(), sentence);
 }
 
 #[test]
