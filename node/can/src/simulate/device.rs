@@ -16,7 +16,6 @@ use super::touch_probe::TouchProbes;
 use crate::config::{DeviceConfig, Terminals, VelocityFactor};
 use crate::drive::objects;
 use crate::eds::Direction;
-use crate::sdo::Object;
 use crate::{Frame, Id, NmtState, NodeId};
 use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs, control};
 use std::ops::RangeInclusive;
