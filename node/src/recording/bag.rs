@@ -21,7 +21,7 @@ use crate::parameters::parameters_text;
 use crate::store::store_text;
 use disk::Medium;
 use file::{BagFile, Counts, Opening};
-use lineshaft_ros::layer::{NodeName, TappedTopic};
+use lineshaft_ros::layer::{NodeName, TappedMessage, TappedTopic};
 use place::Place;
 pub(crate) use retained::Retained;
 use std::borrow::Cow;
@@ -131,6 +131,8 @@ pub struct Bag {
     topics: Vec<Offered>,
     /// Latched messages so far: each further file begins with them.
     retained: Retained,
+    /// Messages that the node has published after the last cycle.
+    late: Vec<TappedMessage>,
     open: Open,
     ended: Vec<Ended>,
     file: Option<BagFile>,
@@ -225,6 +227,7 @@ impl Bag {
             cell_sha256,
             topics,
             retained,
+            late: Vec::new(),
             open,
             ended: Vec::new(),
             file: None,
@@ -283,6 +286,11 @@ impl Bag {
         self.lost.noted = self.lost.noted.saturating_add(cycles);
     }
 
+    /// Takes messages that the node has published after the last cycle: the bag ends with them.
+    pub fn add_late(&mut self, messages: Vec<TappedMessage>) {
+        self.late.extend(messages);
+    }
+
     /// Ends the bag.
     ///
     /// # Errors
@@ -294,6 +302,8 @@ impl Bag {
         if self.next.is_none() {
             self.begin_file(None)?;
         }
+        let late = std::mem::take(&mut self.late);
+        self.on_file(|file| file.put_late(&late))?;
         self.end_file(false)?;
         self.write_metadata(self.is_replayable())?;
         Ok(self.summary())
@@ -359,7 +369,7 @@ impl Bag {
         Ok(())
     }
 
-    /// Writes what stands before the first cycle; without a cycle, the bag stays empty.
+    /// Writes what comes before the first cycle; without a cycle, the bag has no more than [late messages](Self::add_late).
     fn begin_file(&mut self, first: Option<&Encoded>) -> Result<(), BagError> {
         if let Some(first) = first {
             self.shift_ns.get_or_insert(first.time.ahead_ns());
