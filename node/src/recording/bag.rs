@@ -14,7 +14,7 @@ mod place;
 mod retained;
 mod topics;
 
-use super::metadata::{FileInformation, Metadata, TopicInformation};
+use super::metadata::{self, FileInformation, Metadata, TopicInformation};
 use super::{CycleTime, Encoded};
 use crate::cell::Cell;
 use crate::parameters::parameters_text;
@@ -473,7 +473,7 @@ impl Bag {
             messages: count(place),
         };
         let (kind, is) = self.place.kind();
-        let metadata = Metadata {
+        let description = Metadata {
             files: self.ended.iter().map(|file| file.counts.information(&file.path)).collect::<Vec<FileInformation>>(),
             topics: self.topics.iter().enumerate().map(topic).collect(),
             custom: vec![
@@ -484,8 +484,10 @@ impl Bag {
                 ("lost", (self.lost_before + self.lost.count()).to_string()),
             ],
         };
-        let written = metadata.write(self.place.folder());
-        written.map(drop).map_err(|(path, error)| BagError::Write { path, error })
+        let failed = |path: &Path, error| BagError::Write { path: path.to_owned(), error };
+        let usual = self.place.folder().join(metadata::FILE_NAME);
+        let path = self.place.description().map_err(|error| failed(&usual, error))?;
+        description.write(&path).map_err(|error| failed(&path, error))
     }
 }
 
