@@ -368,6 +368,14 @@ fn junit_has_a_suite_for_each_scenario_and_a_case_for_each_expectation() {
     let suites: Vec<Node<'_, '_>> = root.children().filter(|node| node.has_tag_name("testsuite")).collect();
     let names: Vec<_> = suites.iter().map(|suite| suite.attribute("name").unwrap()).collect();
     assert_eq!(names, ["./a/ok.scenario.yaml", "./b.scenario.yaml", "./c.scenario.yaml"]);
+    let source = |suite: &Node<'_, '_>, place: usize| {
+        let cases: Vec<_> = suite.children().filter(|node| node.has_tag_name("testcase")).collect();
+        ["file", "line"].map(|name| cases[place].attribute(name).map(str::to_owned))
+    };
+    let at = |file: &str, line: Option<&str>| [Some(file.to_owned()), line.map(str::to_owned)];
+    assert_eq!(source(&suites[0], 0), at("./a/ok.scenario.yaml", None));
+    assert_eq!(source(&suites[1], 1), at("./b.scenario.yaml", Some("5")));
+    assert_eq!(source(&suites[2], 0), at("./c.scenario.yaml", Some("1")));
     let failure = suites[1].descendants().find(|node| node.has_tag_name("failure")).unwrap();
     assert!(failure.text().unwrap().starts_with("./b.scenario.yaml:5:5: x.command.position is 0 "), "{text}");
     let error = suites[2].descendants().find(|node| node.has_tag_name("error")).unwrap();
