@@ -1,4 +1,4 @@
-//! Commands that came as messages of topics: nobody gets an answer to a message, so events and log lines name its topic.
+//! Commands that came as messages of topics: a message has no answer, so events and log lines name its topic.
 //!
 //! Law      the newest 256 are known; a command is accepted or refused within a few cycles
 //! Reads    sequence numbers of commands and events
