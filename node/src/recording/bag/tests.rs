@@ -314,10 +314,10 @@ fn bags_of_one_file_share_a_folder_and_leave_the_description_of_other_bags_alone
     assert_eq!(fs::read(inside.join("metadata.yaml")).unwrap(), before);
     fs::write(folder.path().join("metadata.yaml"), "rosbag2_bagfile_information: {version: 5}\n").unwrap();
     refused(folder.path());
-    fs::write(folder.path().join("metadata.yaml"), [0xff]).unwrap();
+    fs::write(folder.path().join("metadata.yaml"), [0xff_u8]).unwrap();
     let unread = Bag::create(&at(folder.path().join("c.mcap")), subject()).err().unwrap().to_string();
     assert!(unread.contains("metadata.yaml cannot be read: "), "{unread}");
-    assert_eq!(fs::read(folder.path().join("metadata.yaml")).unwrap(), [0xff]);
+    assert_eq!(fs::read(folder.path().join("metadata.yaml")).unwrap(), [0xff_u8]);
 }
 
 /// `--record a.mcap`, then `--record b.mcap`.
