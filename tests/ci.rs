@@ -206,6 +206,39 @@ fn arguments_that_exclude_each_other_are_refused_by_name() {
     assert!(said.code == 2 && said.errors.contains("--json") && said.errors.contains("--events"), "{}", said.errors);
 }
 
+/// A path given by mistake: the file that would be lost stays.
+#[test]
+fn reports_and_traces_do_not_replace_cells_tables_and_bags() {
+    let bench = two();
+    bench.write("run.mcap", "a bag");
+    let play = ["sim", "--scenario", "a/ok.scenario.yaml"];
+    for (option, file, ending) in [
+        ("--junit", "a/ok.yaml", "yaml"),
+        ("--csv", "a/ok.yaml", "yaml"),
+        ("--csv", "run.mcap", "mcap"),
+        ("--junit", "run.mcap", "mcap"),
+    ] {
+        let before = bench.read(file);
+        let said = bench.run(&[&play[..], &[option, file]].concat());
+        assert_eq!(said.code, 2, "{option} {file}");
+        let sentence = format!("never replaces a .{ending} file; name another file");
+        assert!(said.errors.contains(file) && said.errors.contains(&sentence), "{}", said.errors);
+        assert_eq!(bench.read(file), before);
+    }
+    let said = bench.run(&["validate", "run.mcap", "--against", "run.mcap", "--junit", "run.mcap"]);
+    assert_eq!((said.code, bench.read("run.mcap").as_str()), (2, "a bag"), "{}", said.errors);
+    // A trace may replace an older one, but no table of the cell.
+    bench.write("a/ok.yaml", &format!("{CELL}tables: {{curve: {{form: y, csv: curve.csv}}}}\n"));
+    bench.write("a/curve.csv", "0\n1\n0\n");
+    bench.write("a/trace.csv", "old\n");
+    let said = bench.run(&[&play[..], &["--csv", "a/curve.csv"]].concat());
+    let sentence = "cannot write the trace a/curve.csv: a/ok.yaml reads it; name another file";
+    assert!(said.code == 2 && said.errors.contains(sentence), "{}", said.errors);
+    assert_eq!(bench.read("a/curve.csv"), "0\n1\n0\n");
+    assert_eq!(bench.run(&[&play[..], &["--csv", "a/trace.csv"]].concat()).code, 0);
+    assert_ne!(bench.read("a/trace.csv"), "old\n");
+}
+
 #[test]
 fn sim_json_has_verdicts_counts_and_problems() {
     let bench = two();
@@ -335,6 +368,14 @@ fn junit_has_a_suite_for_each_scenario_and_a_case_for_each_expectation() {
     let suites: Vec<Node<'_, '_>> = root.children().filter(|node| node.has_tag_name("testsuite")).collect();
     let names: Vec<_> = suites.iter().map(|suite| suite.attribute("name").unwrap()).collect();
     assert_eq!(names, ["./a/ok.scenario.yaml", "./b.scenario.yaml", "./c.scenario.yaml"]);
+    let source = |suite: &Node<'_, '_>, place: usize| {
+        let cases: Vec<_> = suite.children().filter(|node| node.has_tag_name("testcase")).collect();
+        ["file", "line"].map(|name| cases[place].attribute(name).map(str::to_owned))
+    };
+    let at = |file: &str, line: Option<&str>| [Some(file.to_owned()), line.map(str::to_owned)];
+    assert_eq!(source(&suites[0], 0), at("./a/ok.scenario.yaml", None));
+    assert_eq!(source(&suites[1], 1), at("./b.scenario.yaml", Some("5")));
+    assert_eq!(source(&suites[2], 0), at("./c.scenario.yaml", Some("1")));
     let failure = suites[1].descendants().find(|node| node.has_tag_name("failure")).unwrap();
     assert!(failure.text().unwrap().starts_with("./b.scenario.yaml:5:5: x.command.position is 0 "), "{text}");
     let error = suites[2].descendants().find(|node| node.has_tag_name("error")).unwrap();

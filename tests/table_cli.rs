@@ -286,6 +286,15 @@ fn tables_are_converted_there_and_back() {
     );
     bench.good("convert snippet.yaml back.csv");
     assert_eq!(values(&bench.read("back.csv")), points);
+    // A snippet is replaced; a cell, and the description of a table, are not.
+    bench.good("convert knife.csv snippet.yaml");
+    bench.write("press.yaml", &format!("{CELL}{snippet}"));
+    for file in ["press.yaml", "knife.yaml"] {
+        let before = bench.read(file);
+        let said = bench.bad(&format!("convert knife.csv {file}"));
+        assert!(said.contains(&format!("{file} exists and is more than a table, so it is not replaced")), "{said}");
+        assert_eq!(bench.read(file), before);
+    }
     // As it stands in a cell.
     bench.write("whole.yaml", &format!("{CELL}{snippet}"));
     bench.good("convert whole.yaml cell.csv --name knife");

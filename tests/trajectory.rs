@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// A running machine and who talks to it.
 struct Bench {
     cyclone: Peer,
-    _program: Program,
+    program: Program,
     domain: Domain,
 }
 
@@ -30,7 +30,7 @@ impl Bench {
         let mut cyclone = Peer::cyclone(&domain);
         let program = Program::start(arguments, &domain);
         cyclone.run("axis-states /lineshaft");
-        Self { cyclone, _program: program, domain }
+        Self { cyclone, program, domain }
     }
 
     /// The demo with all its drives enabled.
@@ -596,6 +596,19 @@ fn the_topic_moves_and_stops_the_joints() {
     bench.cyclone.run("publish-trajectory /lineshaft --joint x --joint elbow --joint y --point 1:0,0,0");
     let log = bench.log();
     assert!(log.contains("joint_names has the joint `elbow`; there are x, y, turret"), "{log}");
+    // The machine refuses this one: x ends at 0.85 m.
+    bench.cyclone.run("events /lineshaft");
+    bench.cyclone.run(&publish(60.0, 0.9, 0.0, 0.0));
+    let log = bench.log();
+    let begin = "/lineshaft/joint_trajectory: message refused: ";
+    let refusal = log.lines().rfind(|line| line.contains("max_position"));
+    assert!(refusal.is_some_and(|line| line.starts_with(begin)), "{log}");
+    let seen = bench.cyclone.run("events /lineshaft --seconds 0.3");
+    let refused = seen.all().iter().map(|event| &event["message"]).find(|event| event["kind"] == "refused");
+    let names_topic = refused.and_then(|event| event["text"].as_str()).is_some_and(|text| text.starts_with(begin));
+    assert!(names_topic, "{seen:?}");
+    let written = bench.program.log();
+    assert!(written.contains(&format!("{begin}x: ")), "{written}");
     assert_eq!(bench.command("x"), rests);
 }
 

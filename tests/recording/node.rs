@@ -81,6 +81,23 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     demo.bench.lineshaft(&["replay", &changed]).with(3).says(&[&cycle, "y."]);
 }
 
+/// After cleanup no cycle runs: the last messages of the node have no cycle after them.
+#[test]
+fn messages_after_the_last_cycle_are_at_the_end_of_the_bag() {
+    let mut demo = Demo::start(&["--record", "BENCH/run.mcap"]);
+    for transition in ["deactivate", "cleanup"] {
+        let seen = demo.peer.run(&format!("change-state /lineshaft {transition}"));
+        assert_eq!(seen["success"][0], true, "{transition}: {}", demo.program.log());
+    }
+    demo.end();
+    let bag = demo.bench.path("run.mcap");
+    let seen = bag_check(["mcap", &bag]);
+    // Two of each transition: configure, activate, deactivate, cleanup.
+    assert_eq!(count(&seen, &["counts", "/lineshaft/transition_event"]), 8, "{seen}");
+    assert_eq!(reads_in_time_order([&bag]), count(&seen, &["messages"]));
+    demo.replays(&bag);
+}
+
 #[test]
 fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
     let mut demo = Demo::start(&["--record", "BENCH/bag", "--max-bag-duration", "2"]);

@@ -2,7 +2,7 @@
 
 use super::names::quote;
 use crate::document::Value;
-use lineshaft_ros::surface::table::{Kind, ROWS, Row};
+use lineshaft_ros::surface::table::{Kind, ROWS};
 
 /// Topics that a bag holds as the node publishes them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -15,6 +15,10 @@ pub enum RecordTopics {
 }
 
 impl RecordTopics {
+    /// Topics that every bag holds, by its cycles.
+    pub const ALWAYS: [&'static str; 6] =
+        ["~/commands", "~/inputs", "~/events", "~/signals", "~/axis_states", "joint_states"];
+
     /// Whether the topic of that name is recorded. Those of groups are chosen together: `~/arm/controller_state` by
     /// `~/controller_state`.
     pub fn holds(&self, name: &str) -> bool {
@@ -28,6 +32,12 @@ fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 
+/// The topics that can be chosen.
+fn chosen() -> impl Iterator<Item = &'static str> {
+    let published = ROWS.iter().filter(|row| row.kind == Kind::Publisher).map(|row| row.name);
+    published.filter(|name| !RecordTopics::ALWAYS.contains(name))
+}
+
 /// `all`, `none`, or a list of names.
 pub(super) fn read(value: &Value<'_>) -> Option<RecordTopics> {
     match value.peek() {
@@ -39,14 +49,14 @@ pub(super) fn read(value: &Value<'_>) -> Option<RecordTopics> {
     let values = value.list()?;
     for value in &values {
         let Some(text) = value.text() else { continue };
-        let is_known = |row: &&Row| row.kind == Kind::Publisher && row.name == text;
-        if ROWS.iter().any(|row| is_known(&row)) {
+        if chosen().any(|name| name == text) {
             names.push(text.to_owned());
-        } else {
-            let known = ROWS.iter().filter(|row| row.kind == Kind::Publisher).map(|row| row.name);
-            let known = known.collect::<Vec<_>>().join(", ");
-            value.refuse(format!("{} is {}; one of {known} is allowed", value.label(), quote(text)), None);
+            continue;
         }
+        // A name without an effect looks like a choice: leaving it out would change nothing.
+        let why = if RecordTopics::ALWAYS.contains(&text) { ", which is always recorded" } else { "" };
+        let allowed = chosen().collect::<Vec<_>>().join(", ");
+        value.refuse(format!("{} is {}{why}; one of {allowed} is allowed", value.label(), quote(text)), None);
     }
     (names.len() == values.len()).then_some(RecordTopics::Only(names))
 }
@@ -62,6 +72,28 @@ mod tests {
         assert!(some.holds("~/controller_state") && some.holds("~/arm/controller_state") && some.holds("/rosout"));
         assert!(!some.holds("~/errors"));
         assert!(!RecordTopics::Only(Vec::new()).holds("/rosout"));
+    }
+
+    /// What `ros2 bag record -a` records of a node, parameter events included, is in `all`.
+    #[test]
+    fn all_published_topics_are_chosen_or_always_recorded() {
+        let chosen: Vec<_> = chosen().collect();
+        assert_eq!(
+            chosen,
+            [
+                "~/shaft",
+                "~/functions",
+                "~/errors",
+                "/parameter_events",
+                "/rosout",
+                "robot_description",
+                "~/transition_event",
+                "/diagnostics",
+                "~/cycle_statistics",
+                "~/controller_state"
+            ]
+        );
+        assert!(chosen.iter().all(|name| RecordTopics::All.holds(name)));
     }
 
     #[test]

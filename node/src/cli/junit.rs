@@ -1,6 +1,7 @@
 //! Results of tests as JUnit XML, which Jenkins, GitLab and GitHub actions read.
 //!
-//! Law      elements and attributes are those of the schema junit-10.xsd of Jenkins' xunit plugin, the strictest of these readers
+//! Law      elements and attributes are those of the schema junit-10.xsd of Jenkins' xunit plugin, the strictest of these readers, and
+//!          `file` and `line` of test cases: GitLab and actions of GitHub link them, and the plugin has them in some versions
 //! Refuses  nothing: characters that XML 1.0 does not have are written as `\u{1b}`
 
 use super::{Exit, command_output::Output};
@@ -29,8 +30,19 @@ pub(super) struct Suite {
 pub(super) struct Case {
     /// Its name; where several of a suite have the same, the later ones get a number.
     pub(super) name: String,
+    /// Where it is written, if it is in a file of text.
+    pub(super) source: Option<Source>,
     /// What became of it.
     pub(super) outcome: Outcome,
+}
+
+/// Where a test case is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Source {
+    /// The file, as it was given.
+    pub(super) file: String,
+    /// From 1, if it is one line.
+    pub(super) line: Option<usize>,
 }
 
 /// What became of a test case.
@@ -48,7 +60,7 @@ pub(super) enum Outcome {
 impl Suite {
     /// A suite with one case that could not run.
     pub(super) fn not_run(reason: &str) -> Self {
-        let case = Case { name: "scenarios".to_owned(), outcome: Outcome::Error(reason.to_owned()) };
+        let case = Case { name: "scenarios".to_owned(), source: None, outcome: Outcome::Error(reason.to_owned()) };
         Self {
             name: "lineshaft".to_owned(),
             properties: Vec::new(),
@@ -142,9 +154,19 @@ fn push_suite(text: &mut String, suite: &Suite) {
         let number = if *count > 1 { format!(" ({count})") } else { String::new() };
         let (class, name) = (escaped(&suite.class), escaped(&case.name));
         push(text, format_args!("    <testcase classname=\"{class}\" name=\"{name}{number}\""));
+        push_source(text, case.source.as_ref());
         push_outcome(text, &case.outcome);
     }
     text.push_str("  </testsuite>\n");
+}
+
+/// The attributes `file` and `line` of a test case.
+fn push_source(text: &mut String, source: Option<&Source>) {
+    let Some(Source { file, line }) = source else { return };
+    push(text, format_args!(" file=\"{}\"", escaped(file)));
+    if let Some(line) = line {
+        push(text, format_args!(" line=\"{line}\""));
+    }
 }
 
 /// The rest of a test case, after its attributes.
@@ -196,7 +218,11 @@ mod tests {
     use roxmltree::{Document, Node};
 
     fn case(name: &str, outcome: Outcome) -> Case {
-        Case { name: name.to_owned(), outcome }
+        Case { name: name.to_owned(), source: None, outcome }
+    }
+
+    fn at(file: &str, line: Option<usize>) -> Option<Source> {
+        Some(Source { file: file.to_owned(), line })
     }
 
     fn named<'a, 'd>(node: Node<'a, 'd>, name: &'static str) -> Vec<Node<'a, 'd>> {
@@ -220,8 +246,11 @@ mod tests {
                 seconds: 1.5,
                 class: "a".to_owned(),
                 cases: vec![
-                    case("one", Outcome::Passed),
-                    case("two", Outcome::Failed("a.scenario.yaml:4:5: x is 1\nmore".to_owned())),
+                    Case { source: at("a & b/a.scenario.yaml", None), ..case("one", Outcome::Passed) },
+                    Case {
+                        source: at("a.scenario.yaml", Some(4)),
+                        ..case("two", Outcome::Failed("a.scenario.yaml:4:5: x is 1\nmore".to_owned()))
+                    },
                     case("two", Outcome::Skipped("step `s` never fired".to_owned())),
                 ],
             },
@@ -243,7 +272,7 @@ mod tests {
             let required = ["name", "tests", "failures", "errors"];
             assert_attributes(*suite, &[&required[..], &["time", "skipped"][..]].concat(), &required);
             for case in named(*suite, "testcase") {
-                assert_attributes(case, &["name", "classname", "time"], &["name"]);
+                assert_attributes(case, &["name", "classname", "time", "file", "line"], &["name"]);
             }
         }
         let counts = |suite: Node<'_, '_>| {
@@ -257,6 +286,9 @@ mod tests {
         let names: Vec<_> =
             cases.iter().map(|case| (case.attribute("classname").unwrap(), case.attribute("name").unwrap())).collect();
         assert_eq!(names, [("a", "one"), ("a", "two"), ("a", "two (2)")]);
+        let sources: Vec<_> = cases.iter().map(|case| (case.attribute("file"), case.attribute("line"))).collect();
+        let second = (Some("a.scenario.yaml"), Some("4"));
+        assert_eq!(sources, [(Some("a & b/a.scenario.yaml"), None), second, (None, None)]);
         let failure = named(cases[1], "failure")[0];
         assert_eq!(failure.attribute("message"), Some("a.scenario.yaml:4:5: x is 1"));
         assert_eq!(failure.text(), Some("a.scenario.yaml:4:5: x is 1\nmore"));

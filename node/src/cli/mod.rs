@@ -15,6 +15,7 @@ mod limits;
 mod logging;
 mod man;
 mod new;
+mod outputs;
 mod params;
 mod plot;
 mod program;
@@ -332,7 +333,7 @@ struct ValidateArgs {
     #[arg(long, value_enum, default_value_t)]
     align: AlignArg,
     /// Write a JUnit report, one test case for each signal; a file that exists is replaced
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = outputs::report())]
     junit: Option<PathBuf>,
     /// Print one JSON object (docs/json.md) instead of the report
     #[arg(long)]
@@ -466,13 +467,13 @@ struct SimArgs {
     #[arg(long, value_name = "N", requires = "all", conflicts_with = "scenario", value_parser = value_parser!(u16).range(1..=256))]
     jobs: Option<u16>,
     /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = outputs::report())]
     junit: Option<PathBuf>,
     /// Print one JSON object (docs/json.md) instead of the report
     #[arg(long, conflicts_with = "events")]
     json: bool,
-    /// Write the traced signals to this file
-    #[arg(long, value_name = "FILE")]
+    /// Write the traced signals to this file; one that exists is replaced
+    #[arg(long, value_name = "FILE", value_parser = outputs::trace())]
     csv: Option<PathBuf>,
     /// Print every event as it comes: cycle, severity, kind, sentence and code
     #[arg(long)]

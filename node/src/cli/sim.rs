@@ -10,9 +10,10 @@ use super::command_output::Output;
 use super::{Exit, SimArgs, junit, store};
 use crate::cell::Cell;
 use crate::interrupt::Interrupt;
-use crate::scenario::{Options, Scenario, cell_of, other_cell, simulate_with};
+use crate::scenario::{Options, Scenario, SimulateError, cell_of, other_cell, simulate_with};
 use serde_json::json;
 use std::path::Path;
+use std::{fs, io};
 
 pub(super) const HELP: &str = "\
 Examples:
@@ -66,7 +67,20 @@ fn one(args: &SimArgs, scenario: &Path, interrupt: Interrupt) -> Played {
     Played::new(scenario, cell, note, |cell| {
         let mut loaded = Cell::load(cell)?;
         let read = Scenario::load(scenario, &loaded)?;
+        refuse_input(args.csv.as_deref(), cell, &loaded)?;
         let store = store::open_silently(&args.store, &mut loaded).map_err(Trouble::Store)?;
         simulate_with(&loaded, &read, &options, store).map_err(Trouble::Simulate)
     })
+}
+
+/// Refuses a trace that would replace a table of the cell.
+fn refuse_input(csv: Option<&Path>, cell: &Path, loaded: &Cell) -> Result<(), Trouble> {
+    let Some(csv) = csv else { return Ok(()) };
+    let Ok(found) = fs::canonicalize(csv) else { return Ok(()) };
+    let is_read = |name: &String| fs::canonicalize(cell.with_file_name(name)).is_ok_and(|path| path == found);
+    if loaded.files.keys().any(is_read) {
+        let error = io::Error::other(format!("{} reads it; name another file", cell.display()));
+        return Err(Trouble::Simulate(SimulateError::Csv { path: csv.to_owned(), error }));
+    }
+    Ok(())
 }

@@ -25,7 +25,7 @@ pub(super) fn validate(args: &ValidateArgs) -> Exit {
         }
         Err(sentence) => {
             output.complain(&sentence);
-            (Exit::Usage, vec![Case { name: "compare".to_owned(), outcome: Outcome::Error(sentence) }])
+            (Exit::Usage, vec![Case { name: "compare".to_owned(), source: None, outcome: Outcome::Error(sentence) }])
         }
     };
     let (run, expected) = (args.run.display(), args.against.display());
@@ -88,7 +88,7 @@ fn object(line: &Line) -> Json {
 
 fn case(line: &Line) -> Case {
     let outcome = if line.passed() { Outcome::Passed } else { Outcome::Failed(line.sentence()) };
-    Case { name: format!("{} ({})", line.name, line.topic), outcome }
+    Case { name: format!("{} ({})", line.name, line.topic), source: None, outcome }
 }
 
 #[cfg(test)]

@@ -59,8 +59,12 @@ impl<'a, A: Action> Goals<'a, A> {
     /// # Errors
     /// The node has no such action.
     pub(super) async fn open(session: &'a Session, action: &'static str) -> Result<Self, Failure> {
+        Self::with_stop(session, action, Stop::listen()?).await
+    }
+
+    async fn with_stop(session: &'a Session, action: &'static str, stop: Stop) -> Result<Self, Failure> {
         let client = session.action::<A>(action)?;
-        let (log, stop) = (NodeLog::open(session)?, Stop::listen()?);
+        let log = NodeLog::open(session)?;
         session.matched(&client.name().to_string(), || servers(client.servers())).await?;
         Ok(Self { session, client, log, stop, action, accepted: Vec::new(), stopping: None })
     }
@@ -240,7 +244,75 @@ async fn until(limit: Option<Instant>) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_node::{LONG, TestNode};
     use super::*;
+    use lineshaft_msgs::action::{HomeAxis, HomeAxisGoal, HomeAxisResult};
+    use lineshaft_ros::layer::{ActionEvent, ActionOptions, ActionServer, GoalRequest};
+
+    async fn next(server: &mut ActionServer<HomeAxis>) -> GoalRequest<HomeAxis> {
+        match timeout(LONG, server.next()).await.expect("a goal in time") {
+            Some(ActionEvent::Goal(request)) => request,
+            _ => panic!("no goal"),
+        }
+    }
+
+    fn goals() -> Vec<HomeAxisGoal> {
+        ["x", "y", "z"].map(|axis| HomeAxisGoal { axis: axis.to_owned(), ..HomeAxisGoal::default() }).into()
+    }
+
+    /// `home x y z`: y is answered later than the timeout.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn late_answer_to_a_goal_cancels_all_goals_of_the_command() {
+        let served = TestNode::start("late_goal");
+        let mut server = served.node.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+        let session = served.session().await;
+        let (_signals, stop) = Stop::made();
+        let mut command = Goals::<HomeAxis>::with_stop(&session, "home_axis", stop).await.unwrap();
+        let node = async {
+            let first = next(&mut server).await.accept();
+            let second = next(&mut server).await;
+            timeout(LONG, first.cancel_requested()).await.expect("the goal that runs is canceled");
+            first.canceled(HomeAxisResult::default());
+            // The answer comes after all.
+            let second = second.accept();
+            timeout(LONG, second.cancel_requested()).await.expect("the late goal is canceled");
+            second.canceled(HomeAxisResult::default());
+        };
+        let (ends, ()) = tokio::join!(command.run(goals(), |_, _| {}), node);
+        let ends: Vec<_> = ends
+            .unwrap()
+            .into_iter()
+            .map(|end| match end {
+                Ended::Over { status, .. } => format!("status {status}"),
+                Ended::Rejected(reason) => reason,
+            })
+            .collect();
+        // GoalStatus.msg: STATUS_CANCELED is 5.
+        assert_eq!(ends, ["status 5", "status 5", "it was not begun, because the command ends"]);
+    }
+
+    /// The node is asked to cancel each goal that runs, and no further goal is sent.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn signal_cancels_all_goals_and_begins_no_further_one() {
+        let served = TestNode::start("signal_goals");
+        let mut server = served.node.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+        let session = served.session().await;
+        let (signals, stop) = Stop::made();
+        let mut command = Goals::<HomeAxis>::with_stop(&session, "home_axis", stop).await.unwrap();
+        let node = async {
+            let first = next(&mut server).await.accept();
+            let second = next(&mut server).await;
+            signals.send(()).unwrap();
+            timeout(LONG, first.cancel_requested()).await.expect("the goal that runs is canceled");
+            first.canceled(HomeAxisResult::default());
+            let second = second.accept();
+            timeout(LONG, second.cancel_requested()).await.expect("the goal that was sent is canceled");
+            second.canceled(HomeAxisResult::default());
+        };
+        let (ends, ()) = tokio::join!(command.run(goals(), |_, _| {}), node);
+        let rejected = ends.unwrap().iter().filter(|end| matches!(end, Ended::Rejected(_))).count();
+        assert_eq!(rejected, 1);
+    }
 
     #[test]
     fn action_is_there_when_all_of_its_services_are() {

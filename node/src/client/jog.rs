@@ -270,8 +270,38 @@ impl Stream<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_node::{LONG, TestNode};
     use super::*;
     use lineshaft_msgs::cdr;
+
+    /// The signal and the first velocity are due at the same time.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn signal_before_the_first_velocity_lets_no_motion_begin() {
+        let served = TestNode::start("jog_signal");
+        let mut heard = served.node.subscription::<Setpoints>("~/setpoints", Qos::STREAM).unwrap();
+        let session = served.session().await;
+        let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM).unwrap();
+        session.matched("setpoints", || setpoints.subscriptions().min(1)).await.unwrap();
+        let (signals, stop) = Stop::made();
+        signals.send(()).unwrap();
+        let mut stream = Stream {
+            session: &session,
+            states: axis_states(&session).unwrap(),
+            events: session.topic::<Event>("events", Qos::EVENTS).unwrap(),
+            log: NodeLog::open(&session).unwrap(),
+            setpoints,
+            ticks: interval(PERIOD),
+            stop,
+            axis: "x",
+            shown: Shown { kind: ScaleKind::Linear, unit: None, progress: Progress::new() },
+            has_moved: false,
+        };
+        stream.run(0.5, None).await.unwrap();
+        stream.setpoints.publish(&message("x", 0.25)).unwrap();
+        // Messages of a publisher keep their order: this one is the first.
+        let first = timeout(LONG, heard.next()).await.unwrap().unwrap();
+        assert_eq!(first.velocities, [0.25]);
+    }
 
     #[test]
     fn message_names_the_axis_and_its_velocity_without_a_stamp() {

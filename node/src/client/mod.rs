@@ -17,6 +17,8 @@ mod output;
 mod session;
 mod state;
 mod stop;
+#[cfg(test)]
+mod test_node;
 
 pub(crate) use self::amount::Given;
 pub(crate) use self::axes::{AxesService, command_axes};

@@ -56,14 +56,24 @@ impl Session {
     /// The environment is invalid, no node answers, or several do.
     pub(super) async fn open(options: &Options) -> Result<Self, Failure> {
         let environment = Environment::read().map_err(Failure::usage)?;
+        // Tools of ROS 2 hide nodes whose name begins with an underscore.
+        let name = format!("_lineshaft_client_{}", std::process::id());
+        Self::open_in(environment, Side::of_this_program(), &name, options).await
+    }
+
+    /// The same in this environment, with this ROS side, as a node of this name.
+    pub(super) async fn open_in(
+        environment: Environment,
+        side: Side,
+        name: &str,
+        options: &Options,
+    ) -> Result<Self, Failure> {
         let (lost, loss) = watch::channel(None);
         let on_loss: OnLoss = Arc::new(move |why: &Loss| {
             lost.send_replace(Some(why.reason.clone()));
         });
-        let side = SideOptions { side: Side::of_this_program(), on_loss, ..SideOptions::default() };
-        // Tools of ROS 2 hide nodes whose name begins with an underscore.
-        let name = format!("_lineshaft_client_{}", std::process::id());
-        let name = NodeName::new("/", &name).map_err(Failure::failed)?;
+        let side = SideOptions { side, on_loss, ..SideOptions::default() };
+        let name = NodeName::new("/", name).map_err(Failure::failed)?;
         let options_of_node = NodeOptions { side, rosout: false, ..NodeOptions::plain(name) };
         let node = Node::with(options_of_node, &environment)
             .map_err(|error| Failure::Failed(format!("the DDS domain cannot be joined: {error}")))?;

@@ -14,14 +14,14 @@ mod place;
 mod retained;
 mod topics;
 
-use super::metadata::{FileInformation, Metadata, TopicInformation};
+use super::metadata::{self, FileInformation, Metadata, TopicInformation};
 use super::{CycleTime, Encoded};
 use crate::cell::Cell;
 use crate::parameters::parameters_text;
 use crate::store::store_text;
 use disk::Medium;
 use file::{BagFile, Counts, Opening};
-use lineshaft_ros::layer::{NodeName, TappedTopic};
+use lineshaft_ros::layer::{NodeName, TappedMessage, TappedTopic};
 use place::Place;
 pub(crate) use retained::Retained;
 use std::borrow::Cow;
@@ -131,6 +131,8 @@ pub struct Bag {
     topics: Vec<Offered>,
     /// Latched messages so far: each further file begins with them.
     retained: Retained,
+    /// Messages that the node has published after the last cycle.
+    late: Vec<TappedMessage>,
     open: Open,
     ended: Vec<Ended>,
     file: Option<BagFile>,
@@ -225,6 +227,7 @@ impl Bag {
             cell_sha256,
             topics,
             retained,
+            late: Vec::new(),
             open,
             ended: Vec::new(),
             file: None,
@@ -283,6 +286,11 @@ impl Bag {
         self.lost.noted = self.lost.noted.saturating_add(cycles);
     }
 
+    /// Takes messages that the node has published after the last cycle: the bag ends with them.
+    pub fn add_late(&mut self, messages: Vec<TappedMessage>) {
+        self.late.extend(messages);
+    }
+
     /// Ends the bag.
     ///
     /// # Errors
@@ -294,6 +302,8 @@ impl Bag {
         if self.next.is_none() {
             self.begin_file(None)?;
         }
+        let late = std::mem::take(&mut self.late);
+        self.on_file(|file| file.put_late(&late))?;
         self.end_file(false)?;
         self.write_metadata(self.is_replayable())?;
         Ok(self.summary())
@@ -359,7 +369,7 @@ impl Bag {
         Ok(())
     }
 
-    /// Writes what stands before the first cycle; without a cycle, the bag stays empty.
+    /// Writes what comes before the first cycle; without a cycle, the bag has no more than [late messages](Self::add_late).
     fn begin_file(&mut self, first: Option<&Encoded>) -> Result<(), BagError> {
         if let Some(first) = first {
             self.shift_ns.get_or_insert(first.time.ahead_ns());
@@ -463,7 +473,7 @@ impl Bag {
             messages: count(place),
         };
         let (kind, is) = self.place.kind();
-        let metadata = Metadata {
+        let description = Metadata {
             files: self.ended.iter().map(|file| file.counts.information(&file.path)).collect::<Vec<FileInformation>>(),
             topics: self.topics.iter().enumerate().map(topic).collect(),
             custom: vec![
@@ -474,8 +484,10 @@ impl Bag {
                 ("lost", (self.lost_before + self.lost.count()).to_string()),
             ],
         };
-        let written = metadata.write(self.place.folder());
-        written.map(drop).map_err(|(path, error)| BagError::Write { path, error })
+        let failed = |path: &Path, error| BagError::Write { path: path.to_owned(), error };
+        let usual = self.place.folder().join(metadata::FILE_NAME);
+        let path = self.place.description().map_err(|error| failed(&usual, error))?;
+        description.write(&path).map_err(|error| failed(&path, error))
     }
 }
 

@@ -4,7 +4,7 @@ use crate::whole_file::WholeFile;
 use lineshaft_ros::layer::Qos;
 use std::fmt::Write as _;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Its file name.
 pub const FILE_NAME: &str = "metadata.yaml";
@@ -82,17 +82,12 @@ impl Metadata {
         Some((spans().map(|(first, _)| first).min()?, spans().map(|(_, last)| last).max()?))
     }
 
-    /// Writes the file into a folder: whole, or not at all. An older one is replaced. Gives its path.
+    /// Writes the file at a path: whole, or not at all. An older one is replaced.
     ///
     /// # Errors
-    /// What could not be done with which path; nothing is left behind then.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, (PathBuf, io::Error)> {
-        let path = folder.join(FILE_NAME);
-        let written = WholeFile::write(&path, self.text().as_bytes(), None).and_then(WholeFile::take_place);
-        match written {
-            Ok(()) => Ok(path),
-            Err(error) => Err((path, error)),
-        }
+    /// What the system says; nothing is left behind then.
+    pub fn write(&self, path: &Path) -> io::Result<()> {
+        WholeFile::write(path, self.text().as_bytes(), None).and_then(WholeFile::take_place)
     }
 }
 
@@ -137,7 +132,7 @@ pub(super) fn qos_text(qos: Qos, indent: usize) -> String {
 }
 
 /// A text in double quotes, with what would end or bend it escaped.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
@@ -266,15 +261,15 @@ rosbag2_bagfile_information:
     fn a_file_is_replaced_whole_and_nothing_is_left_of_one_that_fails() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(FILE_NAME), "old").unwrap();
-        let path = metadata(&["a"]).write(folder.path()).unwrap();
+        let path = folder.path().join(FILE_NAME);
+        metadata(&["a"]).write(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), metadata(&["a"]).text());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 
         // A folder of that name cannot be replaced by a file.
         fs::remove_file(&path).unwrap();
         fs::create_dir_all(path.join("in the way")).unwrap();
-        let (refused, _) = metadata(&["a"]).write(folder.path()).unwrap_err();
-        assert_eq!(refused, path);
+        metadata(&["a"]).write(&path).unwrap_err();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

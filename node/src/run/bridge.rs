@@ -32,7 +32,7 @@ use lineshaft_ros::surface::host::{
     BackendHealth, Busy, Coming, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
     TuneOrder, Tuning,
 };
-use lineshaft_ros::surface::{JointNames, StateSender, is_told};
+use lineshaft_ros::surface::{JointNames, StateSender, TopicCommands, is_told};
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
@@ -71,6 +71,7 @@ pub struct Handle {
     begins_active: bool,
     /// Command of the newest [`Code::CLOCK_STEPPED`] whose event was published.
     clock_stepped: AtomicU64,
+    topic_commands: TopicCommands,
 }
 
 /// The signals of the newest cycle, taken when they are asked for.
@@ -123,6 +124,7 @@ impl Handle {
             trials,
             begins_active: true,
             clock_stepped: AtomicU64::new(0),
+            topic_commands: TopicCommands::default(),
             robot_description: None,
             controller_manager: None,
             joint_names,
@@ -257,6 +259,10 @@ impl Host for Handle {
 
     fn submit(&self, action: Action) -> Result<u64, Busy> {
         self.submit_as(Source::Ros, action)
+    }
+
+    fn topic_commands(&self) -> Option<&TopicCommands> {
+        Some(&self.topic_commands)
     }
 
     fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
@@ -486,7 +492,7 @@ impl Bridge {
 /// One line for what a person would want to know.
 fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     let event = &event.event;
-    let sentence = || text::sentence(event, &handle.config);
+    let sentence = || handle.topic_commands.sentence(event, &handle.config);
     // An emergency message with code 0: what was told as a warning is over.
     let is_over = event.severity == Severity::Info && matches!(event.code, Code::EMERGENCY | Code::FOREIGN_EMERGENCY);
     let kind = if is_over { Line::Over } else { Line::Event };

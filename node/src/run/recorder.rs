@@ -148,9 +148,9 @@ impl Recorder {
 
     /// Takes what there is; true when there is more.
     fn look(&mut self) -> bool {
-        let is_recorded = self.writer.is_some();
+        let is_wanted = self.writer.is_some() || self.waiting.is_some();
         if let Some(published) = &mut self.published {
-            published.hear(is_recorded);
+            published.hear(is_wanted);
         }
         let mut left = MOST_CYCLES;
         while left > 0
@@ -192,6 +192,8 @@ impl Recorder {
             {
                 self.missing += 1;
             }
+        } else if let Some(published) = &mut self.published {
+            published.skip(head.time.stamp_ns);
         }
         // A fault in a cycle that was left out is one all the same.
         let is_fault = self.taken.left_out.iter().chain(&self.taken.extras.events).any(is_fault);
@@ -251,6 +253,14 @@ impl Recorder {
         }
     }
 
+    /// Begins a bag with the next cycle that one may begin with.
+    fn wait_to_begin(&mut self, options: BagOptions, answer: Answer) {
+        if let Some(published) = &self.published {
+            published.open();
+        }
+        self.waiting = Some((options, answer));
+    }
+
     fn begin_waiting(&mut self, cycle: &Encoded) {
         if cycle.can_begin()
             && let Some((options, answer)) = self.waiting.take()
@@ -301,6 +311,9 @@ impl Recorder {
         let unseen = self.frames.lost().saturating_sub(self.gaps);
         if unseen > 0 {
             writer.lose(unseen);
+        }
+        if let Some(published) = &mut self.published {
+            writer.push_late(published.take_rest());
         }
         Some(writer)
     }

@@ -4,6 +4,7 @@ use super::spawn;
 use crate::recording::Encoded;
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use lineshaft_msgs::srv::RecordResponse;
+use lineshaft_ros::layer::TappedMessage;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -17,6 +18,7 @@ const MOST_WAITING: usize = 256 << 20;
 enum Job {
     Cycle(Arc<Encoded>),
     Lost(u64),
+    Late(Vec<TappedMessage>),
 }
 
 /// Why a bag has no good end.
@@ -111,6 +113,11 @@ impl Writer {
         let _ = self.jobs.send(Job::Lost(cycles));
     }
 
+    /// Gives it the messages that the node has published after the last cycle.
+    pub fn push_late(&self, messages: Vec<TappedMessage>) {
+        let _ = self.jobs.send(Job::Late(messages));
+    }
+
     /// Bytes on the disk so far.
     pub fn size(&self) -> u64 {
         self.progress.size.load(Ordering::Relaxed)
@@ -143,6 +150,7 @@ fn write(mut bag: Bag, todo: &Receiver<Job>, progress: &Progress) -> Result<Summ
                 progress.size.store(bag.size(), Ordering::Relaxed);
             }
             Job::Lost(cycles) => bag.note_lost(cycles),
+            Job::Late(messages) => bag.add_late(messages),
         }
     }
     bag.finish()

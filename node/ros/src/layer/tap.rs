@@ -1,10 +1,11 @@
 //! Copies of the messages that a node publishes, for a recorder.
 //!
-//! Law      a publisher never waits for the recorder: a copy that finds no room is dropped and counted
+//! Law      a publisher never waits for the recorder: a copy that finds no room is dropped and counted; while the tap is
+//!          closed only retained topics are copied, so that a bag that begins later begins with their messages
 //! Reads    the serialized messages of publishers, chosen by the names that the node uses for them
 
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -28,6 +29,18 @@ pub struct TappedTopic {
     pub qos: Qos,
 }
 
+impl TappedTopic {
+    /// Whether a bag that begins later begins with its latest messages: those of topics that are transient local, without
+    /// a lifespan (`/rosout`).
+    pub fn is_retained(&self) -> bool {
+        is_retained(self.qos)
+    }
+}
+
+fn is_retained(qos: Qos) -> bool {
+    qos.latched && qos.lifespan.is_none()
+}
+
 /// A copy of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TappedMessage {
@@ -47,15 +60,29 @@ struct Inner {
     wants: Box<dyn Fn(&str) -> bool + Send + Sync>,
     topics: Mutex<Vec<TappedTopic>>,
     sender: SyncSender<TappedMessage>,
+    /// Whether all messages are copied, instead of those of retained topics.
+    is_open: AtomicBool,
     lost: AtomicU64,
 }
 
 impl Tap {
-    /// A tap for the publishers that `wants` chooses by their names (`~/errors`), and the copies.
+    /// A tap for the publishers that `wants` chooses by their names (`~/errors`), and the copies. It begins open: the
+    /// recorder starts after the first publishers, and closes it if there is no bag.
     pub fn new(wants: impl Fn(&str) -> bool + Send + Sync + 'static) -> (Self, Receiver<TappedMessage>) {
         let (sender, receiver) = sync_channel(ROOM);
-        let inner = Inner { wants: Box::new(wants), topics: Mutex::default(), sender, lost: AtomicU64::new(0) };
+        let (is_open, lost) = (AtomicBool::new(true), AtomicU64::new(0));
+        let inner = Inner { wants: Box::new(wants), topics: Mutex::default(), sender, is_open, lost };
         (Self(Arc::new(inner)), receiver)
+    }
+
+    /// Opens or closes the tap: a closed one copies the messages of retained topics alone.
+    pub fn set_open(&self, is_open: bool) {
+        self.0.is_open.store(is_open, Ordering::Relaxed);
+    }
+
+    /// Whether all messages are copied.
+    pub fn is_open(&self) -> bool {
+        self.0.is_open.load(Ordering::Relaxed)
     }
 
     /// The topics so far, in the order in which they were opened.
@@ -86,7 +113,7 @@ impl Tap {
             topics.push(TappedTopic { name, schema, qos });
             topics.len() - 1
         });
-        Some(TappedPublisher { tap: self.clone(), topic })
+        Some(TappedPublisher { tap: self.clone(), topic, is_retained: is_retained(qos) })
     }
 }
 
@@ -100,11 +127,15 @@ impl fmt::Debug for Tap {
 pub(super) struct TappedPublisher {
     tap: Tap,
     topic: usize,
+    is_retained: bool,
 }
 
 impl TappedPublisher {
-    /// Copies a serialized message without header. Never waits.
+    /// Copies a serialized message without header, if the tap is open or its topic is retained. Never waits.
     pub(super) fn copy(&self, body: &[u8]) {
+        if !self.is_retained && !self.tap.is_open() {
+            return;
+        }
         // A clock before 1970 gives 1970; the cast ends in the year 2554.
         let published_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
         let data = [&HEADER[..], body].concat();
@@ -140,6 +171,34 @@ mod tests {
         }
         let seen: Vec<_> = copies.try_iter().map(|copy| (copy.topic, copy.data)).collect();
         assert_eq!(seen, [(1, vec![0, 1, 0, 0, 1, 2]), (0, vec![0, 1, 0, 0, 3, 4]), (1, vec![0, 1, 0, 0, 5, 6])]);
+    }
+
+    #[test]
+    fn closed_tap_copies_retained_topics_alone() {
+        let (tap, copies) = Tap::new(|_| true);
+        let schema = ("std_msgs/msg/String", "string data");
+        let [errors, rosout, shaft, description] = [
+            ("~/errors", Qos::HISTORY),
+            ("/rosout", Qos::ROSOUT),
+            ("~/shaft", Qos::STREAM),
+            ("robot_description", Qos::STATUS),
+        ]
+        .map(|(name, qos)| tap.open(&node(), name, schema, qos).unwrap());
+        let retained: Vec<_> = tap.topics().iter().map(TappedTopic::is_retained).collect();
+        assert_eq!(retained, [true, false, false, true]);
+        let publish = || {
+            [&errors, &rosout, &shaft, &description].iter().for_each(|publisher| publisher.copy(&[7]));
+            copies.try_iter().map(|copy| copy.topic).collect::<Vec<_>>()
+        };
+        assert_eq!(publish(), [0, 1, 2, 3], "it begins open");
+        tap.set_open(false);
+        assert_eq!(publish(), [0, 3]);
+        for _ in 0..=ROOM {
+            shaft.copy(&[7]);
+        }
+        assert_eq!(tap.lost(), 0, "what is not copied is not lost");
+        tap.set_open(true);
+        assert_eq!(publish(), [0, 1, 2, 3]);
     }
 
     #[test]

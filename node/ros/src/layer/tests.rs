@@ -249,6 +249,32 @@ async fn the_application_decides_about_cancel_requests_if_it_wants() {
     assert_eq!(client.cancels.receive().await.return_code, 3, "it has ended");
 }
 
+/// A client that is interrupted cancels all goals without waiting for the answer to the one that it has sent.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
+    let serving = node("cancels");
+    let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let mut client = Asking::new("cancels").await;
+    client.send_goal(1);
+    let undecided = goal(&mut server).await;
+    client.send_cancel(0);
+    let CancelGoalResponse { return_code, goals_canceling } = client.cancels.receive().await;
+    assert_eq!((return_code, goals_canceling.len()), (0, 1));
+    let handle = undecided.accept();
+    assert!(handle.is_cancel_requested());
+    handle.canceled(HomeAxisResult::default());
+    assert_eq!(client.result(1).await.0, 5);
+    // The two requests in one go, by different services.
+    for id in 2..22 {
+        client.send_goal(id);
+        client.send_cancel(if id % 2 == 0 { 0 } else { id });
+        let handle = goal(&mut server).await.accept();
+        timeout(LONG, handle.cancel_requested()).await.expect("it is canceled");
+        assert_eq!(client.cancels.receive().await.return_code, 0, "goal {id}");
+        handle.canceled(HomeAxisResult::default());
+    }
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn goals_are_stamped_by_the_clock_of_the_node() {
     let serving = node("stamps");

@@ -134,6 +134,8 @@ pub(crate) struct Sample {
     pub(crate) related: Option<Related>,
     /// Whether it was written before the reader existed, for an earlier run of the node.
     pub(crate) is_stale: bool,
+    /// Time of writing by the clock of its writer, in ticks of 2^-32 s since 1970; `None` if the writer does not send it.
+    pub(crate) written: Option<u64>,
     /// Reception time in nanoseconds, by the monotonic clock of the host, which both processes share.
     pub(crate) came_ns: u64,
     pub(crate) is_big_endian: bool,

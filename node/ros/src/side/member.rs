@@ -93,7 +93,7 @@ impl Shared {
             matched: heard.since.elapsed(),
             is_local: heard.is_local,
         };
-        Sample { id, related, is_stale: is_stale(known), came_ns: monotonic_ns(), is_big_endian, bytes }
+        Sample { id, related, is_stale: is_stale(known), written, came_ns: monotonic_ns(), is_big_endian, bytes }
     }
 
     /// Whether it is a participant of this program.

@@ -1,6 +1,7 @@
 //! What the surface needs of the program that runs the machine.
 
 use super::joint_names::JointNames;
+use super::topic_commands::TopicCommands;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::MachineConfig;
@@ -229,6 +230,11 @@ pub trait Host: Send + Sync + 'static {
     /// # Errors
     /// The lane is full, or no cycle runs; nothing was handed over.
     fn submit(&self, action: Action) -> Result<u64, Busy>;
+
+    /// Commands that came as messages of topics, if events are to name these topics.
+    fn topic_commands(&self) -> Option<&TopicCommands> {
+        None
+    }
 
     /// Hands streamed setpoints over: each takes the place of the last one of its axis, and all of them enter the same cycle. None
     /// is answered; what an axis does not follow it tells by a warning.

@@ -126,9 +126,24 @@ impl Hub {
     /// # Errors
     /// The machine's lane is full.
     pub(super) fn submit(self: &Arc<Self>, action: Action) -> Result<Answers, Busy> {
+        self.submit_with(|| self.host.submit(action))
+    }
+
+    /// The same for a message of a topic, which the event names if the machine refuses it.
+    ///
+    /// # Errors
+    /// Likewise.
+    pub(super) fn submit_message(self: &Arc<Self>, topic: &str, action: Action) -> Result<Answers, Busy> {
+        self.submit_with(|| match self.host.topic_commands() {
+            Some(commands) => commands.submit(topic, || self.host.submit(action)),
+            None => self.host.submit(action),
+        })
+    }
+
+    fn submit_with(self: &Arc<Self>, submit: impl FnOnce() -> Result<u64, Busy>) -> Result<Answers, Busy> {
         let (sender, events) = unbounded_channel();
         let mut waiting = self.waiting();
-        let sequence = self.host.submit(action)?;
+        let sequence = submit()?;
         waiting.insert(sequence, Place::Asker(sender));
         drop(waiting);
         Ok(Answers { sequence, events, hub: Arc::clone(self) })
@@ -188,7 +203,10 @@ impl Hub {
         while let Some(event) = events.recv().await {
             let refused = self.deliver(&event);
             let config = self.host.config();
-            let sentence = refused.unwrap_or_else(|| text::sentence(&event.event, config));
+            let sentence = refused.unwrap_or_else(|| match self.host.topic_commands() {
+                Some(commands) => commands.sentence(&event.event, config),
+                None => text::sentence(&event.event, config),
+            });
             let message = messages::event(&event.event, self.clock.stamp(event.stamp_ns), config, sentence);
             if let (Kind::Error, Object::Axis(axis)) = (event.event.kind, event.event.source) {
                 let mut errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);

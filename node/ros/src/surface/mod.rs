@@ -43,6 +43,7 @@ mod streams;
 mod synchronize;
 pub mod table;
 mod time;
+mod topic_commands;
 mod touch_probe;
 mod trajectory;
 mod tune;
@@ -57,6 +58,7 @@ pub use laws::any_goal;
 pub use names::check_names;
 pub use parameters::start_commands;
 pub use states::{StateReceiver, StateSender, states};
+pub use topic_commands::TopicCommands;
 
 use crate::layer::{CreateError, Node};
 use controllers::Controllers;

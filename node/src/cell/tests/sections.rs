@@ -102,10 +102,16 @@ fn ros_options() {
     for (given, topics) in [("all", RecordTopics::All), ("none", RecordTopics::Only(Vec::new()))] {
         assert_eq!(good(&format!("{HEAD}ros: {{record_topics: {given}}}\n")).ros.record_topics, topics, "{given}");
     }
-    assert!(
-        said(&format!("{HEAD}ros: {{record_topics: [/tf]}}\n"))
-            .contains("is `/tf`; one of joint_states, ~/axis_states, ")
-    );
+    for (topic, sentence) in [
+        ("/tf", "is `/tf`; one of ~/shaft, ~/functions, ~/errors, "),
+        ("/clock", "is `/clock`; one of ~/shaft, "),
+        ("~/events", "is `~/events`, which is always recorded; one of ~/shaft, "),
+        ("joint_states", "is `joint_states`, which is always recorded; one of ~/shaft, "),
+        ("~/inputs", "is `~/inputs`, which is always recorded; one of ~/shaft, "),
+    ] {
+        let said = said(&format!("{HEAD}ros: {{record_topics: [/rosout, {topic}]}}\n"));
+        assert!(said.contains(sentence), "{said}");
+    }
     assert_eq!(RosOptions::default().controller_manager, None);
     for off in ["0", "0 Hz", "0.0"] {
         assert_eq!(good(&format!("{HEAD}ros: {{shaft_rate: {off}}}\n")).ros.shaft_rate, None, "{off}");

@@ -241,7 +241,7 @@ pub(in crate::cli) struct ReadArgs {
     #[arg(long = "type", value_name = "TYPE", value_parser = data_type())]
     pub(super) kind: Option<DataType>,
     /// Write the bytes to this file; one that exists is replaced
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = crate::cli::outputs::bytes())]
     pub(super) file: Option<PathBuf>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::cli::Exit;
 use crate::cli::command_output::{Output, failures_json, omitted, problems_json};
-use crate::cli::junit::{Case, Outcome, Suite, class_of};
+use crate::cli::junit::{Case, Outcome, Source, Suite, class_of};
 use crate::document::{Place, Problems};
 use crate::interrupt::EndSignal;
 use crate::scenario::{ExpectationResult, Report, SimulateError};
@@ -72,6 +72,12 @@ impl Trouble {
     fn after_problems(&self, text: &str) -> String {
         let problems = self.problems().map_or_else(String::new, Problems::to_string);
         text.strip_prefix(&problems).unwrap_or(text).to_owned()
+    }
+
+    /// Where the first problem is.
+    fn source(&self) -> Option<Source> {
+        let first = self.problems()?.sorted().into_iter().next()?;
+        Some(Source { file: first.file.to_string(), line: Some(first.place.line) })
     }
 
     /// All of it as a text.
@@ -210,7 +216,11 @@ impl Played {
         let file = self.file();
         let cases = match &self.result {
             Ok(report) => cases(report, &file),
-            Err(trouble) => vec![Case { name: "load and play".to_owned(), outcome: Outcome::Error(trouble.text()) }],
+            Err(trouble) => {
+                let source = trouble.source().unwrap_or_else(|| Source { file: file.clone(), line: None });
+                let outcome = Outcome::Error(trouble.text());
+                vec![Case { name: "load and play".to_owned(), source: Some(source), outcome }]
+            }
         };
         let name = self.result.as_ref().ok().map(|report| ("scenario", report.name.clone()));
         let cell = self.cell.as_ref().map(|cell| ("cell", cell.display().to_string()));
@@ -241,16 +251,18 @@ fn expectation(file: &str, result: &ExpectationResult) -> Json {
 
 fn cases(report: &Report, file: &str) -> Vec<Case> {
     let at = |place: Place, sentence: &str| format!("{file}:{}:{}: {sentence}", place.line, place.col);
+    let source = |line| Some(Source { file: file.to_owned(), line });
+    let first = report.other_failures().map(|failure| failure.place.line).next();
     let others: Vec<String> = report.other_failures().map(|failure| at(failure.place, &failure.sentence)).collect();
     let outcome = if others.is_empty() { Outcome::Passed } else { Outcome::Failed(others.join("\n")) };
-    let steps = Case { name: "steps and commands".to_owned(), outcome };
+    let steps = Case { name: "steps and commands".to_owned(), source: source(first), outcome };
     let expectations = report.results.iter().map(|result| {
         let outcome = match &result.failure {
             Some(sentence) => Outcome::Failed(at(result.place, sentence)),
             None if result.is_judged => Outcome::Passed,
             None => Outcome::Skipped(at(result.place, "the step that it counts from never fired")),
         };
-        Case { name: result.text.clone(), outcome }
+        Case { name: result.text.clone(), source: source(Some(result.place.line)), outcome }
     });
     std::iter::once(steps).chain(expectations).collect()
 }

@@ -159,7 +159,7 @@ pub(in crate::cli) struct PlotArgs {
 pub(in crate::cli) struct ConvertArgs {
     /// FILE.csv, or FILE.yaml with section `tables`
     pub(super) input: PathBuf,
-    /// FILE.csv or FILE.yaml; one that exists is replaced
+    /// FILE.csv or FILE.yaml; one that exists is replaced, but no .yaml file with more than a table
     pub(super) output: PathBuf,
     /// Form of a CSV file that is read; left out: y
     #[arg(long, value_enum)]

@@ -10,7 +10,9 @@ use crate::table::csv;
 use crate::table::form::{with_places, without_places};
 use lineshaft_core::table::{CamSetting, Form, Interpolation, Table};
 use lineshaft_core::unit::excerpt;
+use lineshaft_ros::layer::open_file;
 use std::fmt::Write as _;
+use std::io::Read as _;
 use std::path::Path;
 
 /// Numbers in a line of YAML.
@@ -23,6 +25,9 @@ pub(super) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
     }
     if args.name.is_some() && (from, to) == (Format::Csv, Format::Csv) {
         return Err(Failure::Sentence("--name is for a .yaml file; a CSV file has no names".to_owned()));
+    }
+    if to == Format::Yaml {
+        only_a_table(&args.output)?;
     }
     let (called, read) = match from {
         Format::Csv => (None, read_csv(&args.input, args.form.map_or(Form::Y, Form::from))?),
@@ -44,6 +49,22 @@ pub(super) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
     save(&args.output, &text)?;
     say(&args.output.display());
     Ok(Exit::Good)
+}
+
+/// Refuses to replace a file with more than section `tables`: a cell, or the description of a table.
+fn only_a_table(output: &Path) -> Result<(), Failure> {
+    // An error of the disk is reported when the file is written.
+    let Ok(mut file) = open_file(output) else { return Ok(()) };
+    let mut old = Vec::new();
+    if file.read_to_end(&mut old).is_err() {
+        return Ok(());
+    }
+    let is_of_table = |line: &str| line.is_empty() || line.starts_with([' ', '#']) || line == "tables:";
+    if String::from_utf8_lossy(&old).lines().all(is_of_table) {
+        return Ok(());
+    }
+    let sentence = "exists and is more than a table, so it is not replaced; name another file";
+    Err(Failure::Sentence(format!("{} {sentence}", output.display())))
 }
 
 fn in_form(read: &Table, args: &ConvertArgs) -> Result<Table, Failure> {

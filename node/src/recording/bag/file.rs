@@ -7,6 +7,7 @@ use super::super::Encoded;
 use super::super::metadata::{FileInformation, qos_text};
 use super::disk::{Disk, Medium};
 use super::topics::Offered;
+use lineshaft_ros::layer::TappedMessage;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use std::borrow::Cow;
@@ -38,6 +39,11 @@ impl Counts {
 
     fn add(&mut self, log_ns: u64) {
         self.cycles += 1;
+        self.reach(log_ns);
+    }
+
+    /// Extends the span by a log time (ns).
+    fn reach(&mut self, log_ns: u64) {
         self.span = Some(self.span.map_or((log_ns, log_ns), |(first, last)| (first.min(log_ns), last.max(log_ns))));
     }
 
@@ -141,6 +147,18 @@ impl BagFile {
     /// Writes a message that the node has published, also before the first cycle.
     pub(super) fn put_published(&mut self, topic: usize, message: &[u8], time: u64) -> io::Result<()> {
         self.put(self.first_published.saturating_add(topic), message, time)
+    }
+
+    /// Writes messages that the node has published after the last cycle, with its log time; in a file without a cycle, with
+    /// the system time of each.
+    pub(super) fn put_late(&mut self, messages: &[TappedMessage]) -> io::Result<()> {
+        let last_ns = self.counts.span.map(|(_, last)| last);
+        for message in messages {
+            let log_ns = last_ns.unwrap_or(message.published_ns);
+            self.put_published(message.topic, &message.data, log_ns)?;
+            self.counts.reach(log_ns);
+        }
+        Ok(())
     }
 
     /// Writes a message; without a channel at that place, nothing.

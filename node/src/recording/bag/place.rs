@@ -6,6 +6,7 @@ use lineshaft_ros::layer::open_file;
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read};
+use std::iter;
 use std::path::{Path, PathBuf};
 
 /// How metadata.yaml tells that it describes a bag of one file, as [`Place::kind`] has it.
@@ -51,18 +52,51 @@ impl Place {
         }
     }
 
-    /// Bags of one file may share a folder, and metadata.yaml there tells of the newest. That of a bag which needs it stays.
+    /// Bags of one file may share a folder, and metadata.yaml there describes the newest one. That of a bag which needs it
+    /// stays.
     fn may_describe(&self) -> Result<(), BagError> {
-        let description = self.folder().join(metadata::FILE_NAME);
-        let mut text = String::new();
-        match open_file(&description).and_then(|mut file| file.read_to_string(&mut text)) {
-            Ok(_) if !text.lines().any(|line| line.trim() == ONE_FILE) => {
-                let description = description.display();
-                Err(BagError::Refused(format!("{description} describes another bag; name a folder of its own")))
-            }
-            // None there, or one that no reader reads.
-            _ => Ok(()),
+        let path = self.usual_description();
+        let refused =
+            |why: String| Err(BagError::Refused(format!("{} {why}; name a folder of its own", path.display())));
+        match read(&path) {
+            Ok(Some(text)) if !is_of_one_file(&text) => refused("describes another bag".to_owned()),
+            Ok(_) => Ok(()),
+            // Whatever it is, it would be replaced.
+            Err(error) => refused(format!("cannot be read: {error}")),
         }
+    }
+
+    /// Where metadata.yaml of this bag is written. That of another bag of one file which is still there is kept under the
+    /// name of that bag: `a.metadata.yaml`.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn description(&self) -> io::Result<PathBuf> {
+        let usual = self.usual_description();
+        let Self::File(own) = self else { return Ok(usual) };
+        let Some(text) = read(&usual)? else { return Ok(usual) };
+        if !is_of_one_file(&text) {
+            // It came after this bag was begun, and its bag needs it.
+            return Ok(kept(own));
+        }
+        if let Some(other) = self.other_bag(&text) {
+            fs::rename(&usual, kept(&other))?;
+        }
+        Ok(usual)
+    }
+
+    fn usual_description(&self) -> PathBuf {
+        self.folder().join(metadata::FILE_NAME)
+    }
+
+    /// The other bag of one file in the folder that a description lists.
+    fn other_bag(&self, description: &str) -> Option<PathBuf> {
+        let is_other = |path: &PathBuf| {
+            let name = path.file_name().filter(|name| Some(*name) != self.path().file_name());
+            let line = name.and_then(OsStr::to_str).map(|name| format!("    - {}", metadata::quoted(name)));
+            line.is_some_and(|line| description.lines().any(|listed| listed == line))
+        };
+        fs::read_dir(self.folder()).ok()?.flatten().map(|entry| entry.path()).find(is_other)
     }
 
     /// What metadata.yaml tells of the place: name and value.
@@ -118,6 +152,31 @@ impl Place {
             let _ = fs::remove_dir(path);
         }
     }
+}
+
+/// A description, if there is one.
+fn read(path: &Path) -> io::Result<Option<String>> {
+    let mut text = String::new();
+    match open_file(path).and_then(|mut file| file.read_to_string(&mut text)) {
+        Ok(_) => Ok(Some(text)),
+        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether a description is that of a bag of one file of this program.
+fn is_of_one_file(description: &str) -> bool {
+    description.lines().any(|line| line.trim() == ONE_FILE)
+}
+
+/// Where the description of a bag of one file is kept; it replaces an older one of such a bag, and nothing else.
+fn kept(bag: &Path) -> PathBuf {
+    let numbers = (2..).map(|number: u64| format!("{number}.{}", metadata::FILE_NAME));
+    let endings = iter::once(metadata::FILE_NAME.to_owned()).chain(numbers);
+    let is_free = |path: &PathBuf| {
+        path.symlink_metadata().is_err() || matches!(read(path), Ok(Some(text)) if is_of_one_file(&text))
+    };
+    endings.map(|ending| bag.with_extension(ending)).find(is_free).unwrap_or_default()
 }
 
 fn exists(path: &Path, how: &str) -> BagError {

@@ -21,8 +21,7 @@ impl Retained {
     /// For topics in their order.
     pub(crate) fn new(topics: &[TappedTopic]) -> Self {
         let kept = |topic: &TappedTopic| {
-            let is_retained = topic.qos.latched && topic.qos.lifespan.is_none();
-            let most = if is_retained { usize::from(topic.qos.depth) } else { 0 };
+            let most = if topic.is_retained() { usize::from(topic.qos.depth) } else { 0 };
             Kept { most, messages: VecDeque::new() }
         };
         Self(topics.iter().map(kept).collect())

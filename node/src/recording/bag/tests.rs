@@ -298,6 +298,10 @@ fn bags_of_one_file_share_a_folder_and_leave_the_description_of_other_bags_alone
         write(&at(folder.path().join(name)), &run().encoded[..10]);
         assert!(description().contains(&format!("    - \"{name}\"\n")), "{}", description());
     }
+    // That of a bag that is gone is replaced.
+    fs::remove_file(folder.path().join("b.mcap")).unwrap();
+    write(&at(folder.path().join("d.mcap")), &run().encoded[..10]);
+    assert!(description().contains("    - \"d.mcap\"\n") && !folder.path().join("b.metadata.yaml").exists());
     write(&at(folder.path().join("bag")), &run().encoded[..10]);
     let inside = folder.path().join("bag");
     let before = fs::read(inside.join("metadata.yaml")).unwrap();
@@ -310,6 +314,46 @@ fn bags_of_one_file_share_a_folder_and_leave_the_description_of_other_bags_alone
     assert_eq!(fs::read(inside.join("metadata.yaml")).unwrap(), before);
     fs::write(folder.path().join("metadata.yaml"), "rosbag2_bagfile_information: {version: 5}\n").unwrap();
     refused(folder.path());
+    fs::write(folder.path().join("metadata.yaml"), [0xff_u8]).unwrap();
+    let unread = Bag::create(&at(folder.path().join("c.mcap")), subject()).err().unwrap().to_string();
+    assert!(unread.contains("metadata.yaml cannot be read: "), "{unread}");
+    assert_eq!(fs::read(folder.path().join("metadata.yaml")).unwrap(), [0xff_u8]);
+}
+
+/// `--record a.mcap`, then `--record b.mcap`.
+#[test]
+fn metadata_of_an_older_bag_in_the_folder_is_kept_under_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    write(&at(path("a.mcap")), &run().encoded[..10]);
+    let first = fs::read_to_string(path("metadata.yaml")).unwrap();
+    write(&at(path("b.mcap")), &run().encoded[..20]);
+    assert_eq!(fs::read_to_string(path("a.metadata.yaml")).unwrap(), first);
+    let second = fs::read_to_string(path("metadata.yaml")).unwrap();
+    assert!(second.contains("    - \"b.mcap\"\n"), "{second}");
+    // It can be read as the bag that it describes.
+    let files = crate::recording::run::Run::open(&path("a.metadata.yaml")).unwrap();
+    assert_eq!(files.files().len(), 1);
+    // A file of that name which is no description of such a bag is not touched.
+    fs::write(path("b.metadata.yaml"), "mine").unwrap();
+    write(&at(path("c.mcap")), &run().encoded[..10]);
+    assert_eq!(fs::read_to_string(path("b.metadata.yaml")).unwrap(), "mine");
+    assert_eq!(fs::read_to_string(path("b.2.metadata.yaml")).unwrap(), second);
+    assert_eq!(fs::read_to_string(path("a.metadata.yaml")).unwrap(), first);
+}
+
+/// A bag in a folder of its own was begun while this one was written.
+#[test]
+fn metadata_of_another_recorder_that_came_meanwhile_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let mut bag = Bag::create(&at(path("a.mcap")), subject()).unwrap();
+    run().encoded[..10].iter().for_each(|encoded| bag.write(encoded).unwrap());
+    let other = "rosbag2_bagfile_information: {version: 5}\n";
+    fs::write(path("metadata.yaml"), other).unwrap();
+    bag.finish().unwrap();
+    assert_eq!(fs::read_to_string(path("metadata.yaml")).unwrap(), other);
+    assert!(fs::read_to_string(path("a.metadata.yaml")).unwrap().contains("    - \"a.mcap\"\n"));
 }
 
 #[test]

@@ -118,6 +118,11 @@ mod tests {
     }
 
     #[test]
+    fn topics_of_cycles_are_those_that_a_cell_cannot_choose() {
+        assert_eq!(Topic::ALL.map(Topic::relative_name), crate::cell::RecordTopics::ALWAYS);
+    }
+
+    #[test]
     fn topics_stand_in_their_order_and_below_their_node() {
         assert!(Topic::ALL.iter().enumerate().all(|(place, topic)| *topic as usize == place));
         let node = NodeName::new("/cell", "press").unwrap();

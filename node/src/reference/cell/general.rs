@@ -73,7 +73,7 @@ pub(super) const ROS: &[Key] = &[
         &[Choice(&["all", "none"]), List],
         ["", "all", "Topics of the node in a bag of `run --record`.", "record_topics: [/rosout, ~/errors]"],
     ),
-    key("ros.record_topics[]", TEXT, ["a topic that the node publishes", "", "One topic.", ""]),
+    key("ros.record_topics[]", TEXT, ["a topic of the node that is not always recorded", "", "One topic.", ""]),
     key(
         "ros.controller_manager",
         TEXT,

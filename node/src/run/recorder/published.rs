@@ -1,9 +1,10 @@
 //! What the node publishes, on its way into the bag.
 //!
 //! Law      a message is written with the cycle that it came before, by the system time of both; a bag that begins later
-//!          begins with the latched messages so far
+//!          begins with the latched messages so far; a bag ends with the messages after its last cycle
 //!
-//! No publisher waits for this. A message without room is left out and counted, and a line of the log says so.
+//! While there is no bag, only the messages of latched topics come here. No publisher waits for this. A message without room
+//! is left out and counted, and a line of the log says so.
 
 use crate::recording::Encoded;
 use crate::recording::bag::Retained;
@@ -39,24 +40,32 @@ impl Published {
         Self { tap, copies, retained, waiting: VecDeque::new(), left_out: 0, told: 0, told_at: None }
     }
 
-    /// Takes what has come. Only while a bag `is_recorded` it waits for its cycle.
-    pub(super) fn hear(&mut self, is_recorded: bool) {
-        if !is_recorded {
-            self.waiting.clear();
+    /// Has all messages copied from now on.
+    pub(super) fn open(&self) {
+        self.tap.set_open(true);
+    }
+
+    /// Takes what has come. Only while a bag `is_wanted`, which is written or about to begin, it waits for its cycle.
+    pub(super) fn hear(&mut self, is_wanted: bool) {
+        self.tap.set_open(is_wanted);
+        if !is_wanted {
+            self.take_waiting(|_| true, |_| {});
         }
         while let Ok(message) = self.copies.try_recv() {
-            self.retained.take(message.topic, &message.data);
-            if !is_recorded {
+            if !is_wanted {
+                self.retained.take(message.topic, &message.data);
                 continue;
             }
-            if self.waiting.len() >= MOST_WAITING {
-                self.waiting.pop_front();
+            if self.waiting.len() >= MOST_WAITING
+                && let Some(oldest) = self.waiting.pop_front()
+            {
+                self.retained.take(oldest.topic, &oldest.data);
                 self.left_out += 1;
             }
             self.waiting.push_back(message);
         }
         let missing = self.tap.lost() + self.left_out;
-        if !is_recorded {
+        if !is_wanted {
             self.told = missing;
         } else if missing > self.told && self.told_at.is_none_or(|told| told.elapsed() >= SECOND) {
             let more = missing - self.told;
@@ -67,22 +76,48 @@ impl Published {
         }
     }
 
-    /// Adds the latched messages so far to the first cycle of a bag.
-    pub(super) fn begin(&self, cycle: &mut Encoded) {
+    /// Adds the latched messages before the first cycle of a bag to it.
+    pub(super) fn begin(&mut self, cycle: &mut Encoded) {
+        self.skip(cycle.time.stamp_ns);
         self.retained.messages().for_each(|(topic, message)| cycle.add_published(topic, message));
     }
 
     /// Adds the messages that came before this cycle.
     pub(super) fn add_to(&mut self, cycle: &mut Encoded) {
         let now_ns = cycle.time.stamp_ns;
-        let is_due =
-            |message: &TappedMessage| message.published_ns <= now_ns || message.published_ns - now_ns > LATEST_NS;
-        while self.waiting.front().is_some_and(is_due)
+        self.take_waiting(
+            |message| is_due(message, now_ns),
+            |message| cycle.add_published(message.topic, &message.data),
+        );
+    }
+
+    /// Passes a cycle that is in no bag: the messages that came before it are in none either.
+    pub(super) fn skip(&mut self, now_ns: u64) {
+        self.take_waiting(|message| is_due(message, now_ns), |_| {});
+    }
+
+    /// Takes the messages after the last cycle of a bag.
+    pub(super) fn take_rest(&mut self) -> Vec<TappedMessage> {
+        self.hear(true);
+        let mut rest = Vec::new();
+        self.take_waiting(|_| true, |message| rest.push(message.clone()));
+        rest
+    }
+
+    /// Takes messages from the oldest one on while one `is_due`; those of latched topics are retained.
+    fn take_waiting(&mut self, is_due: impl Fn(&TappedMessage) -> bool, mut take: impl FnMut(&TappedMessage)) {
+        while self.waiting.front().is_some_and(&is_due)
             && let Some(message) = self.waiting.pop_front()
         {
-            cycle.add_published(message.topic, &message.data);
+            take(&message);
+            self.retained.take(message.topic, &message.data);
         }
     }
+}
+
+/// Whether a message came before a cycle at that system time (ns).
+fn is_due(message: &TappedMessage, now_ns: u64) -> bool {
+    message.published_ns <= now_ns || message.published_ns - now_ns > LATEST_NS
 }
 
 #[cfg(test)]
@@ -90,6 +125,7 @@ mod tests {
     use super::*;
     use crate::recording::CycleTime;
     use lineshaft_ros::layer::{NodeName, Qos, TappedTopic};
+    use std::sync::mpsc::sync_channel;
 
     fn cycle(stamp_ns: u64) -> Encoded {
         let mut cycle = Encoded::default();
@@ -117,6 +153,41 @@ mod tests {
         published.waiting.push_back(message(1));
         published.hear(false);
         assert!(published.waiting.is_empty(), "without a bag nothing waits");
+    }
+
+    #[test]
+    fn tap_is_open_only_while_a_bag_is_written_or_about_to_begin() {
+        let (tap, copies) = Tap::new(|_| true);
+        let mut published = Published::new(tap.clone(), copies);
+        published.hear(false);
+        assert!(!tap.is_open());
+        published.open();
+        assert!(tap.is_open());
+        published.hear(true);
+        assert!(tap.is_open());
+        published.hear(false);
+        assert!(!tap.is_open());
+    }
+
+    /// Of messages at 5, 20 and 30 ns and a bag that begins with the cycle at 10 ns, the first one is in the bag only as a
+    /// retained one, and each only once.
+    #[test]
+    fn messages_around_the_first_cycle_are_written_once() {
+        let name = NodeName::new("/", "n").unwrap().expand("~/errors").unwrap();
+        let topic = TappedTopic { name, schema: ("a/msg/B", ""), qos: Qos::HISTORY };
+        let (tap, _) = Tap::new(|_| true);
+        let (send, copies) = sync_channel(8);
+        let mut published = Published { retained: Retained::new(&[topic]), ..Published::new(tap, copies) };
+        [5, 20, 30].into_iter().for_each(|ns| send.send(message(ns)).unwrap());
+        published.hear(true);
+        let (mut first, mut second) = (cycle(10), cycle(25));
+        published.begin(&mut first);
+        published.add_to(&mut second);
+        assert_eq!([first.size(), second.size()], [4, 4]);
+        send.send(message(40)).unwrap();
+        let rest: Vec<_> = published.take_rest().iter().map(|message| message.published_ns).collect();
+        assert_eq!(rest, [30, 40]);
+        assert_eq!(published.retained.messages().count(), 4);
     }
 
     #[test]

@@ -22,7 +22,7 @@ impl Recorder {
         let response = match request.command {
             RecordRequest::STATUS => self.done(self.how_it_stands()),
             RecordRequest::START => match self.options(&request) {
-                Ok(options) => return self.waiting = Some((options, answer)),
+                Ok(options) => return self.wait_to_begin(options, answer),
                 Err(sentence) => self.refused(sentence),
             },
             RecordRequest::STOP => match self.stop(answer) {

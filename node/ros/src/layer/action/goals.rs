@@ -1,11 +1,12 @@
 //! The goals of one action: their states, who waits for their results, what a cancel request means. Knows no DDS.
 //!
 //! Law      accepted -> executing -> succeeded | aborted; accepted or executing -> canceling -> canceled | succeeded |
-//!          aborted. An ended goal answers everybody who asks, until its time is over
+//!          aborted. An ended goal answers everybody who asks, until its time is over. A goal that
+//!          is canceled while it is being decided begins with canceling. A cancel request for all goals means those that
+//!          were sent before it
 //! Refuses  an id that is known, also one that is still being decided or has ended
 //! Source   rcl_action, except: who cancels a goal that is canceling already is told that it is, not that it has ended
 
-use std::collections::HashSet;
 use std::fmt;
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,8 @@ use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use tokio::sync::watch;
+
+use crate::layer::service::Origin;
 
 /// Who may wait for the result of one goal; of more, the first to ask is forgotten. A goal that stays open for days is asked
 /// for by clients that have gone since.
@@ -112,14 +115,25 @@ pub(super) enum Asked<R, W> {
 pub(super) struct Goals<R, W> {
     /// In the order in which they were accepted.
     kept: Vec<Goal<R, W>>,
-    deciding: HashSet<GoalId>,
+    /// In the order in which they were offered.
+    deciding: Vec<Deciding>,
     keep: Duration,
     most: usize,
+}
+
+/// A goal that the application has not accepted or rejected yet.
+#[derive(Debug)]
+struct Deciding {
+    id: GoalId,
+    origin: Origin,
+    is_canceled: bool,
 }
 
 #[derive(Debug)]
 struct Goal<R, W> {
     shown: Shown,
+    /// When it was sent; `None` if it was never offered.
+    origin: Option<Origin>,
     cancel: watch::Sender<bool>,
     waiting: Vec<W>,
     ended: Option<(Instant, R)>,
@@ -128,26 +142,38 @@ struct Goal<R, W> {
 impl<R: Clone, W> Goals<R, W> {
     /// Ended goals are kept for `keep`, and not more than `most` of them.
     pub(super) fn new(keep: Duration, most: usize) -> Self {
-        Self { kept: Vec::new(), deciding: HashSet::new(), keep, most }
+        Self { kept: Vec::new(), deciding: Vec::new(), keep, most }
     }
 
     /// Takes a goal for decision; false when its id is known.
-    pub(super) fn offer(&mut self, id: GoalId, now: Instant) -> bool {
+    pub(super) fn offer(&mut self, id: GoalId, origin: Origin, now: Instant) -> bool {
         self.expire(now);
-        self.find(id).is_none() && self.deciding.insert(id)
+        if self.knows(id) {
+            return false;
+        }
+        self.deciding.push(Deciding { id, origin, is_canceled: false });
+        true
+    }
+
+    /// Whether there is such a goal, accepted or not.
+    pub(super) fn knows(&self, id: GoalId) -> bool {
+        self.find(id).is_some() || self.deciding.iter().any(|goal| goal.id == id)
     }
 
     /// The offered goal is not accepted.
     pub(super) fn withdraw(&mut self, id: GoalId) {
-        self.deciding.remove(&id);
+        self.deciding.retain(|goal| goal.id != id);
     }
 
-    /// The offered goal is accepted. The receiver turns true when a client cancels it.
+    /// The offered goal is accepted. The receiver is true once a client has canceled it.
     pub(super) fn accept(&mut self, id: GoalId, stamp: Stamp) -> watch::Receiver<bool> {
-        self.deciding.remove(&id);
-        let (cancel, canceled) = watch::channel(false);
-        let shown = Shown { id, stamp, status: Status::Accepted };
-        self.kept.push(Goal { shown, cancel, waiting: Vec::new(), ended: None });
+        let place = self.deciding.iter().position(|goal| goal.id == id);
+        let decided = place.map(|place| self.deciding.remove(place));
+        let is_canceled = decided.as_ref().is_some_and(|goal| goal.is_canceled);
+        let (cancel, canceled) = watch::channel(is_canceled);
+        let shown = Shown { id, stamp, status: if is_canceled { Status::Canceling } else { Status::Accepted } };
+        let origin = decided.map(|goal| goal.origin);
+        self.kept.push(Goal { shown, origin, cancel, waiting: Vec::new(), ended: None });
         canceled
     }
 
@@ -162,19 +188,28 @@ impl<R: Clone, W> Goals<R, W> {
         }
     }
 
-    /// What a cancel request for `id` and `stamp` means: both zero all goals, a stamp alone those accepted at or before
-    /// it, an id alone that goal, both that goal and those accepted at or before the stamp.
-    pub(super) fn select(&mut self, id: GoalId, stamp: Stamp, now: Instant) -> Selection {
+    /// What a cancel request for `id` and `stamp` means: both zero all goals that were sent before it, a stamp alone those
+    /// accepted at or before it, an id alone that goal, both that goal and those accepted at or before the stamp.
+    pub(super) fn select(&mut self, id: GoalId, stamp: Stamp, origin: Origin, now: Instant) -> Selection {
         self.expire(now);
         let (no_id, no_stamp) = (id == GoalId::default(), stamp == Stamp::default());
         let mut selection = Selection { code: CancelGoalResponse::ERROR_NONE, open: Vec::new(), canceling: Vec::new() };
         for goal in &self.kept {
-            let meant = goal.shown.id == id || if no_stamp { no_id } else { goal.shown.stamp <= stamp };
+            let is_before = || goal.origin.is_none_or(|goal| goal.is_before(origin));
+            let meant = goal.shown.id == id || if no_stamp { no_id && is_before() } else { goal.shown.stamp <= stamp };
             match goal.shown.status {
                 _ if !meant => {}
                 Status::Accepted | Status::Executing => selection.open.push(goal.shown.id),
                 Status::Canceling => selection.canceling.push(goal.shown.id),
                 Status::Succeeded | Status::Canceled | Status::Aborted => {}
+            }
+        }
+        for goal in &self.deciding {
+            let meant = goal.id == id || no_id && no_stamp && goal.origin.is_before(origin);
+            match goal.is_canceled {
+                _ if !meant => {}
+                true => selection.canceling.push(goal.id),
+                false => selection.open.push(goal.id),
             }
         }
         if !no_id && no_stamp && selection.open.is_empty() && selection.canceling.is_empty() {
@@ -193,6 +228,11 @@ impl<R: Clone, W> Goals<R, W> {
             goal.shown.status = Status::Canceling;
             goal.cancel.send_replace(true);
             canceling.push(goal.shown);
+        }
+        for goal in self.deciding.iter_mut().filter(|goal| ids.contains(&goal.id)) {
+            goal.is_canceled = true;
+            // It gets its stamp when it is accepted.
+            canceling.push(Shown { id: goal.id, stamp: Stamp::default(), status: Status::Canceling });
         }
         canceling
     }

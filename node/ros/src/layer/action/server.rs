@@ -1,5 +1,6 @@
 //! The server of an action: one task answers its three services, whatever the application does.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -34,6 +35,10 @@ pub enum Cancels {
     /// The application, with [`ActionEvent::Cancel`].
     Ask,
 }
+
+/// How long a cancel request waits for goals that its client has sent before it: the services of an action are read side by
+/// side.
+const GRACE: Duration = Duration::from_millis(20);
 
 /// How an action is served.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -163,6 +168,14 @@ struct Services<A: Action> {
     cancels: ServiceServer<CancelGoal>,
 }
 
+/// Ends at that time; without one, never.
+async fn until(due: Option<Instant>) {
+    match due {
+        Some(due) => tokio::time::sleep_until(due.into()).await,
+        None => std::future::pending().await,
+    }
+}
+
 /// Answers what needs no application, and passes the rest on. Never waits for the application.
 struct Dispatch<A: Action> {
     shared: Arc<Shared<A>>,
@@ -175,23 +188,54 @@ struct Dispatch<A: Action> {
 impl<A: Action> Dispatch<A> {
     async fn run(self, mut services: Services<A>) {
         let mut tidy = tokio::time::interval(TIDY);
+        // Cancel requests that may mean goals which have not come yet.
+        let mut held: VecDeque<(Instant, Request<CancelGoal>)> = VecDeque::new();
         loop {
+            let due = held.front().map(|(due, _)| *due);
             tokio::select! {
                 request = services.cancels.next() => match request {
-                    Some(request) => self.cancel(request),
+                    Some(request) if held.len() < WAITING && self.may_be_early(&request.message.goal_info) => {
+                        held.push_back((Instant::now() + GRACE, request));
+                    }
+                    Some(request) => {
+                        self.take_goals(&mut services.goals);
+                        self.cancel(request);
+                    }
                     None => return,
                 },
+                () = until(due) => {
+                    self.take_goals(&mut services.goals);
+                    if let Some((_, request)) = held.pop_front() {
+                        self.cancel(request);
+                    }
+                }
                 request = services.goals.next() => match request {
                     Some(request) => self.goal(request),
                     None => return,
                 },
                 request = services.results.next() => match request {
-                    Some(Request { message, reply }) => self.result(GoalId(message.goal_id.uuid), reply),
+                    Some(Request { message, reply }) => {
+                        self.take_goals(&mut services.goals);
+                        self.result(GoalId(message.goal_id.uuid), reply);
+                    }
                     None => return,
                 },
                 _ = tidy.tick() => self.shared.goals().expire(Instant::now()),
             }
         }
+    }
+
+    /// Takes the goals that are there: what another request means may be among them.
+    fn take_goals(&self, goals: &mut ServiceServer<SendGoal<A>>) {
+        while let Some(request) = goals.waiting() {
+            self.goal(request);
+        }
+    }
+
+    /// Whether a cancel request may mean a goal that was sent before it and comes after it.
+    fn may_be_early(&self, GoalInfo { goal_id, stamp }: &GoalInfo) -> bool {
+        let id = GoalId(goal_id.uuid);
+        if id == GoalId::default() { Stamp::from(stamp) == Stamp::default() } else { !self.shared.goals().knows(id) }
     }
 
     fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
@@ -200,7 +244,7 @@ impl<A: Action> Dispatch<A> {
             self.tell(&format!("goal {id} was rejected: {sentence}"));
             return reply.send_soon(SendGoalResponse::default());
         }
-        if !self.shared.goals().offer(id, Instant::now()) {
+        if !self.shared.goals().offer(id, reply.origin(), Instant::now()) {
             self.tell(&format!("goal {id} was rejected: its id is in use"));
             return reply.send_soon(SendGoalResponse::default());
         }
@@ -228,7 +272,8 @@ impl<A: Action> Dispatch<A> {
             });
         }
         let GoalInfo { goal_id, stamp } = message.goal_info;
-        let selection = self.shared.goals().select(GoalId(goal_id.uuid), Stamp::from(&stamp), Instant::now());
+        let (id, stamp, origin) = (GoalId(goal_id.uuid), Stamp::from(&stamp), reply.origin());
+        let selection = self.shared.goals().select(id, stamp, origin, Instant::now());
         if selection.code != CancelGoalResponse::ERROR_NONE {
             return reply.send_soon(CancelGoalResponse { return_code: selection.code, ..Default::default() });
         }

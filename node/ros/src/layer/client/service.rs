@@ -135,7 +135,15 @@ mod tests {
 
     fn reply(related: Option<Related>) -> Sample {
         let id = SampleId { writer: Guid([3; 16]), number: 1 };
-        Sample { id, related, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Vec::new().into() }
+        Sample {
+            id,
+            related,
+            is_stale: false,
+            written: None,
+            came_ns: 0,
+            is_big_endian: false,
+            bytes: Vec::new().into(),
+        }
     }
 
     #[test]

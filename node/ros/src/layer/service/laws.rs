@@ -67,6 +67,7 @@ fn sample(form: u8, bytes: &[u8]) -> Sample {
         id: SampleId { writer: guid(3), number: 42 },
         related,
         is_stale: false,
+        written: None,
         came_ns: 0,
         is_big_endian: form & 0x80 != 0,
         bytes: bytes.to_vec().into(),

@@ -24,12 +24,16 @@ use super::endpoint::{Context, late};
 use super::name::FullName;
 use crate::line_limit::LineLimit;
 use crate::link::Reader;
+use crate::link::guid::Prefix;
 use crate::link::protocol::Sample;
 use crate::link::qos::Qos;
 
 /// Requests that wait for the server, in the library and again in its line; more than the 10 of ROS, because clients of all kinds
 /// share them. Not more than a burst needs, because the library keeps as many that were taken, however long they are.
 const WAITING: u16 = 256;
+
+/// Requests whose arrivals differ by less than this (ns) may have changed places on their way.
+const TOGETHER_NS: u64 = 100_000_000;
 
 /// A reply that did not go out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -102,6 +106,10 @@ struct Waiting<S: Service> {
 /// When a request was made.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::layer) struct Origin {
+    /// The participant that has sent it.
+    sender: Prefix,
+    /// When it was written, by the clock of its sender, in ticks of 2^-32 s; `None` if the sender does not say it.
+    written: Option<u64>,
     /// When it came, by the monotonic clock of the host (ns).
     came_ns: u64,
     /// It was written for another life of the node.
@@ -109,6 +117,28 @@ pub(in crate::layer) struct Origin {
 }
 
 impl Origin {
+    /// Whether it was sent before a request to another service, or may have been.
+    ///
+    /// Requests to different services are read side by side: of two that come together, the later one may come first. Then
+    /// the clock of their sender decides; between different senders, and over a longer time, in which that clock may have
+    /// been set, the order in which they came.
+    pub(in crate::layer) fn is_before(self, other: Self) -> bool {
+        let is_together = self.came_ns.abs_diff(other.came_ns) < TOGETHER_NS;
+        if !is_together || self.sender != other.sender {
+            return self.came_ns <= other.came_ns;
+        }
+        match (self.written, other.written) {
+            (Some(written), Some(other)) => written <= other,
+            _ => true,
+        }
+    }
+
+    /// A request of participant `sender` for tests.
+    #[cfg(test)]
+    pub(in crate::layer) fn of(sender: u8, written: Option<u64>, came_ns: u64) -> Self {
+        Self { sender: Prefix([sender; 12]), written, came_ns, is_stale: false }
+    }
+
     /// Why it is not carried out, if it must not be.
     pub(in crate::layer) fn refused(self, request_timeout: Option<Duration>) -> Option<String> {
         if self.is_stale {
@@ -176,6 +206,22 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
+    /// The next request that is there already, if there is one.
+    pub(in crate::layer) fn waiting(&mut self) -> Option<Request<S>> {
+        // Without the budget of the task, which would hide some after many.
+        while self.line.len() < usize::from(WAITING)
+            && let Some(taken) = tokio::task::unconstrained(self.requests.next()).now_or_never()
+        {
+            self.enter(taken);
+        }
+        loop {
+            let waiting = self.line.pop_front()?;
+            if let Some(request) = self.in_time(waiting) {
+                return Some(request);
+            }
+        }
+    }
+
     /// The request, unless it is refused.
     fn in_time(&mut self, Waiting { caller, message, origin }: Waiting<S>) -> Option<Request<S>> {
         let reply = Reply::new(self.replies.clone(), caller, origin);
@@ -195,7 +241,8 @@ impl<S: Service> ServiceServer<S> {
         match taken {
             Ok(sample) => match caller::read::<S::Request>(&sample) {
                 Ok((caller, message)) => {
-                    let origin = Origin { came_ns: sample.came_ns, is_stale: sample.is_stale };
+                    let Sample { id, written, came_ns, is_stale, .. } = sample;
+                    let origin = Origin { sender: id.writer.prefix(), written, came_ns, is_stale };
                     self.line.push_back(Waiting { caller, message, origin });
                 }
                 Err(refusal) => self.refuse(&sample, &refusal),
@@ -267,12 +314,30 @@ mod tests {
     use super::*;
     use crate::link::protocol::monotonic_ns;
 
+    /// Ticks are of the clock of the sender, arrivals of the clock of the host.
+    #[test]
+    fn requests_that_come_together_have_the_order_in_which_their_sender_wrote_them() {
+        const MS: u64 = 1_000_000;
+        let one = |written, came_ns| Origin::of(1, Some(written), came_ns);
+        // The later one has overtaken the other.
+        assert!(one(10, 7 * MS).is_before(one(11, 5 * MS)));
+        assert!(!one(11, 5 * MS).is_before(one(10, 7 * MS)));
+        assert!(one(10, 5 * MS).is_before(one(10, 5 * MS)));
+        // The clock of the sender was set back in between.
+        assert!(one(900, 5 * MS).is_before(one(3, 505 * MS)) && !one(3, 505 * MS).is_before(one(900, 5 * MS)));
+        // Clocks of different senders differ.
+        let other = |came_ns| Origin::of(2, Some(0), came_ns);
+        assert!(one(10, 5 * MS).is_before(other(6 * MS)) && !one(10, 7 * MS).is_before(other(6 * MS)));
+        // Not known: it may be before.
+        assert!(Origin::of(1, None, 7 * MS).is_before(one(11, 5 * MS)));
+    }
+
     #[test]
     fn what_is_for_another_life_or_has_waited_too_long_is_refused() {
         let timeout = Some(Duration::from_secs(2));
         let origin = |age: Duration, is_stale| Origin {
-            came_ns: monotonic_ns().saturating_sub(age.as_nanos() as u64),
             is_stale,
+            ..Origin::of(1, None, monotonic_ns().saturating_sub(age.as_nanos() as u64))
         };
         let fresh = Duration::ZERO;
         assert_eq!(origin(fresh, false).refused(timeout), None);

@@ -23,7 +23,7 @@ fn all(orders: &Orders) -> Vec<Order> {
 
 fn sample() -> Sample {
     let id = SampleId { writer: Guid([1; 16]), number: 1 };
-    Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
+    Sample { id, related: None, is_stale: false, written: None, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
 }
 
 #[tokio::test]

@@ -34,7 +34,7 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker
         });
         // A goal that was lost here has rejected itself.
         let Ok((request, read)) = reading.await else { continue };
-        match read.and_then(|started| taker.hand_over(started)) {
+        match read.and_then(|started| taker.hand_over(started, None)) {
             Ok(Ok(answers)) => {
                 open.spawn(run(taker.clone(), request.accept(), answers, period));
             }

@@ -83,12 +83,18 @@ impl Taker {
         read(&self.hub, &self.joints, goal)
     }
 
-    /// Hands a trajectory over, if the controller is still active.
+    /// Hands a trajectory over, if the controller is still active; `topic` is the one of which it is a message.
     ///
     /// # Errors
     /// It is inactive. Within: the machine takes no more commands now.
-    fn hand_over(&self, started: Started) -> Result<Result<Answers, Busy>, String> {
-        let submit = || self.hub.submit(Action::Trajectory(started.begin(self.hub.now_ns())));
+    fn hand_over(&self, started: Started, topic: Option<&str>) -> Result<Result<Answers, Busy>, String> {
+        let submit = || {
+            let action = Action::Trajectory(started.begin(self.hub.now_ns()));
+            match topic {
+                Some(topic) => self.hub.submit_message(topic, action),
+                None => self.hub.submit(action),
+            }
+        };
         let number = |given: &Result<Answers, Busy>| given.as_ref().ok().map(|answers| answers.sequence);
         self.controllers.while_active(self.place, submit, number)
     }

@@ -1,5 +1,6 @@
 //! `~/joint_trajectory`: trajectories without an answer. What is refused stands on `/rosout` and in `~/events`.
 
+use super::super::topic_commands::message_refused;
 use super::joints::Joints;
 use super::{Started, Taker, convert};
 use crate::layer::Subscription;
@@ -27,8 +28,8 @@ pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker
         let reader = taker.clone();
         // A long one takes its time, on a thread of its own; one after the other, so that the newest one counts.
         let Ok(asked) = spawn_blocking(move || asked(&reader, message)).await else { continue };
-        if let Err(sentence) = asked.and_then(|asked| give(&taker, asked, &mut open)) {
-            taker.hub.refuse(format!("{name}: message refused: {sentence}"));
+        if let Err(sentence) = asked.and_then(|asked| give(&taker, &name, asked, &mut open)) {
+            taker.hub.refuse(message_refused(&name, &sentence));
         }
     }
 }
@@ -43,11 +44,11 @@ fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
 }
 
 /// Hands over what a message asks for.
-fn give(taker: &Taker, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
+fn give(taker: &Taker, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
     match asked {
         Asked::Stop(axes) => taker.hub.submit_unheard(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
         Asked::Trajectory(started) => {
-            let answers = taker.hand_over(started)?.map_err(|busy| busy.to_string())?;
+            let answers = taker.hand_over(started, Some(topic))?.map_err(|busy| busy.to_string())?;
             if taker.controllers.is_switchable() {
                 let (controllers, place) = (Arc::clone(&taker.controllers), taker.place);
                 open.spawn(async move {

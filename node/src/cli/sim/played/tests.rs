@@ -80,6 +80,9 @@ fn suite_has_a_case_for_each_expectation_and_one_for_the_steps() {
     begins(3, "dir/s.scenario.yaml:10:5: the step that it counts from never fired");
     assert!(matches!(suite.cases[3].outcome, Outcome::Skipped(_)));
     assert_eq!(suite.cases[4].outcome, Outcome::Passed);
+    let source = |line| Some(Source { file: "dir/s.scenario.yaml".to_owned(), line: Some(line) });
+    let sources: Vec<_> = suite.cases.iter().map(|case| case.source.clone()).collect();
+    assert_eq!(sources, [5, 8, 9, 10, 11].map(source));
 }
 
 #[test]
@@ -95,5 +98,6 @@ fn scenario_with_errors_has_its_problems_and_one_case_with_an_error() {
     let problem = json!({"file": "c.yaml", "line": 3, "column": 8, "message": "cycle is 0", "hint": "write 1 ms"});
     assert_eq!(object["problems"], json!([problem]));
     assert_eq!(played.suite().cases[0].outcome, Outcome::Error("c.yaml:3:8: cycle is 0, write 1 ms".to_owned()));
+    assert_eq!(played.suite().cases[0].source, Some(Source { file: "c.yaml".to_owned(), line: Some(3) }));
     assert_eq!(played.exit(), Exit::Usage);
 }

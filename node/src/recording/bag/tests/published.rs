@@ -7,7 +7,7 @@ use super::*;
 use lineshaft_msgs::Message as _;
 use lineshaft_msgs::cdr::encode_with_header;
 use lineshaft_msgs::foreign::std_msgs::msg::String as Text;
-use lineshaft_ros::layer::{Qos, TappedTopic};
+use lineshaft_ros::layer::{Qos, TappedMessage, TappedTopic};
 
 /// robot_description, ~/errors and /rosout, in this order.
 fn with_published() -> Subject {
@@ -92,4 +92,42 @@ fn published_topics_change_neither_replay_nor_events_of_a_plot() {
     let events =
         |path: &Path| series::load(&mut Run::open(path).unwrap(), &["x.state".to_owned()]).unwrap().marks.len();
     assert_eq!(events(&bare), events(&full));
+}
+
+fn late(topic: usize, published_ns: u64, data: &str) -> TappedMessage {
+    TappedMessage { topic, published_ns, data: text(data) }
+}
+
+#[test]
+fn messages_after_the_last_cycle_are_written_with_its_log_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("late.mcap");
+    let mut bag = Bag::create(&at(path.clone()), with_published()).unwrap();
+    let cycles = &run().encoded[..700];
+    cycles.iter().for_each(|encoded| bag.write(encoded).unwrap());
+    bag.add_late(vec![late(2, 5, "the last line"), late(0, u64::MAX, "<robot/>")]);
+    let summary = bag.finish().unwrap();
+    assert_eq!((summary.cycles, summary.replayable), (700, true));
+    let last = cycles[699].time.log_ns;
+    assert_eq!(published(&path), [("/rosout".to_owned(), last), ("/robot_description".to_owned(), last)]);
+    let metadata = fs::read_to_string(folder.path().join(FILE_NAME)).unwrap();
+    // 0.699 s from the first cycle to the last one.
+    assert!(metadata.contains("\n  duration:\n    nanoseconds: 699000000\n"), "{metadata}");
+    let report = replay(&mut Run::open(&path).unwrap()).unwrap();
+    assert_eq!(report.cycles, 700);
+}
+
+/// A node that is unconfigured runs no cycle, and reports why.
+#[test]
+fn bag_without_a_cycle_has_the_messages_by_their_system_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bag");
+    let mut bag = Bag::create(&at(path.clone()), with_published()).unwrap();
+    bag.add_late(vec![late(2, 1_700_000_000_000_000_000, "why"), late(2, 1_700_000_000_500_000_000, "again")]);
+    let summary = bag.finish().unwrap();
+    assert_eq!((summary.cycles, summary.replayable), (0, false));
+    let line = |ns| ("/rosout".to_owned(), ns);
+    assert_eq!(published(&summary.files[0]), [line(1_700_000_000_000_000_000), line(1_700_000_000_500_000_000)]);
+    let metadata = fs::read_to_string(path.join(FILE_NAME)).unwrap();
+    assert!(metadata.contains("\n  duration:\n    nanoseconds: 500000000\n"), "{metadata}");
 }

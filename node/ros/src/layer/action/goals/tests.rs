@@ -16,6 +16,11 @@ fn at(sec: i32, nanosec: u32) -> Stamp {
     Stamp { sec, nanosec }
 }
 
+/// A request that was written, and came, at so many ns.
+fn sent(ns: u64) -> Origin {
+    Origin::of(1, Some(ns), ns)
+}
+
 fn goals() -> (Tested, Instant) {
     (Goals::new(KEEP, 4), Instant::now())
 }
@@ -24,7 +29,7 @@ fn goals() -> (Tested, Instant) {
 fn executing(ns: &[u8]) -> (Tested, Instant) {
     let (mut goals, now) = goals();
     for n in ns {
-        assert!(goals.offer(id(*n), now));
+        assert!(goals.offer(id(*n), sent(0), now));
         goals.accept(id(*n), at(i32::from(*n), 0));
         assert!(goals.execute(id(*n)));
     }
@@ -36,7 +41,7 @@ fn status(goals: &Tested, n: u8) -> Option<Status> {
 }
 
 fn selected(goals: &mut Tested, goal: GoalId, stamp: Stamp, now: Instant) -> (i8, Vec<GoalId>) {
-    let selection = goals.select(goal, stamp, now);
+    let selection = goals.select(goal, stamp, sent(1), now);
     (selection.code, selection.open)
 }
 
@@ -52,7 +57,7 @@ fn numbers_are_those_of_action_msgs() {
 #[test]
 fn a_goal_goes_from_accepted_to_succeeded() {
     let (mut goals, now) = goals();
-    assert!(goals.offer(id(1), now));
+    assert!(goals.offer(id(1), sent(0), now));
     let canceled = goals.accept(id(1), at(5, 6));
     assert_eq!(goals.shown().collect::<Vec<_>>(), [Shown { id: id(1), stamp: at(5, 6), status: Status::Accepted }]);
     assert!(goals.execute(id(1)));
@@ -69,16 +74,16 @@ fn a_goal_goes_from_accepted_to_succeeded() {
 #[test]
 fn an_id_is_used_once() {
     let (mut goals, now) = goals();
-    assert!(goals.offer(id(1), now));
-    assert!(!goals.offer(id(1), now), "while it is being decided");
+    assert!(goals.offer(id(1), sent(0), now));
+    assert!(!goals.offer(id(1), sent(0), now), "while it is being decided");
     goals.withdraw(id(1));
     assert_eq!(goals.ask(id(1), 1, now), Asked::Unknown(1), "a rejected goal is not known");
-    assert!(goals.offer(id(1), now), "a rejected goal may be sent again");
+    assert!(goals.offer(id(1), sent(0), now), "a rejected goal may be sent again");
     goals.accept(id(1), at(1, 0));
-    assert!(!goals.offer(id(1), now), "while it is there");
+    assert!(!goals.offer(id(1), sent(0), now), "while it is there");
     goals.end(id(1), End::Aborted, "", now);
-    assert!(!goals.offer(id(1), now), "after its end");
-    assert!(goals.offer(id(1), now + KEEP), "until it is forgotten");
+    assert!(!goals.offer(id(1), sent(0), now), "after its end");
+    assert!(goals.offer(id(1), sent(0), now + KEEP), "until it is forgotten");
 }
 
 #[test]
@@ -111,7 +116,7 @@ fn a_canceled_goal_may_still_end_in_any_way() {
         [(End::Canceled, Status::Canceled), (End::Succeeded, Status::Succeeded), (End::Aborted, Status::Aborted)];
     for (end, ended) in ways {
         let (mut goals, now) = goals();
-        goals.offer(id(1), now);
+        goals.offer(id(1), sent(0), now);
         let canceled = goals.accept(id(1), at(1, 0));
         let canceling = goals.cancel(&[id(1)]);
         assert_eq!(canceling, [Shown { id: id(1), stamp: at(1, 0), status: Status::Canceling }]);
@@ -137,7 +142,7 @@ fn cancel_by_id() {
     assert_eq!(selected(&mut goals, id(3), Stamp::default(), now), (TERMINATED, vec![]));
     assert_eq!(selected(&mut goals, id(3), Stamp::default(), now + KEEP), (UNKNOWN_GOAL, vec![]));
     goals.cancel(&[id(2)]);
-    let again = goals.select(id(2), Stamp::default(), now);
+    let again = goals.select(id(2), Stamp::default(), sent(1), now);
     assert_eq!(again, Selection { code: NONE, open: vec![], canceling: vec![id(2)] });
 }
 
@@ -175,4 +180,46 @@ fn cancel_all() {
     assert_eq!(selected(&mut goals, GoalId::default(), Stamp::default(), now), (NONE, vec![id(1), id(3)]));
     let (mut none, now) = executing(&[]);
     assert_eq!(selected(&mut none, GoalId::default(), Stamp::default(), now), (NONE, vec![]));
+}
+
+/// The goals were sent at 10 and 30 ns, the request at 20 ns; the second one came in time to be accepted first.
+#[test]
+fn cancel_of_all_goals_means_those_that_were_sent_before_it() {
+    let (mut goals, now) = goals();
+    for (n, ns) in [(3, 30), (1, 10)] {
+        assert!(goals.offer(id(n), sent(ns), now));
+        goals.accept(id(n), at(i32::from(n), 0));
+    }
+    let selection = goals.select(GoalId::default(), Stamp::default(), sent(20), now);
+    assert_eq!(selection, Selection { code: NONE, open: vec![id(1)], canceling: vec![] });
+    // By its id the later one is meant all the same.
+    assert_eq!(goals.select(id(3), Stamp::default(), sent(20), now).open, [id(3)]);
+}
+
+#[test]
+fn goal_that_is_canceled_while_it_is_decided_begins_with_canceling() {
+    for by in [GoalId::default(), id(1)] {
+        let (mut goals, now) = goals();
+        assert!(goals.offer(id(1), sent(10), now) && goals.offer(id(2), sent(30), now));
+        let selection = goals.select(by, Stamp::default(), sent(20), now);
+        assert_eq!(selection, Selection { code: NONE, open: vec![id(1)], canceling: vec![] });
+        let canceling = goals.cancel(&selection.open);
+        assert_eq!(canceling.iter().map(|shown| shown.id).collect::<Vec<_>>(), [id(1)]);
+        assert_eq!(goals.select(by, Stamp::default(), sent(20), now).canceling, [id(1)], "it is canceling already");
+        let (canceled, other) = (goals.accept(id(1), at(1, 0)), goals.accept(id(2), at(2, 0)));
+        assert!(*canceled.borrow() && !*other.borrow());
+        assert_eq!((status(&goals, 1), status(&goals, 2)), (Some(Status::Canceling), Some(Status::Accepted)));
+        assert!(!goals.execute(id(1)));
+        assert_eq!(goals.end(id(1), End::Canceled, "", now), Some((Status::Canceled, vec![])));
+    }
+}
+
+#[test]
+fn goal_is_known_from_its_offer_on() {
+    let (mut goals, now) = goals();
+    assert!(!goals.knows(id(1)));
+    goals.offer(id(1), sent(0), now);
+    assert!(goals.knows(id(1)));
+    goals.accept(id(1), at(1, 0));
+    assert!(goals.knows(id(1)));
 }

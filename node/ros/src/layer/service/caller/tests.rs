@@ -16,7 +16,7 @@ fn guid(vendor: [u8; 2], kind: u8) -> Guid {
 
 fn sample(vendor: [u8; 2], bytes: Vec<u8>) -> Sample {
     let id = SampleId { writer: guid(vendor, 3), number: 42 };
-    Sample { id, related: None, is_stale: false, came_ns: 0, is_big_endian: false, bytes: bytes.into() }
+    Sample { id, related: None, is_stale: false, written: None, came_ns: 0, is_big_endian: false, bytes: bytes.into() }
 }
 
 /// As rmw_fastrtps sends it.

@@ -1,0 +1,38 @@
+//! A node in this process, for tests of commands.
+
+use super::session::{Options, Session};
+use lineshaft_msgs::srv::AxesCommand;
+use lineshaft_ros::layer::{Environment, Networks, Node, NodeName, Qos, ServiceServer, Side};
+use std::time::Duration;
+
+/// Far more than anything here takes.
+pub(super) const LONG: Duration = Duration::from_secs(30);
+/// Maximum time for a first answer.
+pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// A node that commands find: it has the service `~/halt`.
+pub(super) struct TestNode {
+    pub(super) node: Node,
+    environment: Environment,
+    name: String,
+    _halt: ServiceServer<AxesCommand>,
+}
+
+impl TestNode {
+    pub(super) fn start(name: &str) -> Self {
+        // A domain that tests with other programs (10 to 101) do not take, and other runs of these seldom.
+        let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
+        let environment = Environment { domain, networks: Networks::Loopback };
+        let name = format!("{name}_{}", std::process::id());
+        let node = Node::new(NodeName::new("/", &name).unwrap(), &environment).unwrap();
+        let halt = node.service::<AxesCommand>("~/halt", Qos::SERVICE).unwrap();
+        Self { node, environment, name, _halt: halt }
+    }
+
+    /// Connects a command to it.
+    pub(super) async fn session(&self) -> Session {
+        let options = Options { node: Some(self.name.clone()), timeout: TIMEOUT, is_reading: false, is_stop: false };
+        let name = format!("_client_of_{}", self.name);
+        Session::open_in(self.environment.clone(), Side::Thread, &name, &options).await.unwrap()
+    }
+}
