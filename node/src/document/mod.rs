@@ -39,6 +39,7 @@ pub use map::Map;
 #[cfg(test)]
 pub(crate) use observer::{Asked, Observer, Seen};
 pub use problem::{Place, Problem, Problems};
+pub(crate) use value::unit_of_bare;
 pub use value::{Allowed, Value};
 
 use lineshaft_ros::layer::open_file;

@@ -1,7 +1,7 @@
 //! Problems by their exact text, and documents made to hurt.
 
 use super::*;
-use lineshaft_core::unit::{Dimension, Fraction, Quantity};
+use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -115,12 +115,21 @@ fn fractions_and_quantities_are_exact() {
     assert_eq!(good("20 ms", cycle).nanoseconds(), Ok(20_000_000));
     assert_eq!(good("'125 us'", cycle).nanoseconds(), Ok(125_000));
     assert_eq!(bad("50 ms", cycle), "4: k is `50 ms`; 125 us..20 ms is allowed");
-    assert_eq!(bad("1", cycle), "4: k is `1`; 125 us..20 ms is allowed");
+    assert_eq!(bad("1", cycle), "4: k is `1`; 125 us..20 ms is allowed, a number without a unit is in s");
     assert_eq!(bad("1ms", cycle), "4: k: `1ms` has no blank between number and unit, write `1 ms`");
     assert_eq!(
         bad("1 msec", cycle),
         "4: k: `msec` in `1 msec` is not a unit; a time has ns, us, ms, s, min, did you mean `ms`?"
     );
+    // Nothing is known of what was meant: an example says what is expected, in the unit of the axis where that is known.
+    assert_eq!(bad("soon", cycle), "4: k: `soon` is not a number, a time such as `1 s` is expected");
+    let velocity = [Dimension::Angle(1), Dimension::Increments(1)];
+    let of = |text, unit| bad(text, |value| value.quantity_in(unit, &velocity, &Allowed::Positive));
+    assert_eq!(of("fast", None), "4: k: `fast` is not a number, an angular velocity such as `1 deg/s` is expected");
+    let turn = Some(Unit::REVOLUTION);
+    assert_eq!(of("fast", turn), "4: k: `fast` is not a number, an angular velocity such as `1 rev/s` is expected");
+    assert_eq!(of("5 mm/s", turn), "4: k: `5 mm/s` is a velocity; an angular velocity such as `5 rev/s` is expected");
+    assert_eq!(of("1,5 deg/s", turn), "4: k: `1,5` is not a number, write a decimal point, not a comma");
     let acceleration = [Dimension::Length(2), Dimension::Increments(2)];
     let said = |text| bad(text, |value| value.quantity(&acceleration, &Allowed::Positive));
     assert_eq!(said("8 m/s"), "4: k: `8 m/s` is a velocity; an acceleration such as `8 m/s^2` is expected");

@@ -4,7 +4,7 @@
 use super::observer::{Asked, Note};
 use super::problem::quote;
 use super::{Kind, Map, Node, Place, Problems};
-use lineshaft_core::unit::{Dimension, Fraction, Quantity, UnitError, excerpt, parse_decimal, parse_fraction};
+use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit, UnitError, excerpt, parse_decimal, parse_fraction};
 use num_rational::Ratio;
 use std::ops::RangeInclusive;
 
@@ -186,11 +186,20 @@ impl<'d> Value<'d> {
 
     /// A quantity `NUMBER UNIT` of one of the dimensions; a bare number is SI of the first.
     pub fn quantity(&self, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
+        self.quantity_in(None, dimensions, allowed)
+    }
+
+    /// The same; examples in problems are in this unit, which is that of the axis.
+    pub fn quantity_in(&self, unit: Option<Unit>, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
         #[cfg(test)]
         self.asked(Asked::Quantity);
         let expected = dimensions.first().map_or("a quantity", |dimension| dimension.article());
         let text = self.scalar(expected)?;
-        let quantity = self.unit_result(Quantity::parse(text, dimensions))?;
+        let quantity = Quantity::parse(text, dimensions).map_err(|error| match unit {
+            Some(unit) => error.in_unit(unit),
+            None => error,
+        });
+        let quantity = quantity.map_err(|error| self.refuse_quantity(&error, dimensions, unit)).ok()?;
         let zero = Ratio::from(0);
         let (good, range) = match allowed {
             Allowed::Any => return Some(quantity),
@@ -204,7 +213,8 @@ impl<'d> Value<'d> {
             }
         };
         if !good {
-            self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), None);
+            let hint = unit_of_bare(text, quantity.unit());
+            self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), hint);
         }
         good.then_some(quantity)
     }
@@ -314,9 +324,24 @@ impl<'d> Value<'d> {
         (self.plain().is_none() && would_do(self.node.text())).then(|| "write it without quotes".to_owned())
     }
 
+    /// Notes why it is no quantity, with an example where nothing is known of what was meant.
+    fn refuse_quantity(&self, error: &UnitError, dimensions: &[Dimension], unit: Option<Unit>) {
+        let example = || match (error, dimensions.first()) {
+            (UnitError::NotANumber { .. }, Some(first)) => Some(format!("{} is expected", first.such_as(unit))),
+            _ => None,
+        };
+        self.refuse(format!("{}: {error}", self.label), error.hint().or_else(example));
+    }
+
     fn unit_result<T>(&self, result: Result<T, UnitError>) -> Option<T> {
         result.map_err(|error| self.refuse(format!("{}: {error}", self.label), error.hint())).ok()
     }
+}
+
+/// In which unit a positive number without a unit was read: it was probably meant in another one.
+pub(crate) fn unit_of_bare(text: &str, unit: Unit) -> Option<String> {
+    let is_bare = parse_decimal(text.trim()).is_ok_and(|number| number > Ratio::from(0));
+    (is_bare && unit != Dimension::Ratio.si_unit()).then(|| format!("a number without a unit is in {unit}"))
 }
 
 enum NotWhole {

@@ -54,7 +54,7 @@ fn format_and_cycle() {
         ("^0", "1 ms", "lineshaft is `0`; format version 1 is allowed"),
         ("^one", "1 ms", "lineshaft is `one`; format version 1 is allowed"),
         ("1", "^124999 ns", "cycle is `124999 ns`; 125 us..20 ms is allowed"),
-        ("1", "^1", "cycle is `1`; 125 us..20 ms is allowed"),
+        ("1", "^1", "cycle is `1`; 125 us..20 ms is allowed, a number without a unit is in s"),
         ("1", "^-1 ms", "cycle is `-1 ms`; 125 us..20 ms is allowed"),
         ("1", "^1 mm", "cycle: `1 mm` is a length; a time such as `1 s` is expected"),
         (
@@ -296,7 +296,7 @@ fn encoders() {
         ),
         (
             "{backend: plant, address: 0, type: rotary, scale: {increments: 4000, per: ^100 mm}}",
-            "per: `100 mm` is a length; an angle such as `100 rad` is expected",
+            "per: `100 mm` is a length; an angle such as `100 deg` is expected",
         ),
         ("^{backend: plant, address: 0, type: linear}", "missing key `scale` in encoder `e`"),
     ] {

@@ -432,7 +432,7 @@ fn what_is_wrong_with_an_expectation_is_told() {
     assert_eq!(bad("{signal: ^fed, is: 1}"), "no signal is called `fed`, did you mean `feed`?");
     assert_eq!(
         bad("{signal: x.command.position, is: ^120 deg}"),
-        "x.command.position: `120 deg` is an angle; a length such as `120 m` is expected"
+        "x.command.position: `120 deg` is an angle; a length such as `120 mm` is expected"
     );
     assert_eq!(
         bad("{signal: x.command.position, is: ^0.5}"),

@@ -149,7 +149,7 @@ fn a_phase_shifts_a_coupled_axis_and_its_leader() {
     ));
     assert_eq!(
         bad("{phase: ^{axis: x, shift: 90 deg}}"),
-        "shift: `90 deg` is an angle; a length such as `90 m` is expected"
+        "shift: `90 deg` is an angle; a length such as `90 mm` is expected"
     );
     assert_eq!(bad("{phase: {axis: x, side: ^both, shift: 1 mm}}"), "side is `both`; one of slave, master is allowed");
 }
@@ -418,7 +418,7 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{move_axis: ^{position: 5 mm}}"), "missing key `axis` in move_axis");
     assert_eq!(
         bad("{move_axis: ^{axis: x, position: 90 deg}}"),
-        "position: `90 deg` is an angle; a length such as `90 m` is expected"
+        "position: `90 deg` is an angle; a length such as `90 mm` is expected"
     );
     assert_eq!(
         bad("{move_axis: {axis: x, position: ^9mm}}"),
