@@ -219,7 +219,7 @@ impl Unit {
     }
 
     /// The unit that someone most probably meant by a text that is no unit, where `expected` was expected.
-    pub(super) fn meant(text: &str, expected: Dimension) -> Option<&'static str> {
+    pub fn meant(text: &str, expected: Dimension) -> Option<&'static str> {
         let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let known = |name: &str| ALL_UNITS.iter().copied().find(|unit| *unit == name);
         let lower = plain.to_lowercase().replace("sec", "s").replace("s²", "s^2").replace("s³", "s^3");

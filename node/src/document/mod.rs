@@ -32,6 +32,7 @@ mod map;
 mod observer;
 mod parse;
 mod problem;
+mod syntax;
 mod value;
 
 pub use edit::{Fixed, Source};

@@ -90,6 +90,8 @@ fn integers_are_whole_and_in_range() {
     assert_eq!(said("1e99"), "4: k is `1e99`; 1..64 is allowed");
     assert_eq!(said("1.5"), "4: k is `1.5`; a whole number 1..64 is allowed");
     assert_eq!(said("'16'"), "4: k is `16`; a whole number 1..64 is allowed, write it without quotes");
+    assert_eq!(said("16 mm"), "4: k is `16 mm`; a whole number 1..64 is allowed, a unit is not allowed here");
+    assert_eq!(said("16 apples"), "4: k is `16 apples`; a whole number 1..64 is allowed");
     assert_eq!(said("0x-1"), "4: k is `0x-1`; a whole number 1..64 is allowed");
     assert_eq!(said("{a: 1}"), "4: k is a mapping; a whole number is expected");
 }
@@ -147,6 +149,11 @@ fn choices_suggest_what_is_alike() {
     assert_eq!(bad("lineer", kind), "4: k is `lineer`; one of linear, rotary is allowed, did you mean `linear`?");
     assert_eq!(bad("Rotary", kind), "4: k is `Rotary`; one of linear, rotary is allowed, did you mean `rotary`?");
     assert_eq!(bad("x", kind), "4: k is `x`; one of linear, rotary is allowed");
+    // Part of one name alone, or one name as a part.
+    let part = "one of linear, rotary is allowed, did you mean `linear`?";
+    assert_eq!(bad("lin", kind), format!("4: k is `lin`; {part}"));
+    assert_eq!(bad("my_linear", kind), format!("4: k is `my_linear`; {part}"));
+    assert_eq!(bad("ar", kind), "4: k is `ar`; one of linear, rotary is allowed");
 }
 
 #[test]
@@ -231,10 +238,23 @@ furniture: 3
         "8:3: `Y` is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed, write `y`",
         "8:52: required is `yes`; true or false is allowed, write `true`",
         "10:5: missing key `max_velocity` in axis `z`",
-        "11:5: key `type` stands here again; it is first at 10:5",
+        "11:5: duplicate key `type`; it is first at 10:5",
         "12:1: unknown key `furniture` in the cell, known are lineshaft, cycle, backends, axes",
     ];
     assert_eq!(said, expected.map(|line| format!("t.yaml:{line}\n")).concat());
+}
+
+#[test]
+fn a_key_in_braces_without_its_colon_is_not_missing_as_well() {
+    let read = |root: Value<'_>| {
+        let mut map = root.map("a step").unwrap();
+        map.required("at");
+        map.optional("do");
+        map.finish();
+    };
+    for (text, key) in [("{at 0, do: 1}", "at 0"), ("{at:0, do: 1}", "at:0")] {
+        assert_eq!(problems(text, read), format!("t.yaml:1:2: unknown key `{key}` in a step, write `at: 0`\n"));
+    }
 }
 
 #[test]

@@ -144,7 +144,8 @@ impl<'d> Value<'d> {
             }
             Err(NotWhole::Other) => {
                 let sentence = format!("{} is {}; a whole number {low}..{high} is allowed", self.label, quote(text));
-                self.refuse(sentence, self.quotes_hint(|text| whole_number(text).is_ok()));
+                let hint = self.quotes_hint(|text| whole_number(text).is_ok()).or_else(|| without_unit(text));
+                self.refuse(sentence, hint);
             }
         }
         None
@@ -228,7 +229,8 @@ impl<'d> Value<'d> {
             return Some(*value);
         }
         let all: Vec<_> = names.iter().map(|(name, _)| *name).collect();
-        let hint = suggest(text, all.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
+        let meant = suggest(text, all.iter().copied()).or_else(|| part(text, &all));
+        let hint = meant.map(|meant| format!("did you mean `{meant}`?"));
         let one_of = if all.len() == 1 { "" } else { "one of " };
         self.refuse(format!("{} is {}; {one_of}{} is allowed", self.label, quote(text), all.join(", ")), hint);
         None
@@ -344,6 +346,13 @@ pub(crate) fn unit_of_bare(text: &str, unit: Unit) -> Option<String> {
     (is_bare && unit != Dimension::Ratio.si_unit()).then(|| format!("a number without a unit is in {unit}"))
 }
 
+/// How a whole number is written that was given with a unit.
+fn without_unit(text: &str) -> Option<String> {
+    let (number, unit) = text.split_once(' ')?;
+    let is_quantity = whole_number(number).is_ok() && Unit::parse(unit.trim()).is_some();
+    is_quantity.then(|| "a unit is not allowed here".to_owned())
+}
+
 enum NotWhole {
     TooLarge,
     Other,
@@ -374,6 +383,16 @@ fn finite(text: &str) -> Option<f64> {
 fn is_name(text: &str) -> bool {
     let tail = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
     text.len() <= MAX_NAME && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.bytes().all(tail)
+}
+
+/// The only name that begins or ends with `text`, or with which it begins or ends: `simulation` is `sim`, `cyclic_position` is `position`.
+fn part<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {
+    /// Two letters are in too many words.
+    const SHORTEST: usize = 3;
+    let is_part =
+        |short: &str, long: &str| short.len() >= SHORTEST && (long.starts_with(short) || long.ends_with(short));
+    let mut found = names.iter().copied().filter(|name| is_part(name, text) || is_part(text, name));
+    found.next().filter(|_| found.next().is_none())
 }
 
 /// What is most like `text`, if anything is: a third of its letters may be wrong.

@@ -41,7 +41,7 @@ fn read(text: &str) -> AxisConfig {
 #[test]
 fn type_unit_and_scale_fit_each_other() {
     for (keys, expected) in [
-        (&[("type", "lin")][..], "8:11: type is `lin`; one of linear, rotary is allowed"),
+        (&[("type", "lin")][..], "8:11: type is `lin`; one of linear, rotary is allowed, did you mean `linear`?"),
         (&[("unit", "deg")], "8:11: unit is `deg`; one of nm, um, mm, cm, m, inc is allowed"),
         (&[("unit", "MM")], "8:11: unit is `MM`; one of nm, um, mm, cm, m, inc is allowed, did you mean `mm`?"),
         (
@@ -54,6 +54,10 @@ fn type_unit_and_scale_fit_each_other() {
         (&[("scale", "1000")], "8:12: scale is `1000`; a mapping is expected"),
     ] {
         assert_eq!(said(&axis(keys)), expected);
+    }
+    for (unit, meant) in [("grad", "deg"), ("degrees", "deg"), ("turns", "rev")] {
+        let expected = format!("8:11: unit is `{unit}`; one of deg, rad, rev, inc is allowed, did you mean `{meant}`?");
+        assert_eq!(said(&rotary(&[("unit", unit)])), expected);
     }
     for (unit, expected) in [
         ("0 mm", "unit is `0 mm`; a value above 0 is allowed"),

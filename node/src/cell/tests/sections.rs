@@ -314,7 +314,7 @@ fn a_name_stands_once_in_a_cell() {
              io:\n  x: {type: di, backend: plant, address: 0}\n"
         ),
         "8:3: `plant` is a backend already, at 4:3; a name stands once\n\
-         9:3: key `x` stands here again; it is first at 7:3\n\
+         9:3: duplicate key `x`; it is first at 7:3\n\
          11:3: `x` is a memory cell already, at 7:3; a name stands once"
     );
     assert_eq!(
