@@ -129,7 +129,7 @@ mod tests {
     fn goal_with_a_number_without_a_unit_is_not_sent() {
         let axis = (ScaleKind::Linear, Some(Unit::MILLIMETRE));
         let refused = |motion: &Motion| goal(motion, units(motion)?, axis);
-        let usage = |sentence: &str| Err(Failure::Usage(sentence.to_owned()));
+        let usage = |sentence: &str| -> Result<MoveAxisGoal, Failure> { Err(Failure::Usage(sentence.to_owned())) };
         assert_eq!(refused(&motion("50")), usage("POSITION: `50` has no unit; did you mean `50 mm`?"));
         let fast = Motion { velocity: Some(Given::read("--velocity", "5", 1).unwrap()), ..motion("50 mm") };
         assert_eq!(refused(&fast), usage("--velocity: `5` has no unit; did you mean `5 mm/s`?"));
