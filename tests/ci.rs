@@ -179,6 +179,26 @@ fn scenario_names_its_cell_and_the_command_line_goes_first() {
     assert_eq!(object["scenarios"][0]["notes"].as_array().map(Vec::len), Some(1));
     // One without the key runs on the cell next to it.
     assert_eq!(bench.run(&["sim", "--scenario", "a/ok.scenario.yaml"]).code, 0);
+    // The same without the option: the name says that it is a scenario, or its key does.
+    assert_eq!(bench.run(&["sim", "a/ok.scenario.yaml"]).code, 0);
+    bench.write("named.yaml", &scenario("cell: a/ok.yaml\n", "0 mm"));
+    let said = bench.run(&["sim", "named.yaml"]);
+    assert_eq!((said.code, said.errors.as_str()), (0, ""), "{}", said.out);
+    let said = bench.run(&["sim", "a/ok.yaml"]);
+    assert_eq!(
+        (said.code, said.errors.as_str()),
+        (2, "error: a/ok.yaml is no scenario; `lineshaft sim a/ok.scenario.yaml` plays the one next to it\n")
+    );
+    let said = bench.run(&["sim", "other.yaml"]);
+    assert_eq!(
+        (said.code, said.errors.as_str()),
+        (
+            2,
+            "error: other.yaml is no scenario; `lineshaft sim other.yaml --scenario FILE` plays one, `lineshaft new FILE` writes an example\n"
+        )
+    );
+    let object = bench.object(&["sim", "other.yaml"], 2);
+    assert_eq!(object["errors"].as_array().map(Vec::len), Some(1));
     let said = bench.run(&["sim", "--scenario", "empty.scenario.yaml"]);
     assert_eq!(said.errors, "empty.scenario.yaml:2:7: cell is empty; the file of a cell is expected\n");
     assert_eq!(said.code, 2);

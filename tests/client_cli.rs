@@ -113,7 +113,7 @@ fn axis_is_enabled_and_moved_to_its_exact_position_without_ros() {
         "turret: 1.047197551 rad (60 deg), 6000 inc\n"
     );
     assert_eq!(demo.good(&["move", "x", "50 mm"]), "x: 0.05 m (50 mm), 5242880 inc\n");
-    assert_eq!(demo.good(&["move", "x", "0.02"]), "x: 0.02 m (20 mm), 2097152 inc\n");
+    assert_eq!(demo.good(&["move", "x", "20 mm"]), "x: 0.02 m (20 mm), 2097152 inc\n");
     assert_eq!(demo.good(&["move", "x", "1048576 inc"]), "x: 0.01 m (10 mm), 1048576 inc\n");
     let table = demo.good(&["state"]);
     let lines: Vec<_> = table.lines().collect();
@@ -143,6 +143,9 @@ fn refused_motion_moves_nothing_and_prints_the_sentence_of_the_node() {
     // Usage: not sent at all.
     assert!(demo.fails(2, &["move", "x", "90 deg"]).starts_with("error: POSITION: `90 deg` is an angle; a length"));
     assert!(demo.fails(2, &["move", "x", "10mm"]).contains("write `10 mm`"));
+    // 50 may be 50 m or 50 mm: the unit of the axis is the hint.
+    assert_eq!(demo.fails(2, &["move", "x", "50"]), "error: POSITION: `50` has no unit; did you mean `50 mm`?\n");
+    assert_eq!(demo.fails(2, &["jog", "turret", "5"]), "error: VELOCITY: `5` has no unit; did you mean `5 deg/s`?\n");
     assert!(demo.fails(2, &["move", "x", "1 mm", "--velocity", "0"]).contains("must exceed 0"));
     assert_eq!(
         demo.fails(1, &["enable", "missing"]),

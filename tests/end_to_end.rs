@@ -66,5 +66,6 @@ mod touch_probe;
 mod trajectory;
 mod tune_cli;
 mod tune_ros;
+mod typos;
 mod users;
 mod vocabularies;

@@ -203,6 +203,66 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     );
 }
 
+/// 2.01098 inc/inc at 20 mm/s of the belt, 20000 inc/s, are 40.22 mm/s of the knife, which permits 40.
+#[test]
+fn speed_of_a_master_has_units_and_without_one_is_max_velocity_of_the_leader() {
+    let bench = Bench::new();
+    let axes = "  belt:\n    type: linear\n    unit: mm\n    drive: virtual\n    scale: {increments: 1000, per: 1 mm}\n    \
+                max_velocity: 20 mm/s\n    max_acceleration: 1 m/s^2\n";
+    bench.write("cell.yaml", &format!("{CELL}{axes}"));
+    let check = "check knife.yaml --cell cell.yaml --axis knife";
+    let at_speed = |line: &[&str]| {
+        let _machine = share();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
+        command.arg("table").args(check.split(' ')).args(line).current_dir(&bench.0);
+        let output = command.output().expect("the program starts");
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let (code, said, problems) = at_speed(&["--leader", "belt"]);
+    assert_eq!(code, Some(2), "{said}{problems}");
+    assert!(
+        problems.starts_with("error: the table exceeds max_velocity, max_deceleration of axis knife"),
+        "{problems}"
+    );
+    let head = "axis knife of cell.yaml at a master speed of 20000 inc/s (20 mm/s), max_velocity of belt\n";
+    assert!(said.contains(head), "{said}");
+    assert!(said.contains("  fastest master speed: 14886.3 inc/s (14.8863"), "{said}");
+    let (code, said, problems) = at_speed(&["--leader", "belt", "--master-speed", "10 mm/s"]);
+    assert_eq!((code, problems.as_str()), (Some(0), ""), "{said}");
+    assert!(said.contains("axis knife of cell.yaml at a master speed of 10000 inc/s (10 mm/s)\n"), "{said}");
+    let (code, said, _) = at_speed(&["--master-speed", "10000 inc/s"]);
+    assert!(code == Some(0) && said.contains(" at a master speed of 10000 inc/s\n"), "{said}");
+
+    let refused = |line: &[&str]| at_speed(line).2;
+    assert_eq!(
+        refused(&["--master-speed", "10 mm/s"]),
+        "error: --master-speed: `10 mm/s` needs the scale of the master: name it by --leader, or give the speed in inc/s\n"
+    );
+    assert_eq!(
+        refused(&["--leader", "belt", "--master-speed", "10 deg/s"]),
+        "error: --master-speed: `10 deg/s` is an angular velocity; a velocity such as `10 mm/s` is expected\n"
+    );
+    assert_eq!(
+        refused(&["--leader", "bolt"]),
+        "error: cell.yaml: `bolt` cannot lead; knife, knife.actual, belt, belt.actual, machine.vmaster can\n"
+    );
+}
+
+#[test]
+fn a_table_of_the_cell_that_was_not_made_again_is_reported() {
+    let bench = Bench::new();
+    bench.good("make knife.yaml -o knife.csv");
+    bench.write("cell.yaml", &format!("{CELL}tables:\n  cut: {{form: y, csv: knife.csv}}\n"));
+    let check = "check knife.yaml --cell cell.yaml --axis knife";
+    let said = bench.good(check);
+    assert!(said.contains("  these are the points of table cut of cell.yaml\n"), "{said}");
+    // The description changes, the CSV file does not.
+    bench.write("knife.yaml", &bench.read("knife.yaml").replace("8000", "8001"));
+    let said = bench.good(check);
+    let line = "  no table of cell.yaml has these points; `lineshaft table make knife.yaml -o FILE.csv` writes them into its CSV file\n";
+    assert!(said.contains(line), "{said}");
+}
+
 #[test]
 fn jumps_leave_no_speed() {
     let bench = Bench::new();

@@ -153,7 +153,7 @@ fn of_quantity(measure: Measure, scale: &Scale, quantity: &Quantity) -> Result<V
 fn of_own_unit(measure: Measure, unit: Unit, quantity: &Quantity) -> Result<Value, ConvertError> {
     let expected = unit.dimension();
     if quantity.unit().dimension() != expected {
-        return Err(ConvertError::Unit(UnitError::WrongDimension { given: *quantity, expected }));
+        return Err(ConvertError::Unit(UnitError::wrong_dimension(*quantity, expected)));
     }
     let one = Quantity::new(Fraction::from_integer(1), unit);
     let exact = quantity.exact().zip(one.exact()).and_then(|(all, one)| all.checked_div(&one));

@@ -48,13 +48,15 @@ pub enum UnitError {
     /// A unit of another dimension.
     #[error(
         "`{given}` is {}; {} such as `{}` is expected",
-        .given.unit().dimension().article(), .expected.article(), .given.example(*.expected)
+        .given.unit().dimension().article(), .expected.article(), .given.example(*.expected, *.usual)
     )]
     WrongDimension {
         /// The quantity as given.
         given: Quantity,
         /// What was expected.
         expected: Dimension,
+        /// The unit of the example where that of `given` does not fit: of the axis where it is known, else the most common one.
+        usual: Unit,
     },
     /// A position that no axis may have.
     #[error("{given} is {} increments; a position stays below 2^62 = 4611686018427387904 increments", Magnitude(.increments))]
@@ -123,6 +125,27 @@ pub enum UnitError {
 }
 
 impl UnitError {
+    /// A quantity of another dimension; the example has the most common unit.
+    pub(crate) fn wrong_dimension(given: Quantity, expected: Dimension) -> Self {
+        Self::WrongDimension { given, expected, usual: expected.usual_unit() }
+    }
+
+    /// The same error; an example that it gives is in this unit, which is that of the axis. A unit of another kind changes nothing.
+    #[must_use]
+    pub fn in_unit(self, unit: Unit) -> Self {
+        match self {
+            Self::WrongDimension { given, expected, .. } => {
+                Self::WrongDimension { given, expected, usual: expected.unit_like(unit) }
+            }
+            other => other,
+        }
+    }
+
+    /// The error with its hint, for a line of text.
+    pub fn sentence(&self) -> String {
+        self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
+    }
+
     /// How to write it instead, where that is known.
     pub fn hint(&self) -> Option<String> {
         match self {

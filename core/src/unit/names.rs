@@ -1,6 +1,6 @@
 //! The units that a file may use, and their dimensions.
 
-use super::Fraction;
+use super::{Fraction, Quantity};
 use std::fmt;
 
 /// What kind of quantity a number is. Lengths, angles and increments carry the order of their time derivative, 0..=3:
@@ -71,6 +71,27 @@ impl Dimension {
         Unit { base, rate: Rate::per_second(order) }
     }
 
+    /// The unit in which people most often write it: mm, deg, and per s, s^2, s^3; SI for everything else.
+    pub fn usual_unit(self) -> Unit {
+        match self {
+            Self::Length(order) => Unit::MILLIMETRE.with_order(order),
+            Self::Angle(order) => Unit::DEGREE.with_order(order),
+            other => other.si_unit(),
+        }
+    }
+
+    /// The derivative of `unit` that is of this dimension, such as `mm/s` of `mm`; the most common unit where `unit` is of another kind.
+    pub fn unit_like(self, unit: Unit) -> Unit {
+        let like = unit.with_order(self.order());
+        if like.dimension() == self { like } else { self.usual_unit() }
+    }
+
+    /// The dimension with an example, for sentences: a velocity such as 1 mm/s. The example is in the unit of the axis where that is given.
+    pub fn such_as(self, unit: Option<Unit>) -> String {
+        let unit = unit.map_or_else(|| self.usual_unit(), |unit| self.unit_like(unit));
+        format!("{} such as `{}`", self.article(), Quantity::new(Fraction::from(1), unit))
+    }
+
     /// The dimension with article, for sentences: `an acceleration`.
     pub fn article(self) -> &'static str {
         match self {
@@ -117,7 +138,7 @@ impl Dimension {
             .join(", ")
     }
 
-    fn order(self) -> u8 {
+    pub(super) fn order(self) -> u8 {
         match self {
             Self::Length(order) | Self::Angle(order) | Self::Increments(order) => order,
             _ => 0,
@@ -198,7 +219,7 @@ impl Unit {
     }
 
     /// The unit that someone most probably meant by a text that is no unit, where `expected` was expected.
-    pub(super) fn meant(text: &str, expected: Dimension) -> Option<&'static str> {
+    pub fn meant(text: &str, expected: Dimension) -> Option<&'static str> {
         let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let known = |name: &str| ALL_UNITS.iter().copied().find(|unit| *unit == name);
         let lower = plain.to_lowercase().replace("sec", "s").replace("s²", "s^2").replace("s³", "s^3");
@@ -416,6 +437,18 @@ mod tests {
         for text in ALL_UNITS {
             assert_eq!(Unit::parse(text).unwrap_or_else(|| panic!("{text}")).to_string(), text);
         }
+    }
+
+    #[test]
+    fn an_example_is_in_the_unit_of_the_axis_where_that_fits() {
+        let such_as = |dimension: Dimension, unit| dimension.such_as(unit);
+        assert_eq!(such_as(Dimension::Length(2), None), "an acceleration such as `1 mm/s^2`");
+        assert_eq!(such_as(Dimension::Length(1), Some(Unit::METRE)), "a velocity such as `1 m/s`");
+        assert_eq!(such_as(Dimension::Angle(0), Some(Unit::METRE)), "an angle such as `1 deg`");
+        assert_eq!(such_as(Dimension::Time, Some(Unit::METRE)), "a time such as `1 s`");
+        assert_eq!(such_as(Dimension::Ratio, None), "a ratio such as `1`");
+        assert_eq!(Dimension::Angle(3).unit_like(Unit::REVOLUTION).to_string(), "rev/s^3");
+        assert_eq!(Dimension::Torque.usual_unit().to_string(), "Nm");
     }
 
     #[test]

@@ -56,7 +56,7 @@ impl Quantity {
         if unit.dimension() == first || expected.contains(&unit.dimension()) {
             Ok(quantity)
         } else {
-            Err(UnitError::WrongDimension { given: quantity, expected: first })
+            Err(UnitError::wrong_dimension(quantity, first))
         }
     }
 
@@ -91,7 +91,7 @@ impl Quantity {
     /// [`UnitError::NotNanoseconds`] for parts of a nanosecond and beyond i64; [`UnitError::WrongDimension`].
     pub fn nanoseconds(&self) -> Result<i64, UnitError> {
         if self.unit.dimension() != Dimension::Time {
-            return Err(UnitError::WrongDimension { given: *self, expected: Dimension::Time });
+            return Err(UnitError::wrong_dimension(*self, Dimension::Time));
         }
         self.exact()
             .and_then(|seconds| seconds.checked_mul(&Fraction::from(1_000_000_000)))
@@ -101,17 +101,13 @@ impl Quantity {
     }
 
     /// The number in a unit of the dimension that was expected, for an error's example; one of it where this number is
-    /// none: 0, negative or long.
-    pub(super) fn example(&self, expected: Dimension) -> Self {
+    /// none: 0, negative or long. Its unit is like the given one, else `usual`.
+    pub(super) fn example(&self, expected: Dimension, usual: Unit) -> Self {
         const LONGEST: usize = 6;
         let is_example = self.value.is_positive() && fraction_to_text(&self.value).len() <= LONGEST;
         let value = if is_example { self.value } else { Fraction::from_integer(1) };
-        let order = match expected {
-            Dimension::Length(order) | Dimension::Angle(order) | Dimension::Increments(order) => order,
-            _ => 0,
-        };
-        let unit = Some(self.unit.with_order(order)).filter(|unit| unit.dimension() == expected);
-        Self { value, unit: unit.unwrap_or(expected.si_unit()) }
+        let like = self.unit.with_order(expected.order());
+        Self { value, unit: if like.dimension() == expected { like } else { usual } }
     }
 }
 
@@ -177,7 +173,7 @@ mod tests {
         );
         assert_eq!(
             sentence("90 deg", &[Dimension::Length(0)]).0,
-            "`90 deg` is an angle; a length such as `90 m` is expected"
+            "`90 deg` is an angle; a length such as `90 mm` is expected"
         );
         assert_eq!(
             sentence("10 rpm", &[Dimension::Angle(0)]).0,

@@ -63,7 +63,7 @@ impl Scale {
         let kind = match per.unit().dimension() {
             Dimension::Length(0) => ScaleKind::Linear,
             Dimension::Angle(0) => ScaleKind::Rotary,
-            _ => return Err(UnitError::WrongDimension { given: per, expected: Dimension::Length(0) }),
+            _ => return Err(UnitError::wrong_dimension(per, Dimension::Length(0))),
         };
         let per_base = increments.checked_div(&in_base(&per)?).filter(Signed::is_positive);
         let per_base = per_base.ok_or(UnitError::Inexact { given: per })?;
@@ -92,7 +92,7 @@ impl Scale {
         if unit.unit().dimension() == self.kind.dimension(0) || unit == Unit::INCREMENT.into() {
             return Ok(Self { unit, ..self });
         }
-        Err(UnitError::WrongDimension { given: unit.times(Fraction::from(1))?, expected: self.kind.dimension(0) })
+        Err(UnitError::wrong_dimension(unit.times(Fraction::from(1))?, self.kind.dimension(0)))
     }
 
     /// One increment, as a fraction of m or rev, and whether a machine can have such a one: 1e-18 to 1e9 of them.
@@ -134,7 +134,7 @@ impl Scale {
             (Dimension::Length(_), ScaleKind::Linear) | (Dimension::Angle(_), ScaleKind::Rotary) => {
                 base.checked_mul(&self.per_base).ok_or(UnitError::Inexact { given: *quantity })
             }
-            _ => Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(0) }),
+            _ => Err(self.wrong_dimension(quantity, 0)),
         }
     }
 
@@ -144,7 +144,7 @@ impl Scale {
     /// As [`Scale::exact`]; a derivative is [`UnitError::WrongDimension`]; [`UnitError::OutOfRange`].
     pub fn position(&self, quantity: &Quantity) -> Result<i64, UnitError> {
         if !self.dimensions(0).contains(&quantity.unit().dimension()) {
-            return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(0) });
+            return Err(self.wrong_dimension(quantity, 0));
         }
         let exact = match self.exact(quantity) {
             Err(UnitError::Inexact { .. }) => None,
@@ -167,7 +167,7 @@ impl Scale {
     /// 1e-22 inc/s^order; [`UnitError::RateTooHigh`] where it is inexact from 1e30 inc/s^order on.
     pub fn rate(&self, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
         if !self.dimensions(order).contains(&quantity.unit().dimension()) {
-            return Err(UnitError::WrongDimension { given: *quantity, expected: self.kind.dimension(order) });
+            return Err(self.wrong_dimension(quantity, order));
         }
         let rate = match self.exact(quantity) {
             Ok(exact) => fraction_to_f64(&exact),
@@ -316,6 +316,11 @@ impl Scale {
     pub fn text_in_si(&self, of: impl Fn(&Self) -> String) -> String {
         let si = self.in_si();
         if si.unit() == self.unit() { of(self) } else { format!("{} ({})", of(&si), of(self)) }
+    }
+
+    /// The refusal of a quantity that is no `order`-th derivative here, with an example in the axis unit.
+    fn wrong_dimension(&self, quantity: &Quantity, order: u8) -> UnitError {
+        UnitError::wrong_dimension(*quantity, self.kind.dimension(order)).in_unit(self.unit.unit())
     }
 
     fn si_unit(&self) -> Unit {

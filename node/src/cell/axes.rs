@@ -393,6 +393,9 @@ fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
     }
 }
 
+/// Denominators of increments beyond this one come from pi alone.
+const MOST_OF_A_SCALE: i128 = 1 << 31;
+
 fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
     if travel.kind == Some(ScaleKind::Linear) {
         value.refuse("modulo is for rotary axes; this one is linear", Some("leave it out".to_owned()));
@@ -411,7 +414,13 @@ fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
         if let (Some(numerator), Some(denominator)) = parts { Modulo::new(numerator, denominator) } else { None };
     if modulo.is_none() {
         let allowed = "1 inc to 2^61 inc as a fraction with a denominator below 2^31 is allowed";
-        let hint = (quantity.unit() == Dimension::Angle(0).si_unit()).then(|| "write it in deg or rev".to_owned());
+        let hint = if quantity.unit() == Dimension::Angle(0).si_unit() {
+            Some("write it in deg or rev".to_owned())
+        } else {
+            // In rad, which a number without a unit is in, no turn is an exact number of increments.
+            let is_of_rad = *exact.denom() > MOST_OF_A_SCALE;
+            is_of_rad.then(|| "write `per` of `scale` in deg or rev, such as `per: 360 deg`".to_owned())
+        };
         value.refuse(format!("modulo is `{quantity}`, {exact} inc; {allowed}"), hint);
     }
     modulo

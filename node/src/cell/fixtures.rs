@@ -115,7 +115,8 @@ pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]
 pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
     let Some(value) = map.optional("hanging_load") else { return Some(0.0) };
     let scale = travel.any_scale()?;
-    let quantity = value.quantity(&scale.dimensions(2), &Allowed::Any)?;
+    let unit = travel.scale.map(|scale| scale.unit().unit());
+    let quantity = value.quantity_in(unit, &scale.dimensions(2), &Allowed::Any)?;
     let rate = travel.scale?.rate(&quantity, 2);
     rate.map_err(|error| value.refuse(format!("hanging_load: {error}"), error.hint())).ok()
 }
@@ -150,7 +151,8 @@ impl<'d> Reader<'_, 'd> {
             // What it measures is not known; that is reported at `type`.
             None => vec![Dimension::Length(0), Dimension::Angle(0), Dimension::Increments(0)],
         };
-        let quantity = value.quantity(&dimensions, allowed)?;
+        let unit = self.travel.scale.map(|scale| scale.unit().unit());
+        let quantity = value.quantity_in(unit, &dimensions, allowed)?;
         let position = self.travel.scale?.position(&quantity);
         position.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
     }

@@ -245,7 +245,8 @@ fn kind(value: &Value<'_>) -> Option<Kind> {
         return Some(kind);
     }
     let names = || TYPES.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
-    value.refuse(format!("type is {}; {} is allowed", quote(text), names()), None);
+    let meant = hint(text, TYPES.iter().map(|row| row.name).collect());
+    value.refuse(format!("type is {}; {} is allowed", quote(text), names()), meant);
     None
 }
 

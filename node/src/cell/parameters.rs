@@ -213,8 +213,10 @@ impl Reader<'_, '_> {
                 if self.row.bare != Bare::Si && parse_decimal(self.written()).is_ok() {
                     return self.value.number(f64::NEG_INFINITY..=f64::INFINITY).map(ParameterInput::Number);
                 }
-                let dimensions = measure.dimensions(&self.travel.any_scale()?)?;
-                let quantity = self.value.quantity(&dimensions, &Allowed::Any);
+                let scale = self.travel.any_scale()?;
+                let dimensions = measure.dimensions(&scale)?;
+                let unit = self.travel.scale.map(|scale| scale.unit().unit());
+                let quantity = self.value.quantity_in(unit, &dimensions, &Allowed::Any);
                 quantity.map(ParameterInput::Quantity)
             }
         }

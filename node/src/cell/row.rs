@@ -1,8 +1,8 @@
 //! What the row of a parameter says of a number in the file.
 
 use super::names::quote;
-use crate::document::Value;
-use lineshaft_core::parameter::Row;
+use crate::document::{Value, unit_of_bare};
+use lineshaft_core::parameter::{Bare, Row};
 use lineshaft_core::text::{allowed_text, expected_text};
 use lineshaft_core::unit::Scale;
 
@@ -31,5 +31,8 @@ pub(super) fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &S
 pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: Option<f64>) {
     let range = allowed_text(row, scale, highest);
     let written = value.peek().unwrap_or_default();
-    value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), None);
+    let unit =
+        (row.bare == Bare::Si).then(|| row.measure.dimensions(scale)).flatten().map(|[first, _]| first.si_unit());
+    let hint = unit.and_then(|unit| unit_of_bare(written, unit));
+    value.refuse(format!("{} is {}; {range} is allowed", row.key, quote(written)), hint);
 }

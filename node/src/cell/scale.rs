@@ -140,6 +140,15 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
         value.refuse(sentence, (kind != Some(ScaleKind::Rotary)).then(|| "an inch is `25.4 mm`".to_owned()));
         return None;
     }
+    // `grad` is no `rad`, and `degrees` are `deg`.
+    if let Some(text) = value.peek().filter(|text| Unit::parse(text).is_none())
+        && let Some(meant) = Unit::meant(text, kind.unwrap_or(ScaleKind::Linear).dimension(0))
+        && units.iter().any(|(name, _)| *name == meant)
+    {
+        let sentence = format!("unit is {}; one of {names}, inc is allowed", quote(text));
+        value.refuse(sentence, Some(format!("did you mean `{meant}`?")));
+        return None;
+    }
     value.choice(&units).map(AxisUnit::from)
 }
 

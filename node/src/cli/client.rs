@@ -16,8 +16,7 @@ and ROS_AUTOMATIC_DISCOVERY_RANGE.
 Exit codes: 0 done, 1 the node refused it or did not answer, 2 bad usage.";
 
 const MOVE_HELP: &str = "\
-POSITION and the rates are numbers in SI (m or rad), or have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc. All of them are in increments \
-(inc), or none. The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is \
+POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is \
 at rest. If the command is killed, the motion goes on.
 
 Examples:
@@ -34,7 +33,7 @@ Each axis is homed by the method of its cell; the command waits for the ends. Ct
 Exit codes: 0 all axes are homed, 1 refused, aborted, cancelled or no answer, 2 bad usage.";
 
 const JOG_HELP: &str = "\
-VELOCITY is a number in SI (m/s or rad/s), or has a unit: 20 mm/s, -30 deg/s, 5 rpm. The axis moves until Ctrl-C, or for the time of \
+VELOCITY has a unit: 20 mm/s, -30 deg/s, 5 rpm. The axis moves until Ctrl-C, or for the time of \
 --for, and then stops. It also stops if the command is killed or the network fails: the node accepts no velocity that is older than \
 setpoint_timeout (100 ms).
 
@@ -214,7 +213,7 @@ fn jog_time(text: &str) -> Result<Duration, String> {
 }
 
 fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
-    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?.si();
+    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?.si();
     match (least..=most).contains(&time) {
         true => Ok(Duration::from_secs_f64(time)),
         false => Err(format!("{text} is not allowed; {range} is")),
@@ -285,10 +284,11 @@ mod tests {
         assert_eq!((args.axis.as_str(), args.position.as_str(), args.relative), ("x", "-10 mm", true));
         assert_eq!((args.velocity.as_deref(), args.acceleration), (Some("20 mm/s"), None));
         assert_eq!(args.node.timeout, Duration::from_secs(5));
-        let Ok(ClientCommand::Jog(args)) = parse(&["jog", "x", "-0.1", "--for", "500 ms", "--node", "/cell/a"]) else {
+        let Ok(ClientCommand::Jog(args)) = parse(&["jog", "x", "-1 mm/s", "--for", "500 ms", "--node", "/cell/a"])
+        else {
             panic!("it is a good command");
         };
-        assert_eq!((args.velocity.as_str(), args.time), ("-0.1", Some(Duration::from_millis(500))));
+        assert_eq!((args.velocity.as_str(), args.time), ("-1 mm/s", Some(Duration::from_millis(500))));
         assert_eq!(args.node.node.as_deref(), Some("/cell/a"));
     }
 
@@ -307,5 +307,6 @@ mod tests {
         assert_eq!(timeout("5"), Ok(Duration::from_secs(5)));
         assert_eq!(timeout("50 ms"), Err("50 ms is not allowed; 100 ms to 600 s is".to_owned()));
         assert!(jog_time("1 mm").is_err() && jog_time("-1 s").is_err());
+        assert_eq!(jog_time("2s"), Err("`2s` has no blank between number and unit; write `2 s`".to_owned()));
     }
 }

@@ -15,13 +15,16 @@ Examples:
   lineshaft explain varsync.m1
   lineshaft explain move_axis
   lineshaft explain lineshaft_msgs/AxisStates
+  lineshaft explain MC_GearIn
+  lineshaft explain 8611h
 
 Exit codes: 0 good, 2 bad usage, or nothing of that name.";
 
 /// A name.
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
-    /// A code, a parameter, a signal, a function type or its field, a verb of scenarios, or a ROS topic, service, action or type
+    /// A code, a parameter, a key, a signal, a value, a function type or its field, a verb of scenarios, a command, a ROS topic, service,
+    /// action or type, or a function block of PLCopen
     what: String,
 }
 

@@ -1,6 +1,7 @@
 //! A hint for a command line that names a file instead of a command, as `lineshaft demo.yaml`.
 
 use crate::recording::clean::clean;
+use crate::scenario::SUFFIX;
 use clap::error::{ContextKind, ContextValue};
 use std::path::Path;
 
@@ -22,14 +23,20 @@ pub(super) fn file_hint(error: &clap::Error, first: Option<&str>) -> Option<Stri
     if !ends(&["yaml", "yml"]) && !path.is_file() {
         return None;
     }
+    if path.to_str().is_some_and(|path| path.ends_with(SUFFIX)) {
+        return Some(format!("`lineshaft sim {file}` plays a scenario"));
+    }
     if is_scenario(path) {
         return Some(format!("`lineshaft sim CELL --scenario {file}` plays a scenario"));
     }
     Some(format!("`lineshaft run {file}` runs a cell"))
 }
 
-/// Returns whether a file has the key that only scenarios have.
-fn is_scenario(path: &Path) -> bool {
+/// Returns whether a file is called as a scenario, or has the key that only scenarios have.
+pub(super) fn is_scenario(path: &Path) -> bool {
+    if path.to_str().is_some_and(|path| path.ends_with(SUFFIX)) {
+        return true;
+    }
     // A named pipe would wait for a writer.
     let text = path.is_file().then(|| std::fs::read_to_string(path).ok()).flatten();
     text.is_some_and(|text| text.lines().any(|line| line.starts_with("scenario:")))
@@ -59,6 +66,7 @@ mod tests {
         assert_eq!(hint(&["a/demo.YML"]).as_deref(), Some("`lineshaft run a/demo.YML` runs a cell"));
         assert_eq!(hint(&[&cell]), Some(format!("`lineshaft run {cell}` runs a cell")));
         assert_eq!(hint(&[&scenario]), Some(format!("`lineshaft sim CELL --scenario {scenario}` plays a scenario")));
+        assert_eq!(hint(&["a.scenario.yaml"]).as_deref(), Some("`lineshaft sim a.scenario.yaml` plays a scenario"));
         assert_eq!(hint(&["run.mcap"]).as_deref(), Some("`lineshaft bag info run.mcap` describes a recording"));
         assert_eq!(hint(&["chekc"]), None);
         assert_eq!(hint(&["bag", "demo.yaml"]), None);

@@ -455,10 +455,11 @@ const NOT_WITH_ALL: [&str; 8] =
 
 #[derive(Debug, Args)]
 struct SimArgs {
-    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml
+    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml. Without --scenario
+    /// this is the scenario
     cell: Option<PathBuf>,
     /// The scenario
-    #[arg(long, value_name = "FILE", required_unless_present = "all")]
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["all", "cell"])]
     scenario: Option<PathBuf>,
     /// Play each NAME.scenario.yaml in this folder and in those below it
     #[arg(long, value_name = "DIR", conflicts_with_all = NOT_WITH_ALL)]

@@ -69,7 +69,7 @@ fn name(path: &Path) -> String {
 
 /// A time on the command line (s).
 pub(super) fn time(text: &str) -> Result<f64, String> {
-    Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.to_string())
+    Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.sentence())
 }
 
 #[cfg(test)]

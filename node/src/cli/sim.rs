@@ -7,10 +7,11 @@ mod played;
 
 use self::played::{Played, Trouble};
 use super::command_output::Output;
+use super::file_hint::is_scenario;
 use super::{Exit, SimArgs, junit, store};
 use crate::cell::Cell;
 use crate::interrupt::Interrupt;
-use crate::scenario::{Options, Scenario, SimulateError, cell_of, other_cell, simulate_with};
+use crate::scenario::{Options, SUFFIX, Scenario, SimulateError, cell_of, other_cell, simulate_with};
 use serde_json::json;
 use std::path::Path;
 use std::{fs, io};
@@ -18,10 +19,11 @@ use std::{fs, io};
 pub(super) const HELP: &str = "\
 Examples:
   lineshaft sim cell.yaml --scenario first_move.yaml --csv trace.csv
-  lineshaft sim --scenario press.scenario.yaml
+  lineshaft sim press.scenario.yaml
   lineshaft sim --all . --junit report.xml
 
-With --all each scenario runs on the cell that its key `cell: FILE` names, else on NAME.yaml next to NAME.scenario.yaml.
+A scenario without a cell, and each one of --all, runs on the cell that its key `cell: FILE` names, else on NAME.yaml next to \
+NAME.scenario.yaml.
 
 Exit codes: 0 all passed, 1 an expectation failed, or the disk did, 2 bad usage or a file with errors.";
 
@@ -36,13 +38,18 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     };
     let (played, exit) = match &args.all {
         Some(folder) => all::play(folder, args.jobs, &interrupt, &mut output),
-        None => {
-            // The parser has seen to it that there is one.
-            let played = one(args, args.scenario.as_deref().unwrap_or(Path::new("")), interrupt);
-            played.show(&mut output);
-            let exit = played.exit();
-            (vec![played], exit)
-        }
+        None => match files(args) {
+            Ok((cell, scenario)) => {
+                let played = one(args, cell, scenario, interrupt);
+                played.show(&mut output);
+                let exit = played.exit();
+                (vec![played], exit)
+            }
+            Err(sentence) => {
+                output.complain(&sentence);
+                (Vec::new(), Exit::Usage)
+            }
+        },
     };
     let mut suites: Vec<_> = played.iter().map(Played::suite).collect();
     if suites.is_empty() {
@@ -58,10 +65,40 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     output.finish(exit)
 }
 
+/// The cell, if one was given, and the scenario. A single file may be the scenario.
+///
+/// # Errors
+/// The single file is no scenario: what to write instead.
+fn files(args: &SimArgs) -> Result<(Option<&Path>, &Path), String> {
+    match (args.cell.as_deref(), args.scenario.as_deref()) {
+        (cell, Some(scenario)) => Ok((cell, scenario)),
+        (Some(file), None) if is_scenario(file) => Ok((None, file)),
+        (Some(cell), None) => Err(without_scenario(cell)),
+        // The parser has seen to it that there is one.
+        (None, None) => Err("--scenario is missing".to_owned()),
+    }
+}
+
+/// What to write where a cell is given, and no scenario.
+fn without_scenario(cell: &Path) -> String {
+    let next_to = cell.with_extension(SUFFIX.trim_start_matches('.'));
+    if !cell.exists() {
+        return format!("there is no file {}", cell.display());
+    }
+    let cell = cell.display();
+    if next_to.is_file() {
+        let scenario = next_to.display();
+        return format!("{cell} is no scenario; `lineshaft sim {scenario}` plays the one next to it");
+    }
+    format!(
+        "{cell} is no scenario; `lineshaft sim {cell} --scenario FILE` plays one, `lineshaft new FILE` writes an example"
+    )
+}
+
 /// Plays the scenario that was asked for, with what was asked for.
-fn one(args: &SimArgs, scenario: &Path, interrupt: Interrupt) -> Played {
-    let cell = args.cell.as_ref().map_or_else(|| cell_of(scenario), |cell| Ok(cell.clone()));
-    let note = args.cell.as_deref().and_then(|cell| other_cell(scenario, Some(cell)));
+fn one(args: &SimArgs, given: Option<&Path>, scenario: &Path, interrupt: Interrupt) -> Played {
+    let cell = given.map_or_else(|| cell_of(scenario), |cell| Ok(cell.to_owned()));
+    let note = given.and_then(|cell| other_cell(scenario, Some(cell)));
     let (csv, record) = (args.csv.clone(), args.record.options());
     let options = Options { csv, record, events: args.events, progress: !args.json, interrupt };
     Played::new(scenario, cell, note, |cell| {

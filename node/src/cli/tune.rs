@@ -11,7 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::recording::plot::{Problem, Target};
 use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_until, write_plot};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::unit::{Quantity, Scale, parse_decimal};
+use lineshaft_core::unit::{Quantity, Scale, UnitError, parse_decimal};
 use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
 
@@ -139,8 +139,14 @@ fn bounds(args: &TuneArgs, config: &MachineConfig) -> Result<Bounds, TuneError> 
 }
 
 fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
-    let quantity = Quantity::parse(text, &scale.dimensions(order)).map_err(|error| error.to_string())?;
-    scale.rate(&quantity, order).map_err(|error| error.to_string())
+    let unit = scale.unit().unit();
+    let quantity = Quantity::parse(text, &scale.dimensions(order)).map_err(|error| match error {
+        UnitError::NotANumber { .. } if error.hint().is_none() => {
+            format!("{error}; {} is expected", scale.kind().dimension(order).such_as(Some(unit)))
+        }
+        error => error.in_unit(unit).sentence(),
+    })?;
+    scale.rate(&quantity, order).map_err(|error| error.sentence())
 }
 
 /// The unit that a number without a unit was read in, and its value in the axis unit; none where a unit is given.
@@ -192,6 +198,14 @@ mod tests {
         assert_eq!(of("velocity", "4 rad/s", 1), None);
         assert_eq!(of("velocity", "4 furlongs", 1), None);
         let millimetre = Scale::new(Fraction::from(1000), quantity(1, Unit::MILLIMETRE)).unwrap();
+        let refused = |text: &str| increments(&turn, text, 1).unwrap_err();
+        assert_eq!(refused("fast"), "`fast` is not a number; an angular velocity such as `1 deg/s` is expected");
+        assert_eq!(refused("5 mm/s"), "`5 mm/s` is a velocity; an angular velocity such as `5 deg/s` is expected");
+        assert_eq!(refused("5deg/s"), "`5deg/s` has no blank between number and unit; write `5 deg/s`");
+        assert_eq!(
+            refused("5 rad/sec"),
+            "`rad/sec` in `5 rad/sec` is not a unit; an angular velocity has deg/s, rad/s, rev/s, rpm; did you mean `rad/s`?"
+        );
         let line = reading(&millimetre, "travel", " 0.02 ", 0).unwrap();
         assert_eq!(line, "--travel 0.02 has no unit: it is read as 0.02 m");
     }

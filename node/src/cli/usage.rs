@@ -60,13 +60,14 @@ mod tests {
             "lineshaft",
             "lineshaft --help",
             "lineshaft sim cell.yaml --scenario s.yaml",
+            "lineshaft sim cell.scenario.yaml",
             "lineshaft run cell.yaml --ros-args -r __ns:=/press",
             "lineshaft can info 1 --bus socketcan:can0",
         ] {
             assert_eq!(parse(line), Ok(()), "{line}");
         }
         for (line, is_incomplete) in [
-            ("lineshaft sim cell.yaml", true),
+            ("lineshaft sim", true),
             ("lineshaft can", true),
             ("lineshaft check --graph", true),
             ("lineshaft simulate cell.yaml", false),

@@ -55,7 +55,7 @@ pub(crate) struct Jog {
 pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let session = Session::open(options).await?;
     let (kind, unit) = AxisInfos::open(&session)?.of(&session, &jog.axis).await?;
-    let velocity = jog.velocity.si(kind)?;
+    let velocity = jog.velocity.si((kind, unit))?;
     if velocity == 0.0 {
         return Err(Failure::Usage("VELOCITY: 0 does not move the axis; `lineshaft halt` stops it".to_owned()));
     }

@@ -1,12 +1,11 @@
 //! `lineshaft move`: a goal of `~/move_axis`.
 
-use super::amount::{Given, GoalUnits};
+use super::amount::{AxisKind, Given, GoalUnits};
 use super::goals::{Ended, Goals};
 use super::info::AxisInfos;
 use super::output::{Progress, position_text, print};
 use super::session::Session;
 use super::{Failure, Options};
-use lineshaft_core::unit::ScaleKind;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
 use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 
@@ -30,7 +29,7 @@ pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), 
     let units = units(motion)?;
     let session = Session::open(options).await?;
     let (kind, unit) = AxisInfos::open(&session)?.of(&session, &motion.axis).await?;
-    let goal = goal(motion, units, kind)?;
+    let goal = goal(motion, units, (kind, unit))?;
     let mut goals = Goals::<MoveAxis>::open(&session, "move_axis").await?;
     let (progress, axis) = (Progress::new(), &motion.axis);
     let at = |position| position_text(position, Some(kind), unit);
@@ -58,7 +57,7 @@ fn units(motion: &Motion) -> Result<GoalUnits, Failure> {
     GoalUnits::of(&[&motion.position].into_iter().chain(rates).collect::<Vec<_>>())
 }
 
-fn goal(motion: &Motion, units: GoalUnits, kind: ScaleKind) -> Result<MoveAxisGoal, Failure> {
+fn goal(motion: &Motion, units: GoalUnits, kind: AxisKind) -> Result<MoveAxisGoal, Failure> {
     // 0 is the default of the axis.
     let rate = |given: &Option<Given>| given.as_ref().map_or(Ok(0.0), |given| given.rate(units, kind));
     Ok(MoveAxisGoal {
@@ -79,6 +78,7 @@ fn goal(motion: &Motion, units: GoalUnits, kind: ScaleKind) -> Result<MoveAxisGo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lineshaft_core::unit::{ScaleKind, Unit};
 
     fn motion(position: &str) -> Motion {
         Motion {
@@ -92,7 +92,7 @@ mod tests {
     }
 
     fn of(motion: &Motion, kind: ScaleKind) -> Result<MoveAxisGoal, Failure> {
-        goal(motion, units(motion)?, kind)
+        goal(motion, units(motion)?, (kind, None))
     }
 
     /// MoveAxis.action: mode ABSOLUTE is 0, RELATIVE 1; units SI is 0, INCREMENTS 2; a quantity of 0 is the default.
@@ -108,7 +108,7 @@ mod tests {
             is_relative: true,
             velocity: rate("30 rpm", 1),
             acceleration: rate("180 deg/s^2", 2),
-            deceleration: rate("2", 2),
+            deceleration: rate("2 rad/s^2", 2),
             ..motion("-90 deg")
         };
         let goal = of(&all, ScaleKind::Rotary).unwrap();
@@ -123,5 +123,16 @@ mod tests {
     #[test]
     fn goal_with_a_unit_of_another_kind_than_the_axis_is_not_sent() {
         assert!(matches!(of(&motion("90 deg"), ScaleKind::Linear), Err(Failure::Usage(_))));
+    }
+
+    #[test]
+    fn goal_with_a_number_without_a_unit_is_not_sent() {
+        let axis = (ScaleKind::Linear, Some(Unit::MILLIMETRE));
+        let refused = |motion: &Motion| goal(motion, units(motion)?, axis);
+        let usage = |sentence: &str| -> Result<MoveAxisGoal, Failure> { Err(Failure::Usage(sentence.to_owned())) };
+        assert_eq!(refused(&motion("50")), usage("POSITION: `50` has no unit; did you mean `50 mm`?"));
+        let fast = Motion { velocity: Some(Given::read("--velocity", "5", 1).unwrap()), ..motion("50 mm") };
+        assert_eq!(refused(&fast), usage("--velocity: `5` has no unit; did you mean `5 mm/s`?"));
+        assert_eq!(refused(&motion("0")).map(|goal| goal.position), Ok(0.0));
     }
 }

@@ -106,7 +106,8 @@ impl<'d> Map<'d> {
                 continue;
             }
             let meant = if self.problems.is_full() { None } else { self.meant(key.text()) };
-            self.missing.retain(|missing| meant.as_ref() != Some(missing));
+            let before_blank = before_blank(key.text());
+            self.missing.retain(|missing| meant.as_ref() != Some(missing) && before_blank != Some(missing.as_str()));
             let sentence = format!("unknown key {} in {}", quote(key.text()), self.what);
             self.problems.push(key.place, sentence, self.hint(key.text(), meant.as_deref()));
         }
@@ -121,11 +122,18 @@ impl<'d> Map<'d> {
         suggest(key, self.asked.iter().map(String::as_str).filter(|known| !self.has(known))).map(str::to_owned)
     }
 
+    /// How a key is written whose colon is missing: in braces `{at 0}` is a key without a value.
+    fn without_colon(&self, key: &str) -> Option<String> {
+        let name = before_blank(key)?;
+        let value = key.get(name.len() + 1..).unwrap_or_default().trim_start();
+        self.is_asked(name).then(|| format!("write `{}: {}`", excerpt(name), excerpt(value)))
+    }
+
     fn hint(&self, key: &str, meant: Option<&str>) -> Option<String> {
         if key == "<<" {
             return Some("merge keys are not read; write the keys out".to_owned());
         }
-        let explained = self.explain.and_then(|explain| explain(key));
+        let explained = self.explain.and_then(|explain| explain(key)).or_else(|| self.without_colon(key));
         match meant {
             _ if explained.is_some() => explained,
             Some(meant) => Some(format!("did you mean `{meant}`?")),
@@ -133,6 +141,11 @@ impl<'d> Map<'d> {
             None => Some(format!("known are {}", self.asked.join(", "))),
         }
     }
+}
+
+/// What stands before the first blank or colon of a key.
+fn before_blank(key: &str) -> Option<&str> {
+    key.split_once([' ', ':']).map(|(name, _)| name)
 }
 
 /// Reports missing keys, also when a reader gave up before [`Map::finish`].

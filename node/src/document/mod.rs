@@ -32,6 +32,7 @@ mod map;
 mod observer;
 mod parse;
 mod problem;
+mod syntax;
 mod value;
 
 pub use edit::{Fixed, Source};
@@ -39,6 +40,7 @@ pub use map::Map;
 #[cfg(test)]
 pub(crate) use observer::{Asked, Observer, Seen};
 pub use problem::{Place, Problem, Problems};
+pub(crate) use value::unit_of_bare;
 pub use value::{Allowed, Value};
 
 use lineshaft_ros::layer::open_file;

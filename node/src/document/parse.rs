@@ -4,6 +4,7 @@
 //! first duplicate key and interprets scalars before anyone knows what they stand for.
 
 use super::problem::quote;
+use super::syntax::{Syntax, plain};
 use super::{Kind, MAX_DEPTH, Node, Place, Problems};
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 use std::collections::HashMap;
@@ -30,11 +31,12 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
             Ok((event, span)) => (event, place(span.start)),
             Err(error) => {
                 // The parser has a depth limit of its own and may come to it first, as it scans ahead.
-                let sentence = match error.info() {
-                    "recursion limit exceeded" => too_deep(),
-                    info => format!("this is not YAML: {info}"),
+                let at = place(*error.marker());
+                let Syntax { place, sentence, hint } = match error.info() {
+                    "recursion limit exceeded" => Syntax { place: at, sentence: too_deep(), hint: None },
+                    info => plain(text, info, at),
                 };
-                problems.push(place(*error.marker()), sentence, brackets_hint(text, error.marker().index()));
+                problems.push(place, sentence, brackets_hint(text, error.marker().index()).or(hint));
                 return None;
             }
         };
@@ -204,7 +206,7 @@ impl Builder<'_> {
         let mut kept = Vec::with_capacity(entries.len());
         for (key, value) in entries {
             if let Some(Place { line, col }) = first.get(key.text()) {
-                let sentence = format!("key {} stands here again; it is first at {line}:{col}", quote(key.text()));
+                let sentence = format!("duplicate key {}; it is first at {line}:{col}", quote(key.text()));
                 self.problems.push(key.place, sentence, None);
             } else {
                 first.insert(key.text().to_owned(), key.place);

@@ -1,7 +1,7 @@
 //! Problems by their exact text, and documents made to hurt.
 
 use super::*;
-use lineshaft_core::unit::{Dimension, Fraction, Quantity};
+use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -90,6 +90,8 @@ fn integers_are_whole_and_in_range() {
     assert_eq!(said("1e99"), "4: k is `1e99`; 1..64 is allowed");
     assert_eq!(said("1.5"), "4: k is `1.5`; a whole number 1..64 is allowed");
     assert_eq!(said("'16'"), "4: k is `16`; a whole number 1..64 is allowed, write it without quotes");
+    assert_eq!(said("16 mm"), "4: k is `16 mm`; a whole number 1..64 is allowed, a unit is not allowed here");
+    assert_eq!(said("16 apples"), "4: k is `16 apples`; a whole number 1..64 is allowed");
     assert_eq!(said("0x-1"), "4: k is `0x-1`; a whole number 1..64 is allowed");
     assert_eq!(said("{a: 1}"), "4: k is a mapping; a whole number is expected");
 }
@@ -115,12 +117,21 @@ fn fractions_and_quantities_are_exact() {
     assert_eq!(good("20 ms", cycle).nanoseconds(), Ok(20_000_000));
     assert_eq!(good("'125 us'", cycle).nanoseconds(), Ok(125_000));
     assert_eq!(bad("50 ms", cycle), "4: k is `50 ms`; 125 us..20 ms is allowed");
-    assert_eq!(bad("1", cycle), "4: k is `1`; 125 us..20 ms is allowed");
+    assert_eq!(bad("1", cycle), "4: k is `1`; 125 us..20 ms is allowed, a number without a unit is in s");
     assert_eq!(bad("1ms", cycle), "4: k: `1ms` has no blank between number and unit, write `1 ms`");
     assert_eq!(
         bad("1 msec", cycle),
         "4: k: `msec` in `1 msec` is not a unit; a time has ns, us, ms, s, min, did you mean `ms`?"
     );
+    // Nothing is known of what was meant: an example says what is expected, in the unit of the axis where that is known.
+    assert_eq!(bad("soon", cycle), "4: k: `soon` is not a number, a time such as `1 s` is expected");
+    let velocity = [Dimension::Angle(1), Dimension::Increments(1)];
+    let of = |text, unit| bad(text, |value| value.quantity_in(unit, &velocity, &Allowed::Positive));
+    assert_eq!(of("fast", None), "4: k: `fast` is not a number, an angular velocity such as `1 deg/s` is expected");
+    let turn = Some(Unit::REVOLUTION);
+    assert_eq!(of("fast", turn), "4: k: `fast` is not a number, an angular velocity such as `1 rev/s` is expected");
+    assert_eq!(of("5 mm/s", turn), "4: k: `5 mm/s` is a velocity; an angular velocity such as `5 rev/s` is expected");
+    assert_eq!(of("1,5 deg/s", turn), "4: k: `1,5` is not a number, write a decimal point, not a comma");
     let acceleration = [Dimension::Length(2), Dimension::Increments(2)];
     let said = |text| bad(text, |value| value.quantity(&acceleration, &Allowed::Positive));
     assert_eq!(said("8 m/s"), "4: k: `8 m/s` is a velocity; an acceleration such as `8 m/s^2` is expected");
@@ -138,6 +149,11 @@ fn choices_suggest_what_is_alike() {
     assert_eq!(bad("lineer", kind), "4: k is `lineer`; one of linear, rotary is allowed, did you mean `linear`?");
     assert_eq!(bad("Rotary", kind), "4: k is `Rotary`; one of linear, rotary is allowed, did you mean `rotary`?");
     assert_eq!(bad("x", kind), "4: k is `x`; one of linear, rotary is allowed");
+    // Part of one name alone, or one name as a part.
+    let part = "one of linear, rotary is allowed, did you mean `linear`?";
+    assert_eq!(bad("lin", kind), format!("4: k is `lin`; {part}"));
+    assert_eq!(bad("my_linear", kind), format!("4: k is `my_linear`; {part}"));
+    assert_eq!(bad("ar", kind), "4: k is `ar`; one of linear, rotary is allowed");
 }
 
 #[test]
@@ -222,10 +238,23 @@ furniture: 3
         "8:3: `Y` is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed, write `y`",
         "8:52: required is `yes`; true or false is allowed, write `true`",
         "10:5: missing key `max_velocity` in axis `z`",
-        "11:5: key `type` stands here again; it is first at 10:5",
+        "11:5: duplicate key `type`; it is first at 10:5",
         "12:1: unknown key `furniture` in the cell, known are lineshaft, cycle, backends, axes",
     ];
     assert_eq!(said, expected.map(|line| format!("t.yaml:{line}\n")).concat());
+}
+
+#[test]
+fn a_key_in_braces_without_its_colon_is_not_missing_as_well() {
+    let read = |root: Value<'_>| {
+        let mut map = root.map("a step").unwrap();
+        map.required("at");
+        map.optional("do");
+        map.finish();
+    };
+    for (text, key) in [("{at 0, do: 1}", "at 0"), ("{at:0, do: 1}", "at:0")] {
+        assert_eq!(problems(text, read), format!("t.yaml:1:2: unknown key `{key}` in a step, write `at: 0`\n"));
+    }
 }
 
 #[test]

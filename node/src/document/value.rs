@@ -4,7 +4,7 @@
 use super::observer::{Asked, Note};
 use super::problem::quote;
 use super::{Kind, Map, Node, Place, Problems};
-use lineshaft_core::unit::{Dimension, Fraction, Quantity, UnitError, excerpt, parse_decimal, parse_fraction};
+use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit, UnitError, excerpt, parse_decimal, parse_fraction};
 use num_rational::Ratio;
 use std::ops::RangeInclusive;
 
@@ -144,7 +144,8 @@ impl<'d> Value<'d> {
             }
             Err(NotWhole::Other) => {
                 let sentence = format!("{} is {}; a whole number {low}..{high} is allowed", self.label, quote(text));
-                self.refuse(sentence, self.quotes_hint(|text| whole_number(text).is_ok()));
+                let hint = self.quotes_hint(|text| whole_number(text).is_ok()).or_else(|| without_unit(text));
+                self.refuse(sentence, hint);
             }
         }
         None
@@ -186,11 +187,20 @@ impl<'d> Value<'d> {
 
     /// A quantity `NUMBER UNIT` of one of the dimensions; a bare number is SI of the first.
     pub fn quantity(&self, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
+        self.quantity_in(None, dimensions, allowed)
+    }
+
+    /// The same; examples in problems are in this unit, which is that of the axis.
+    pub fn quantity_in(&self, unit: Option<Unit>, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
         #[cfg(test)]
         self.asked(Asked::Quantity);
         let expected = dimensions.first().map_or("a quantity", |dimension| dimension.article());
         let text = self.scalar(expected)?;
-        let quantity = self.unit_result(Quantity::parse(text, dimensions))?;
+        let quantity = Quantity::parse(text, dimensions).map_err(|error| match unit {
+            Some(unit) => error.in_unit(unit),
+            None => error,
+        });
+        let quantity = quantity.map_err(|error| self.refuse_quantity(&error, dimensions, unit)).ok()?;
         let zero = Ratio::from(0);
         let (good, range) = match allowed {
             Allowed::Any => return Some(quantity),
@@ -204,7 +214,8 @@ impl<'d> Value<'d> {
             }
         };
         if !good {
-            self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), None);
+            let hint = unit_of_bare(text, quantity.unit());
+            self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), hint);
         }
         good.then_some(quantity)
     }
@@ -218,7 +229,8 @@ impl<'d> Value<'d> {
             return Some(*value);
         }
         let all: Vec<_> = names.iter().map(|(name, _)| *name).collect();
-        let hint = suggest(text, all.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
+        let meant = suggest(text, all.iter().copied()).or_else(|| part(text, &all));
+        let hint = meant.map(|meant| format!("did you mean `{meant}`?"));
         let one_of = if all.len() == 1 { "" } else { "one of " };
         self.refuse(format!("{} is {}; {one_of}{} is allowed", self.label, quote(text), all.join(", ")), hint);
         None
@@ -314,9 +326,31 @@ impl<'d> Value<'d> {
         (self.plain().is_none() && would_do(self.node.text())).then(|| "write it without quotes".to_owned())
     }
 
+    /// Notes why it is no quantity, with an example where nothing is known of what was meant.
+    fn refuse_quantity(&self, error: &UnitError, dimensions: &[Dimension], unit: Option<Unit>) {
+        let example = || match (error, dimensions.first()) {
+            (UnitError::NotANumber { .. }, Some(first)) => Some(format!("{} is expected", first.such_as(unit))),
+            _ => None,
+        };
+        self.refuse(format!("{}: {error}", self.label), error.hint().or_else(example));
+    }
+
     fn unit_result<T>(&self, result: Result<T, UnitError>) -> Option<T> {
         result.map_err(|error| self.refuse(format!("{}: {error}", self.label), error.hint())).ok()
     }
+}
+
+/// In which unit a positive number without a unit was read: it was probably meant in another one.
+pub(crate) fn unit_of_bare(text: &str, unit: Unit) -> Option<String> {
+    let is_bare = parse_decimal(text.trim()).is_ok_and(|number| number > Ratio::from(0));
+    (is_bare && unit != Dimension::Ratio.si_unit()).then(|| format!("a number without a unit is in {unit}"))
+}
+
+/// How a whole number is written that was given with a unit.
+fn without_unit(text: &str) -> Option<String> {
+    let (number, unit) = text.split_once(' ')?;
+    let is_quantity = whole_number(number).is_ok() && Unit::parse(unit.trim()).is_some();
+    is_quantity.then(|| "a unit is not allowed here".to_owned())
 }
 
 enum NotWhole {
@@ -349,6 +383,16 @@ fn finite(text: &str) -> Option<f64> {
 fn is_name(text: &str) -> bool {
     let tail = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
     text.len() <= MAX_NAME && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.bytes().all(tail)
+}
+
+/// The only name that begins or ends with `text`, or with which it begins or ends: `simulation` is `sim`, `cyclic_position` is `position`.
+fn part<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {
+    /// Two letters are in too many words.
+    const SHORTEST: usize = 3;
+    let is_part =
+        |short: &str, long: &str| short.len() >= SHORTEST && (long.starts_with(short) || long.ends_with(short));
+    let mut found = names.iter().copied().filter(|name| is_part(name, text) || is_part(text, name));
+    found.next().filter(|_| found.next().is_none())
 }
 
 /// What is most like `text`, if anything is: a third of its letters may be wrong.

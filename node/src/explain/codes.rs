@@ -4,6 +4,7 @@ use super::section;
 use crate::errors::part;
 use lineshaft_core::axis::stops_all;
 use lineshaft_core::code::{Class, Code, DRIVE_FAULT, Row};
+use lineshaft_core::drive::error_text;
 
 /// The last code of drives: 10000h + the largest value of object 603Fh.
 const LAST: u32 = Code::drive_fault(u16::MAX).0;
@@ -16,7 +17,17 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
             Code::rows().chain([&DRIVE_FAULT]).find(named).map(|row| (row.code, row))
         }
     };
+    let found = found.or_else(|| fault(name).map(|code| (code, &DRIVE_FAULT)));
     found.map(|(code, row)| text(code, row, width)).into_iter().collect()
+}
+
+/// The code of a fault of a drive by its object 603Fh, as manuals write it: `8611h` or `0x8611`.
+fn fault(name: &str) -> Option<Code> {
+    let small = name.to_lowercase();
+    let digits = small.strip_prefix("0x").or_else(|| small.strip_suffix('h'))?;
+    let is_plain = (3..=4).contains(&digits.len()) && digits.chars().all(|digit| digit.is_ascii_hexdigit());
+    let number = u16::from_str_radix(digits, 16).ok().filter(|number| is_plain && *number != 0)?;
+    error_text(number).map(|_| Code::drive_fault(number))
 }
 
 pub(super) fn names() -> Vec<String> {
@@ -41,16 +52,19 @@ fn text(code: Code, row: &Row, width: usize) -> String {
         Class::NoError => "a refusal, the end of a goal, a warning or a notice",
         _ => "an error of an axis",
     };
-    let object = code.0.checked_sub(Code::DRIVE_FAULT).map_or(String::new(), |fault| format!("603Fh is {fault:04X}h"));
+    let fault = code.0.checked_sub(Code::DRIVE_FAULT);
+    let object = fault.map_or(String::new(), |fault| format!("603Fh is {fault:04X}h"));
+    let standard = fault.and_then(|fault| error_text(u16::try_from(fault).ok()?)).unwrap_or_default();
     let mut reaction = row.class.text().to_owned();
     if stops_all(code) {
         reaction.push_str("; with following_error_stops_all all axes");
     }
     // Values that an event fills in.
     let message = row.says.replace('{', "<").replace('}', ">");
-    let facts: [(&str, &str); 7] = [
+    let facts: [(&str, &str); 8] = [
         ("message", message.as_str()),
         ("object", object.as_str()),
+        ("CiA 402", standard),
         ("cause", row.cause),
         ("remedy", row.remedy),
         ("reaction", reaction.as_str()),

@@ -1,6 +1,7 @@
 //! What a name means: everything that `lineshaft explain` prints.
 //!
-//! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces, verbs
+//! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces, verbs, values; function
+//!          blocks of PLCopen and commands
 //! Writes   text
 //! Refuses  a name that no table has, with the names that are most like it
 //!
@@ -8,11 +9,14 @@
 //! and a row of [`SUBJECTS`].
 
 mod codes;
+mod commands;
 mod functions;
 mod interfaces;
 mod keys;
 mod parameters;
+mod plcopen;
 mod signals;
+mod values;
 mod verbs;
 
 use crate::parameters::wrap;
@@ -36,14 +40,17 @@ struct Subject {
 }
 
 /// In the order in which they are printed.
-const SUBJECTS: [Subject; 7] = [
+const SUBJECTS: [Subject; 10] = [
     Subject { sections: codes::sections, names: codes::names },
     Subject { sections: parameters::sections, names: parameters::names },
     Subject { sections: keys::sections, names: keys::names },
     Subject { sections: signals::sections, names: signals::names },
     Subject { sections: functions::sections, names: functions::names },
+    Subject { sections: commands::sections, names: commands::names },
     Subject { sections: verbs::sections, names: verbs::names },
     Subject { sections: interfaces::sections, names: interfaces::names },
+    Subject { sections: plcopen::sections, names: plcopen::names },
+    Subject { sections: values::sections, names: values::names },
 ];
 
 /// All that the tables say about a name, `width` columns wide; a name of several things has all of them.
@@ -65,7 +72,8 @@ fn unknown(name: &str) -> String {
     near.truncate(MOST_MEANT);
     let near: Vec<_> = near.iter().map(|known| format!("`{known}`")).collect();
     let hint = if near.is_empty() {
-        "a code, a parameter, a key, a signal, a type of functions or its field, a verb or a ROS interface is expected"
+        "a code, a parameter, a key, a signal, a value, a type of functions or its field, a verb, a command, a ROS interface or a \
+         function block of PLCopen is expected"
             .to_owned()
     } else {
         format!("did you mean {}?", near.join(", "))

@@ -44,6 +44,21 @@ fn a_code_is_explained_by_number_and_by_name() {
         &["code 99857 DRIVE_FAULT: an error of an axis", "  object        603Fh is 8611h", "  source        Drives"],
     );
     has("131071", &["  object        603Fh is FFFFh"]);
+    // As the manual of a drive writes it: object 603Fh, with the text of CiA 402.
+    for name in ["8611h", "0x8611", "0X8611", "8611H"] {
+        has(
+            name,
+            &[
+                "code 99857 DRIVE_FAULT: an error of an axis",
+                "  object        603Fh is 8611h",
+                "  CiA 402       following error",
+            ],
+        );
+    }
+    has("2310h", &["  CiA 402       over-current at the output"]);
+    // An own code with that number comes first; `each` and `beach` are no numbers.
+    has("0x27DD", &["code 10205 ENABLE_TIMEOUT: an error of an axis"]);
+    assert!(["each", "beach", "0000h", "18611h", "0xA00"].iter().all(|name| explain(name, 80).is_err()));
     has("0", &["code 0 NONE: no error"]);
     for none in ["777", "131072", "+10205", "-1", "E", "0x", "4294967296"] {
         assert!(explain(none, 80).is_err(), "{none}");
@@ -150,6 +165,70 @@ fn a_ros_interface_is_explained_with_what_uses_its_type() {
 }
 
 #[test]
+fn a_function_block_of_plcopen_is_explained_with_request_verb_and_command() {
+    for name in ["MC_MoveAbsolute", "mc_moveabsolute", "MoveAbsolute"] {
+        has(
+            name,
+            &[
+                "MC_MoveAbsolute: a function block of PLCopen (Part 1, motion)",
+                "  here          ~/move_axis, field mode",
+                "  verb          move_axis",
+                "  command       lineshaft move, with --relative",
+                "  documented    docs/from-plc.md",
+            ],
+        );
+    }
+    for name in [
+        "MC_GearIn",
+        "MC_Home",
+        "MC_Stop",
+        "MC_Halt",
+        "MC_CamIn",
+        "MC_TouchProbe",
+        "MC_SetPosition",
+        "MC_Reset",
+        "MC_Power",
+        "MC_ReadStatus",
+    ] {
+        assert!(said(name).contains(&format!("{name}: a function block of PLCopen")), "{name}");
+    }
+    has("MC_PhasingAbsolute", &["  here          no equivalent: a phase shift is relative"]);
+    let sentence = explain("MC_MoveAbsolut", 80).unwrap_err();
+    assert!(sentence.starts_with("`MC_MoveAbsolut` is unknown; did you mean `MC_MoveAbsolute`"), "{sentence}");
+}
+
+#[test]
+fn a_command_is_explained_with_its_verb() {
+    let lines = [
+        "move: a command to a node that runs",
+        "  in ROS        ~/move_axis",
+        "  verb          move_axis",
+        "move_axis: a verb of scenarios",
+    ];
+    has("move", &lines);
+    has("home", &["home_axis: a verb of scenarios"]);
+    assert_eq!(said("enable").matches("enable: a verb of scenarios\n").count(), 1);
+}
+
+#[test]
+fn a_value_is_explained_by_its_name() {
+    has(
+        "DISCRETE_MOTION",
+        &["DISCRETE_MOTION: a value of a signal", "DISCRETE_MOTION: a constant of lineshaft_msgs/AxisState"],
+    );
+    has("ERROR_STOP", &["ERROR_STOP: a constant of lineshaft_msgs/AxisState", "  value         7"]);
+    has("at_position", &["AT_POSITION: a constant of lineshaft_msgs/Synchronize", "  value         1"]);
+    has("second_order", &["second_order: a value that keys take"]);
+    assert!(said("second_order").contains("axes.*.sim.model of a cell"), "{}", said("second_order"));
+    assert!(said("trapezoid").contains("  parameters    profile\n"), "{}", said("trapezoid"));
+    for name in ["cyclic_position", "csp", "Cyclic Synchronous Position"] {
+        has(name, &["csp: a mode of operation of CiA 402", "  here          drive: {interface: position}"]);
+    }
+    let sentence = explain("DISCRET_MOTION", 80).unwrap_err();
+    assert!(sentence.contains("`DISCRETE_MOTION`"), "{sentence}");
+}
+
+#[test]
 fn an_unknown_name_gets_the_names_that_are_most_like_it() {
     let sentence = |name: &str| explain(name, 80).unwrap_err();
     assert!(sentence("max_velocty").starts_with("`max_velocty` is unknown; did you mean `max_velocity`"));
@@ -161,7 +240,8 @@ fn an_unknown_name_gets_the_names_that_are_most_like_it() {
     assert!(sentence("varsinc").contains("`varsync`") && sentence("move_axes").contains("`move_axis`"));
     assert_eq!(
         sentence("zzzzzzzz"),
-        "`zzzzzzzz` is unknown; a code, a parameter, a key, a signal, a type of functions or its field, a verb or a ROS interface is expected"
+        "`zzzzzzzz` is unknown; a code, a parameter, a key, a signal, a value, a type of functions or its field, a verb, a command, a ROS \
+         interface or a function block of PLCopen is expected"
     );
     let long = "m".repeat(100_000);
     assert!(sentence(&long).len() < 300 && sentence("").starts_with("`` is unknown"));
@@ -250,7 +330,16 @@ fn every_signal_of_the_examples_can_be_explained() {
 /// A page that an explanation names is there.
 #[test]
 fn the_pages_that_are_named_exist() {
-    for page in ["errors.md", "parameters.md", "functions.md", "interfaces.md", "motion.md", "contract.md"] {
+    for page in [
+        "errors.md",
+        "parameters.md",
+        "functions.md",
+        "interfaces.md",
+        "motion.md",
+        "contract.md",
+        "from-plc.md",
+        "without-ros.md",
+    ] {
         assert!(docs(page).is_file(), "{page}");
     }
     let functions = std::fs::read_to_string(docs("functions.md")).unwrap();

@@ -136,7 +136,7 @@ impl Ruler {
                     value.refuse(format!("{sentence} is allowed"), hint);
                     return None;
                 }
-                let quantity = value.quantity(&scale.dimensions(0), &Allowed::Any)?;
+                let quantity = value.quantity_in(Some(scale.unit().unit()), &scale.dimensions(0), &Allowed::Any)?;
                 good(value, scale.position(&quantity))
             }
             _ if self.is_code => read_code(value).map(i64::from),
@@ -153,7 +153,7 @@ impl Ruler {
         }
         match (self.scale, self.order(), self.measure) {
             (Some(scale), Some(order), _) => {
-                let quantity = value.quantity(&scale.dimensions(order), &Allowed::Any)?;
+                let quantity = value.quantity_in(Some(scale.unit().unit()), &scale.dimensions(order), &Allowed::Any)?;
                 good(value, real(&scale, &quantity, order))
             }
             (_, _, Measure::Voltage) => {

@@ -34,6 +34,12 @@ impl Description {
     pub(crate) fn read(document: &Document) -> Option<Self> {
         let root = document.root("the description")?;
         let mut map = root.map("the description")?;
+        if ["lineshaft", "axes", "scenario"].iter().any(|key| map.has(key)) && !map.has("segments") {
+            let hint =
+                "such a file has `points`, `master` and `segments`; `lineshaft new cam FILE` writes one".to_owned();
+            map.refuse("this is no description of a table", Some(hint));
+            return None;
+        }
         let form = map.optional("form").map_or(Some(Form::Y), |form| form.choice(&FORMS));
         let given = map.required("points");
         let points = given.as_ref().and_then(|points| points.integer(2..=MOST));

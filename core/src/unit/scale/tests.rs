@@ -92,8 +92,16 @@ fn a_derivative_of_the_wrong_order_or_kind_is_refused() {
     );
     assert_eq!(
         x().position(&angle("90 deg")).unwrap_err().to_string(),
-        "`90 deg` is an angle; a length such as `90 m` is expected"
+        "`90 deg` is an angle; a length such as `90 mm` is expected"
     );
+    // The example is in the unit of the axis.
+    let of = |unit: Unit| turret().with_unit(unit).unwrap().rate(&quantity("5 mm/s", Dimension::Length(1)), 1);
+    for (unit, example) in [(Unit::DEGREE, "5 deg/s"), (Unit::REVOLUTION, "5 rev/s"), (Unit::INCREMENT, "5 deg/s")] {
+        assert_eq!(
+            sentence(of(unit)),
+            format!("`5 mm/s` is a velocity; an angular velocity such as `{example}` is expected")
+        );
+    }
     assert!(turret().position(&quantity("90 deg/s", Dimension::Angle(1))).is_err());
     assert!(x().exact(&quantity("1 s", Dimension::Time)).is_err());
 }
@@ -189,7 +197,7 @@ fn a_scale_is_positive_and_per_length_or_angle() {
     assert_eq!(sentence(one, length("-2 mm")), "per of the scale is -2; a value above 0 is allowed");
     assert_eq!(
         sentence(one, quantity("3 inc", Dimension::Increments(0))),
-        "`3 inc` is a number of increments; a length such as `3 m` is expected"
+        "`3 inc` is a number of increments; a length such as `3 mm` is expected"
     );
     assert!(Scale::new(one, length("1e38 m")).is_ok());
     assert!(matches!(Scale::new(Fraction::new(1, 10_i128.pow(30)), length("1e38 m")), Err(UnitError::Inexact { .. })));

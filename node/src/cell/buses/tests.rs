@@ -281,7 +281,7 @@ fn keys_of_buses_and_drives_have_ranges() {
             "node: 1, probe_1: both, probe_2: rising",
             "probe_1 and probe_2: one of them may catch edges, and one the index",
         ),
-        ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 m` is expected"),
+        ("node: 1, feed: 1 rev", "feed: `1 rev` is an angle; a length such as `1 mm` is expected"),
         ("node: 1, missed_cycles: 0", "missed_cycles is 0; 1..1000 is allowed"),
         ("node: 1, missed_pdo: guess", "missed_pdo is `guess`; one of hold, extrapolate is allowed"),
         ("node: 1, rated_effort: 2 Nm", "rated_effort: `2 Nm` is a torque; a force such as `2 N` is expected"),

@@ -41,12 +41,12 @@ fn read(text: &str) -> AxisConfig {
 #[test]
 fn type_unit_and_scale_fit_each_other() {
     for (keys, expected) in [
-        (&[("type", "lin")][..], "8:11: type is `lin`; one of linear, rotary is allowed"),
+        (&[("type", "lin")][..], "8:11: type is `lin`; one of linear, rotary is allowed, did you mean `linear`?"),
         (&[("unit", "deg")], "8:11: unit is `deg`; one of nm, um, mm, cm, m, inc is allowed"),
         (&[("unit", "MM")], "8:11: unit is `MM`; one of nm, um, mm, cm, m, inc is allowed, did you mean `mm`?"),
         (
             &[("scale", "{increments: 1000, per: 360 deg}")],
-            "8:36: per: `360 deg` is an angle; a length such as `360 m` is expected",
+            "8:36: per: `360 deg` is an angle; a length such as `360 mm` is expected",
         ),
         (&[("scale", "{increments: 1000, per: 0 mm}")], "8:36: per is `0 mm`; a value above 0 is allowed"),
         (&[("scale", "{increments: -1, per: 1 mm}")], "8:25: increments is `-1`; a number above 0 is allowed"),
@@ -55,15 +55,19 @@ fn type_unit_and_scale_fit_each_other() {
     ] {
         assert_eq!(said(&axis(keys)), expected);
     }
+    for (unit, meant) in [("grad", "deg"), ("degrees", "deg"), ("turns", "rev")] {
+        let expected = format!("8:11: unit is `{unit}`; one of deg, rad, rev, inc is allowed, did you mean `{meant}`?");
+        assert_eq!(said(&rotary(&[("unit", unit)])), expected);
+    }
     for (unit, expected) in [
         ("0 mm", "unit is `0 mm`; a value above 0 is allowed"),
         ("-0.1 mm", "unit is `-0.1 mm`; a value above 0 is allowed"),
         ("0.1", "unit is `0.1`; a unit, or a number above 0 with one, is allowed, write `0.1 mm`"),
         ("0.1mm", "unit: `0.1mm` has no blank between number and unit, write `0.1 mm`"),
-        ("0.1 deg", "unit: `0.1 deg` is an angle; a length such as `0.1 m` is expected"),
-        ("0.1 inc", "unit: `0.1 inc` is a number of increments; a length such as `0.1 m` is expected"),
+        ("0.1 deg", "unit: `0.1 deg` is an angle; a length such as `0.1 mm` is expected"),
+        ("0.1 inc", "unit: `0.1 inc` is a number of increments; a length such as `0.1 mm` is expected"),
         ("0.1 mm/s", "unit: `0.1 mm/s` is a velocity; a length such as `0.1 mm` is expected"),
-        ("1/10 mm", "unit: `1/10` is not a number"),
+        ("1/10 mm", "unit: `1/10` is not a number, a length such as `1 mm` is expected"),
     ] {
         assert_eq!(said(&axis(&[("unit", unit)])), format!("8:11: {expected}"));
     }
@@ -117,7 +121,11 @@ fn parameters_tell_their_range_in_the_axis_unit() {
         // 2^31 inc in a cycle of 1 ms, and one more.
         ("max_velocity", "2147483648001 inc/s", "is `2147483648001 inc/s`; more than 0 up to 20480000 mm/s is allowed"),
         ("max_velocity", "20480001 mm/s", "is `20480001 mm/s`; more than 0 up to 20480000 mm/s is allowed"),
-        ("max_velocity", "1e37", "is `1e37`; more than 0 up to 20480000 mm/s is allowed"),
+        (
+            "max_velocity",
+            "1e37",
+            "is `1e37`; more than 0 up to 20480000 mm/s is allowed, a number without a unit is in m/s",
+        ),
         ("default_velocity", "1e9 m/s", "is `1e9 m/s`; more than 0 up to 20480000 mm/s is allowed"),
         ("max_acceleration", "-8 m/s^2", "is `-8 m/s^2`; more than 0 up to 9536743160 mm/s^2 is allowed"),
         ("max_jerk", "0", "is `0`; more than 0 up to 9536743160 mm/s^3 is allowed"),
@@ -383,7 +391,7 @@ fn a_turn_is_an_exact_fraction_of_a_rotary_axis() {
     assert_eq!(read(&rotary(&[("modulo", "500 inc")])).modulo, Modulo::new(500, 1));
     for (keys, expected) in [
         (&[("modulo", "0 deg")][..], "8:13: modulo is `0 deg`; a value above 0 is allowed"),
-        (&[("modulo", "10 mm")], "8:13: modulo: `10 mm` is a length; an angle such as `10 rad` is expected"),
+        (&[("modulo", "10 mm")], "8:13: modulo: `10 mm` is a length; an angle such as `10 deg` is expected"),
         (
             &[("modulo", "0.001 deg")],
             "8:13: modulo is `0.001 deg`, 1/10 inc; 1 inc to 2^61 inc as a fraction with a denominator below 2^31 is allowed",

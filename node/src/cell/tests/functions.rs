@@ -62,7 +62,7 @@ fn what_a_function_cannot_be_is_refused_where_it_stands() {
         ("^{slot: 1}", "missing key `type` in function `f`"),
         (
             "{slot: 1, type: ^camm}",
-            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed",
+            "type is `camm`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed, did you mean `cam`?",
         ),
         ("^{slot: 1, type: dcopy, sink: none}", "function `f` has no source; type dcopy reads one"),
         (

@@ -88,7 +88,7 @@ fn marks_that_cannot_be_are_refused() {
             "of: belt, every: 0.1 mm",
             "6:91: every is `0.1 mm`, which is less than an increment; 1 inc and above is allowed",
         ),
-        ("of: belt, every: 1 s", "6:91: every: `1 s` is a time; a length such as `1 m` is expected"),
+        ("of: belt, every: 1 s", "6:91: every: `1 s` is a time; a length such as `1 mm` is expected"),
         ("of: belt, every: 10 mm, lost: 101 %", "6:104: lost is `101 %`; 0 %..100 % is allowed"),
         ("of: belt, every: 10 mm, extra: -1 %", "6:105: extra is `-1 %`; 0 %..100 % is allowed"),
         ("of: belt, every: 10 mm, stretch: 2, stretch_period: 9", "6:107: stretch is `2`; 0 %..100 % is allowed"),

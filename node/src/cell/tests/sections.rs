@@ -54,7 +54,7 @@ fn format_and_cycle() {
         ("^0", "1 ms", "lineshaft is `0`; format version 1 is allowed"),
         ("^one", "1 ms", "lineshaft is `one`; format version 1 is allowed"),
         ("1", "^124999 ns", "cycle is `124999 ns`; 125 us..20 ms is allowed"),
-        ("1", "^1", "cycle is `1`; 125 us..20 ms is allowed"),
+        ("1", "^1", "cycle is `1`; 125 us..20 ms is allowed, a number without a unit is in s"),
         ("1", "^-1 ms", "cycle is `-1 ms`; 125 us..20 ms is allowed"),
         ("1", "^1 mm", "cycle: `1 mm` is a length; a time such as `1 s` is expected"),
         (
@@ -302,7 +302,7 @@ fn encoders() {
         ),
         (
             "{backend: plant, address: 0, type: rotary, scale: {increments: 4000, per: ^100 mm}}",
-            "per: `100 mm` is a length; an angle such as `100 rad` is expected",
+            "per: `100 mm` is a length; an angle such as `100 deg` is expected",
         ),
         ("^{backend: plant, address: 0, type: linear}", "missing key `scale` in encoder `e`"),
     ] {
@@ -320,7 +320,7 @@ fn a_name_stands_once_in_a_cell() {
              io:\n  x: {type: di, backend: plant, address: 0}\n"
         ),
         "8:3: `plant` is a backend already, at 4:3; a name stands once\n\
-         9:3: key `x` stands here again; it is first at 7:3\n\
+         9:3: duplicate key `x`; it is first at 7:3\n\
          11:3: `x` is a memory cell already, at 7:3; a name stands once"
     );
     assert_eq!(

@@ -418,7 +418,7 @@ fn for_time(text: &str) -> Result<Duration, String> {
 }
 
 fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
-    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.to_string())?.si();
+    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?.si();
     // What a person writes as 0.01 may be a little less.
     match (least - 1e-12..=most).contains(&time) {
         true => Ok(Duration::from_secs_f64(time)),

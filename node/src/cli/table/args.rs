@@ -44,12 +44,14 @@ Exit codes: 0 good, 2 bad usage or a file with errors.";
 const CHECK_HELP: &str = "\
 Derivatives are increments of the slave per increment of the master. Those of a description are those of its laws. Those of a CSV \
 file are the slopes between its points, and divided differences for acceleration and jerk, which whole increments blur. With an axis they are \
-held against its max_velocity, max_acceleration, max_deceleration and max_jerk at --master-speed; the fastest speed is told in any \
-case. The master runs forward.
+compared with its max_velocity, max_acceleration, max_deceleration and max_jerk at --master-speed, without it at max_velocity of the \
+--leader; the fastest speed is printed in any case. The master runs forward. With a cell and a description, `check` also prints which table of \
+the cell has these points: a CSV file that was not made again after a change has other ones.
 
 Examples:
   lineshaft table check knife.yaml
-  lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed 40000
+  lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed '40000 inc/s'
+  lineshaft table check knife.yaml --cell cell.yaml --axis knife --leader belt --master-speed '300 mm/s'
   lineshaft table check knife.csv --master 20000 --cell cell.yaml --axis knife
   lineshaft table check lift.csv --master 36000 --interpolation cubic
 
@@ -132,9 +134,13 @@ pub(in crate::cli) struct CheckArgs {
     /// The axis that is to follow the table
     #[arg(long, value_name = "NAME", requires = "cell")]
     pub(super) axis: Option<String>,
-    /// Speed of the master (inc/s)
-    #[arg(long, value_name = "SPEED", value_parser = speed)]
-    pub(super) master_speed: Option<f64>,
+    /// Speed of the master, such as `40000 inc/s`, or with --leader `300 mm/s`; a number without a unit is in inc/s. Without it that is
+    /// max_velocity of the leader, if --leader names an axis
+    #[arg(long, value_name = "SPEED")]
+    pub(super) master_speed: Option<String>,
+    /// The master in the cell: an axis, an encoder, or what else can lead
+    #[arg(long, value_name = "NAME", requires = "cell")]
+    pub(super) leader: Option<String>,
 }
 
 #[derive(Debug, Args)]
@@ -178,9 +184,4 @@ pub(in crate::cli) struct ConvertArgs {
 fn interpolation(text: &str) -> Result<Interpolation, String> {
     let found = Interpolation::ALL.iter().find(|(name, _)| *name == text).map(|(_, each)| *each);
     found.ok_or_else(|| "linear, cubic and quintic are allowed".to_owned())
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    let is_good = |speed: &f64| speed.is_finite() && *speed > 0.0 && *speed <= 1e12;
-    text.parse().ok().filter(is_good).ok_or_else(|| "a number above 0, up to 1e12, is allowed".to_owned())
 }

@@ -1,15 +1,17 @@
 //! `lineshaft table check`.
 
+mod machine;
+mod speed;
+
+use self::machine::{Machine, Master};
+use self::speed::master_speed;
 use super::args::CheckArgs;
 use super::{Exit, Failure, motion};
-use crate::cell::Cell;
 use crate::cli::{complain, say};
 use crate::table::limits::{Demand, binding, demands};
 use crate::table::motion::{Extremes, Motion, Points};
-use lineshaft_core::config::AxisConfig;
 use lineshaft_core::law::Peak;
 use lineshaft_core::unit::Scale;
-use std::path::Path;
 
 /// Derivatives in the order in which they are told, with their units.
 const RATES: [(&str, &str, u8); 3] =
@@ -17,36 +19,64 @@ const RATES: [(&str, &str, u8); 3] =
 
 pub(super) fn check(args: &CheckArgs) -> Result<Exit, Failure> {
     let motion = motion(&args.source)?;
-    let axis = match (&args.cell, &args.axis) {
-        (Some(cell), Some(axis)) => Some((cell, find(cell, axis)?)),
-        _ => None,
-    };
+    let machine = args.cell.as_deref().map(Machine::load).transpose()?;
+    let of = |name: &Option<String>| machine.as_ref().zip(name.clone());
+    let axis = of(&args.axis).map(|(machine, name)| machine.axis(&name).map(|axis| (machine, axis))).transpose()?;
+    let leader = of(&args.leader).map(|(machine, name)| machine.leader(&name)).transpose()?;
+    let leader = leader.as_ref();
+    let speed = master_speed(args.master_speed.as_deref(), leader).map_err(Failure::Sentence)?;
     let extremes = motion.extremes();
     say(&format_args!("{}: {}", args.source.file.display(), summary(&motion)));
-    derivatives(&extremes, args.master_speed).iter().for_each(|line| say(line));
+    derivatives(&extremes, speed).iter().for_each(|line| say(line));
     jumps(&extremes).iter().for_each(|line| say(line));
-    if let Motion::Points(points) = &motion {
-        between(points).iter().for_each(|line| say(line));
+    match &motion {
+        Motion::Points(points) => between(points).iter().for_each(|line| say(line)),
+        Motion::Planned(description) => {
+            let line = machine.as_ref().and_then(|machine| machine.tables_with(description, &args.source.file));
+            line.iter().for_each(|line| say(line));
+        }
     }
-    let Some((cell, axis)) = axis else { return Ok(Exit::Good) };
+    let Some((machine, axis)) = axis else { return Ok(Exit::Good) };
     let demands = demands(&extremes, &axis.parameters);
-    let at = args.master_speed.map_or(String::new(), |speed| format!(" at a master speed of {} inc/s", digits(speed)));
-    say(&format_args!("axis {} of {}{at}", axis.name, cell.display()));
+    let at = speed.map_or(String::new(), |speed| at(speed, leader, args.master_speed.is_none()));
+    say(&format_args!("axis {} of {}{at}", axis.name, machine.file()));
     let mut exceeded = Vec::new();
     for demand in &demands {
-        let verdict = args.master_speed.map(|speed| (speed, demand.is_met(speed)));
+        let verdict = speed.map(|speed| (speed, demand.is_met(speed)));
         say(&line(demand, verdict, &axis.scale));
         exceeded.extend(verdict.filter(|(_, is_met)| !is_met).map(|_| demand.key));
     }
     if axis.parameters.max_jerk.is_none() {
         say(&"  max_jerk          not given: any jerk is permitted");
     }
-    say(&fastest(&demands));
+    say(&fastest(&demands, leader));
+    if let (Some(leader), None) = (leader, speed) {
+        say(&format_args!(
+            "  {} has no max_velocity: --master-speed gives a speed for which the limits are checked",
+            leader.name
+        ));
+    }
     if exceeded.is_empty() {
         return Ok(Exit::Good);
     }
     complain(&format!("the table exceeds {} of axis {}", exceeded.join(", "), axis.name));
     Ok(Exit::Usage)
+}
+
+/// The speed of the master for which the limits are checked.
+fn at(speed: f64, leader: Option<&Master>, is_of_leader: bool) -> String {
+    let from = match leader {
+        Some(leader) if is_of_leader => format!(", max_velocity of {}", leader.name),
+        _ => String::new(),
+    };
+    format!(" at a master speed of {}{from}", in_both_units(speed, leader))
+}
+
+/// A speed of the master in increments, and in the unit of the leader, if that has one.
+fn in_both_units(speed: f64, leader: Option<&Master>) -> String {
+    let own = leader.and_then(|leader| leader.scale).filter(|scale| !scale.is_in_increments());
+    let own = own.map_or(String::new(), |scale| format!(" ({})", scale.format_rate(speed, 1)));
+    format!("{} inc/s{own}", digits(speed))
 }
 
 /// What lies between points, and what that leaves open.
@@ -67,12 +97,6 @@ fn between(points: &Points) -> Vec<String> {
     };
     lines.extend(points.refused_by_functions().map(|why| format!("  function interpolators do not take it: {why}")));
     lines
-}
-
-fn find(path: &Path, wanted: &str) -> Result<AxisConfig, Failure> {
-    let cell = Cell::load(path).map_err(|problems| Failure::Problems(problems.to_string()))?;
-    let found = cell.machine.find_axis(wanted).map(|(_, axis)| axis.clone());
-    found.map_err(|error| Failure::Sentence(format!("{}: {error}", path.display())))
 }
 
 fn summary(motion: &Motion) -> String {
@@ -133,14 +157,14 @@ fn line(demand: &Demand, verdict: Option<(f64, bool)>, scale: &Scale) -> String 
     }
 }
 
-fn fastest(demands: &[Demand]) -> String {
+fn fastest(demands: &[Demand], leader: Option<&Master>) -> String {
     let head = "  fastest master speed";
     match binding(demands).map(|bound| (bound.fastest(), bound)) {
         Some((0.0, bound)) => {
             format!("{head}: none, {} permits no jump, which there is at {}", bound.key, place(bound.peak.at))
         }
         Some((speed, bound)) if speed.is_finite() => {
-            format!("{head}: {} inc/s, then {} binds at {}", digits(speed), bound.key, place(bound.peak.at))
+            format!("{head}: {}, then {} binds at {}", in_both_units(speed, leader), bound.key, place(bound.peak.at))
         }
         _ => format!("{head}: any, nothing moves"),
     }

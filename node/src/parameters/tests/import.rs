@@ -85,7 +85,7 @@ fn all_that_is_wrong_is_told_at_once_with_its_place() {
          p:4:1: line.encoderclock is not there; it is for axes with a drive\n\
          p:6:19: error_reaction is 6; 0 to 5 is allowed\n\
          p:7:12: x.profile is `round`; one of trapezoid, s_ramp, jerk is expected\n\
-         p:8:23: x.in_position_window: `5 s` is a time; a length such as `5 m` is expected\n\
+         p:8:23: x.in_position_window: `5 s` is a time; a length such as `5 mm` is expected\n\
          p:9:13: velmaxqc is computed from other parameters\n\
          p:10:14: posfact_z is part of the cell; it changes with the file and a new start\n\
          p:11:1: no parameter is called `kprop`; parameters are written axis.key\n\

@@ -341,7 +341,7 @@ mod tests {
         assert_eq!(refused("time=5 mm"), "`5 mm` is a length; a time such as `5 s` is expected");
         assert_eq!(
             refused("x.position=5 inc"),
-            "`5 inc` is a number of increments; a length such as `5 m` is expected"
+            "`5 inc` is a number of increments; a length such as `5 mm` is expected"
         );
         assert!(refused("x.[=1").starts_with("`x.[` is no pattern: "));
     }

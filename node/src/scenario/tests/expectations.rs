@@ -432,7 +432,7 @@ fn what_is_wrong_with_an_expectation_is_told() {
     assert_eq!(bad("{signal: ^fed, is: 1}"), "no signal is called `fed`, did you mean `feed`?");
     assert_eq!(
         bad("{signal: x.command.position, is: ^120 deg}"),
-        "x.command.position: `120 deg` is an angle; a length such as `120 m` is expected"
+        "x.command.position: `120 deg` is an angle; a length such as `120 mm` is expected"
     );
     assert_eq!(
         bad("{signal: x.command.position, is: ^0.5}"),
@@ -449,7 +449,7 @@ fn what_is_wrong_with_an_expectation_is_told() {
     );
     assert_eq!(
         bad("{signal: x.command.position, minus: turret.command.position, is: ^1 mm}"),
-        "x.command.position minus turret.command.position is `1 mm`; a whole number -9223372036854775808..9223372036854775807 is allowed"
+        "x.command.position minus turret.command.position is `1 mm`; a whole number -9223372036854775808..9223372036854775807 is allowed, a unit is not allowed here"
     );
     assert_eq!(
         bad("{signal: x.error, is: ^FOLOWING_ERROR}"),

@@ -82,5 +82,5 @@ fn what_is_no_moment_is_refused() {
     assert_eq!(at("-1 ms"), "at is `-1 ms`; 0 and above is allowed");
     assert_eq!(at("100"), "at is cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)");
     assert_eq!(at("1 s"), "at is cycle 1000 (1 s); the scenario ends with cycle 99 (0.099 s)");
-    assert_eq!(at("soon"), "at: `soon` is not a number");
+    assert_eq!(at("soon"), "at: `soon` is not a number, a time such as `1 s` is expected");
 }

@@ -30,7 +30,7 @@ expcet: []
 8:55: unknown key `axis` in load_table, known are table, points
 9:13: unknown key `doo` in a step, did you mean `do`?
 11:38: at is 0.5; a whole number of cycles, or a time with its unit is allowed, write `0.5 s`
-11:47: x.command.position: `5 deg` is an angle; a length such as `5 m` is expected
+11:47: x.command.position: `5 deg` is an angle; a length such as `5 mm` is expected
 12:20: kind is `party`; one of accepted, refused, done, state, error, reset, latch, mark, limit, homed, parameter, overrun, warning is allowed
 12:35: count is `many`; a whole number 0..9223372036854775807 is allowed
 13:1: unknown key `expcet` in the scenario, known are scenario, cell, for, cycles, trace, every, drive, steps, expect

@@ -149,7 +149,7 @@ fn a_phase_shifts_a_coupled_axis_and_its_leader() {
     ));
     assert_eq!(
         bad("{phase: ^{axis: x, shift: 90 deg}}"),
-        "shift: `90 deg` is an angle; a length such as `90 m` is expected"
+        "shift: `90 deg` is an angle; a length such as `90 mm` is expected"
     );
     assert_eq!(bad("{phase: {axis: x, side: ^both, shift: 1 mm}}"), "side is `both`; one of slave, master is allowed");
 }
@@ -403,6 +403,23 @@ fn verbs_that_are_not_built_are_refused_by_name() {
     );
 }
 
+/// 1000000 increments are a metre of the line, 36000 a turn of the turret.
+#[test]
+fn places_of_a_gear_may_have_units() {
+    let acts = |master: &str, slave: &str, distance: &str| {
+        let goal = format!(
+            "axis: turret, master: line, mode: position, engage: at_position, numerator: 36, denominator: 100, \
+             master_increments: {master}, slave_increments: {slave}, start_distance_increments: {distance}"
+        );
+        let text = format!("scenario: s\ncycles: 10\nsteps: [{{at: 0, do: {{synchronize: {{{goal}}}}}}}]\n");
+        format!("{:?}", scenario(&text).0.acts)
+    };
+    let expected = acts("500000", "4000", "100000");
+    assert_eq!(acts("500 mm", "40 deg", "0.1 m"), expected);
+    assert_eq!(acts("500000 inc", "4000 inc", "100000 inc"), expected);
+    assert_ne!(acts("501 mm", "40 deg", "0.1 m"), expected);
+}
+
 /// What is wrong with a verb.
 fn bad(verb: &str) -> String {
     problem("steps", &format!("{{at: 1, do: {verb}}}"))
@@ -418,7 +435,7 @@ fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{move_axis: ^{position: 5 mm}}"), "missing key `axis` in move_axis");
     assert_eq!(
         bad("{move_axis: ^{axis: x, position: 90 deg}}"),
-        "position: `90 deg` is an angle; a length such as `90 m` is expected"
+        "position: `90 deg` is an angle; a length such as `90 mm` is expected"
     );
     assert_eq!(
         bad("{move_axis: {axis: x, position: ^9mm}}"),
@@ -453,6 +470,31 @@ fn what_is_wrong_with_a_verb_is_told() {
         ),
         "start_distance_increments is -1; 0 to 2147483648 is allowed"
     );
+    // 9 : 0 is no gear.
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, mode: position, numerator: 9}}"),
+        "missing key `denominator` in synchronize"
+    );
+    assert_eq!(
+        bad("{synchronize: ^{axis: x, master: line, denominator: 125}}"),
+        "missing key `numerator` in synchronize"
+    );
+    assert_eq!(
+        bad("{synchronize: {axis: x, master: line, numerator: 9, ^denominater: 125}}"),
+        "unknown key `denominater` in synchronize, did you mean `denominator`?"
+    );
+    let at = |key: &str| {
+        bad(&format!("{{synchronize: {{axis: turret, master: line, mode: position, engage: at_position, {key}}}}}"))
+    };
+    assert_eq!(
+        at("master_increments: ^90 deg"),
+        "master_increments: `90 deg` is an angle; a length such as `90 m` is expected"
+    );
+    assert_eq!(
+        at("slave_increments: ^5 mm"),
+        "slave_increments: `5 mm` is a length; an angle such as `5 deg` is expected"
+    );
+    assert!(at("master_increments: ^0.5").starts_with("master_increments is `0.5`; a whole number "));
     let unknown = bad("{synchronize: ^{axis: x, master: line, engage: on_event, event: lamp}}");
     assert!(unknown.starts_with("`lamp` does not latch; "), "{unknown}");
     assert_eq!(

@@ -1,14 +1,20 @@
 //! Verb `synchronize`: a gear or a cam (contract sections 7, 10).
+//!
+//! Law      a place is a whole number of increments, or a position with its unit: of the axis, or of the leader
+//! Refuses  one part of a ratio without the other: 9 : 0 is no gear
 
-use super::{Deed, Reader, number, optional_amount, whole};
-use crate::document::{Map, Value};
+use super::{Deed, Reader, number, optional_amount};
+use crate::document::{Allowed, Map, Value};
+use crate::scenario::moment::bare;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{CamRequest, SynchronizeRequest};
 use lineshaft_core::sync::CamStart;
-use lineshaft_core::unit::{Fraction, Scale};
+use lineshaft_core::unit::{Dimension, Fraction, Scale};
 
 const MODES: [(&str, u8); 6] =
     [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3), ("cam_master_marker", 4), ("cam_slave_marker", 5)];
+/// The modes from here on are cams.
+const FIRST_CAM: u8 = 3;
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
 const ENGAGES: [(&str, u8); 4] =
@@ -25,10 +31,12 @@ impl Reader<'_> {
         let given_event = map.optional("event");
         let [mode, engage, disengage] = [("mode", &MODES[..]), ("engage", &ENGAGES), ("disengage", &DISENGAGES)]
             .map(|(key, names)| number(&mut map, key, names));
-        let [numerator, denominator] = ["numerator", "denominator"].map(|key| whole(&mut map, key));
-        let places = ["master_increments", "slave_increments", "start_distance_increments"].map(|key| {
+        let [numerator, denominator] = self.ratio(&mut map, mode);
+        let leads = master.as_deref().and_then(|name| self.leading_scale(name));
+        let places = [("master_increments", leads), ("slave_increments", scale), ("start_distance_increments", leads)];
+        let places = places.map(|(key, scale)| {
             let Some(given) = map.optional(key) else { return Some(0) };
-            let place = given.integer(i64::MIN..=i64::MAX)?;
+            let place = increments(&given, scale)?;
             let has_meaning = engage == Some(AT_POSITION);
             if !has_meaning {
                 given.refuse(format!("{key} belongs to `engage: at_position`"), None);
@@ -76,6 +84,31 @@ impl Reader<'_> {
         })();
         (deed, id.flatten())
     }
+
+    /// Both parts of the ratio. Left out they are 0, which a cam needs. A gear with one of them lacks the other.
+    fn ratio(&self, map: &mut Map<'_>, mode: Option<u8>) -> [Option<i64>; 2] {
+        let is_half = map.has("numerator") != map.has("denominator");
+        let is_refused = is_half && !self.recorded && mode.is_some_and(|mode| mode < FIRST_CAM);
+        ["numerator", "denominator"].map(|key| {
+            let given = if is_refused { Some(map.required(key)?) } else { map.optional(key) };
+            given.map_or(Some(0), |value| value.integer(i64::MIN..=i64::MAX))
+        })
+    }
+
+    /// The scale of a leader; none where nothing of that name leads, or where it counts in increments alone.
+    fn leading_scale(&self, name: &str) -> Option<Scale> {
+        let leader = self.names.config.find_leader(name).ok()?;
+        self.names.config.known_scale_of(leader)
+    }
+}
+
+/// A place in increments, or as a position with its unit.
+fn increments(value: &Value<'_>, scale: Option<Scale>) -> Option<i64> {
+    let scale = scale.filter(|_| !value.is_integer() && bare(value).is_none());
+    let Some(scale) = scale else { return value.integer(i64::MIN..=i64::MAX) };
+    let dimensions = [scale.kind().dimension(0), Dimension::Increments(0)];
+    let quantity = value.quantity_in(Some(scale.unit().unit()), &dimensions, &Allowed::Any)?;
+    scale.position(&quantity).map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
 }
 
 /// What belongs to mode cam; scales may be fractions such as `1/3`.

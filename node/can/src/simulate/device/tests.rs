@@ -1,6 +1,7 @@
 //! A simulated drive as a device of CANopen.
 
 use super::*;
+use crate::sdo::Object;
 use crate::{NmtCommand, Watching};
 use lineshaft_core::drive::{DriveInput, DriveOutput, Mode};
 

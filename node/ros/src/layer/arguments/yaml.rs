@@ -225,7 +225,7 @@ pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
 fn each_once(entries: Vec<(Scalar, Yaml)>) -> Result<Vec<(Scalar, Yaml)>, Wrong> {
     let mut seen = HashSet::new();
     match entries.iter().find(|(key, _)| !seen.insert(key.text.clone())) {
-        Some((key, _)) => Err(key.wrong(format!("key `{}` stands here again", key.text))),
+        Some((key, _)) => Err(key.wrong(format!("duplicate key `{}`", key.text))),
         None => Ok(entries),
     }
 }

@@ -95,7 +95,7 @@ fn what_is_no_file_of_parameters_is_refused_with_its_place() {
         ("n: {ros__parameters: 1}", "p.yaml:1:22: parameters are expected here"),
         ("n:\n  ros__parameters:\n    a: [1, x]\n", "p.yaml:3:12: x is of another type"),
         ("n:\n  ros__parameters:\n    a:\n", "p.yaml:3:6: a parameter has no value here"),
-        ("n: {ros__parameters: {a: 1, a: 2}}", "p.yaml:1:29: key `a` stands here again"),
+        ("n: {ros__parameters: {a: 1, a: 2}}", "p.yaml:1:29: duplicate key `a`"),
         ("n-x: {ros__parameters: {a: 1}}", "p.yaml:1:7: \"/n-x\" is no name of a node"),
         ("a: [", "p.yaml:"),
     ] {

@@ -1,0 +1,161 @@
+//! Errors of the YAML parser in plain words, at the line that is probably meant.
+//!
+//! Law      the place is that of the parser, but for a missing colon and for a tab, which it notices behind their line
+//! Reads    the text, the sentence of the parser, and where it stopped
+
+use super::Place;
+use lineshaft_core::unit::excerpt;
+
+/// A syntax error.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Syntax {
+    pub(super) place: Place,
+    pub(super) sentence: String,
+    pub(super) hint: Option<String>,
+}
+
+const ALIGNED: &str = "keys of one mapping, and entries of one list, begin in the same column";
+
+/// What the parser says, in plain words.
+pub(super) fn plain(text: &str, info: &str, place: Place) -> Syntax {
+    let at = |place, sentence: &str, hint: Option<&str>| Syntax {
+        place,
+        sentence: format!("this is not YAML: {sentence}"),
+        hint: hint.map(str::to_owned),
+    };
+    match info {
+        "simple key expect ':'" | "simple key expected" | "did not find expected <document start>" => {
+            match line_without_colon(text, place.line) {
+                Some((place, line)) => {
+                    let hint = Some(with_colon(line));
+                    Syntax { hint, ..at(place, "a colon and a blank are missing between key and value", None) }
+                }
+                None => at(place, "a colon and a blank are missing after a key", None),
+            }
+        }
+        _ if is_tab(info) => {
+            let sentence = "a tab is not allowed in the indentation";
+            at(tab(text, place).unwrap_or(place), sentence, Some("indent with blanks"))
+        }
+        "mapping values are not allowed in this context" => {
+            let sentence = "a second colon in one value, or a key in another column than the keys before it";
+            at(place, sentence, Some("put keys of one mapping in the same column, and quotes around a value with `: `"))
+        }
+        "block sequence entries are not allowed in this context" => {
+            at(place, "an entry of a list begins here, but a key or a value is in the same line", Some(ALIGNED))
+        }
+        "while parsing a block mapping, did not find expected key"
+        | "while parsing a block collection, did not find expected '-' indicator"
+        | "invalid indentation" => at(place, "the indentation does not fit the lines before", Some(ALIGNED)),
+        "while parsing a flow mapping, did not find expected ',' or '}'" => {
+            at(place, "a comma or the closing `}` of a mapping is missing", None)
+        }
+        "while parsing a flow sequence, expected ',' or ']'" => {
+            at(place, "a comma or the closing `]` of a list is missing", None)
+        }
+        "while scanning a quoted scalar, found unexpected end of stream" => {
+            at(place, "the closing quotation mark of a text is missing", None)
+        }
+        other => at(place, other, None),
+    }
+}
+
+fn is_tab(info: &str) -> bool {
+    info.contains("found a tab") || info.starts_with("tabs disallowed") || info.starts_with("tab cannot be used")
+}
+
+/// The number of a line from 1, and its text.
+fn line(text: &str, number: usize) -> &str {
+    number.checked_sub(1).and_then(|before| text.lines().nth(before)).unwrap_or_default()
+}
+
+/// Where the text of a line begins.
+fn begin(number: usize, line: &str) -> Place {
+    let blanks = line.chars().take_while(|sign| sign.is_whitespace()).count();
+    Place { line: number, col: 1 + blanks }
+}
+
+/// The line with a key that lacks its colon: the one where the parser stopped, or the last one before it that is not empty.
+fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
+    /// So many lines with comments alone may be between them.
+    const FURTHEST: usize = 20;
+    let content = |number| line(text, number).split(" #").next().unwrap_or_default().trim();
+    let has_colon = |content: &str| content.contains(": ") || content.ends_with(':');
+    let is_empty = |content: &str| content.is_empty() || content.starts_with('#');
+    let here = content(number);
+    if !is_empty(here) && !has_colon(here) {
+        return Some((begin(number, line(text, number)), here));
+    }
+    let before = (1..number).rev().take(FURTHEST).find(|number| !is_empty(content(*number)))?;
+    let there = content(before);
+    (!has_colon(there)).then(|| (begin(before, line(text, before)), there))
+}
+
+/// How a line is written with its colon.
+fn with_colon(line: &str) -> String {
+    let line = line.trim_start_matches("- ");
+    let with = match (line.split_once(':'), line.split_once(' ')) {
+        (Some((key, value)), _) => format!("{key}: {value}"),
+        (None, Some((key, value))) => format!("{key}: {}", value.trim_start()),
+        (None, None) => format!("{line}: .."),
+    };
+    format!("write `{}`", excerpt(&with))
+}
+
+/// The first line with a tab in its indentation, from the place on: there, or in the next line.
+fn tab(text: &str, place: Place) -> Option<Place> {
+    let indentation = |number: usize| {
+        let line = line(text, number);
+        line.chars().take_while(|sign| sign.is_whitespace()).any(|sign| sign == '\t').then(|| begin(number, line))
+    };
+    if indentation(place.line).is_some() {
+        return Some(place);
+    }
+    indentation(place.line + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Document;
+
+    #[track_caller]
+    fn said(text: &str, expected: &str) {
+        let document = Document::parse("t.yaml", text);
+        assert!(document.root("the file").is_none(), "{text:?}");
+        assert_eq!(document.problems().to_string(), format!("t.yaml:{expected}\n"), "{text:?}");
+    }
+
+    #[test]
+    fn missing_colon_is_reported_at_its_line() {
+        let missing = "this is not YAML: a colon and a blank are missing between key and value, write";
+        said("a:\n  b: 1\n  max_velocity 1200 mm/s\n  c: 2\n", &format!("3:3: {missing} `max_velocity: 1200 mm/s`"));
+        said("a:\n  b: 1\n  max_velocity:1200 mm/s\n  c: 2\n", &format!("3:3: {missing} `max_velocity: 1200 mm/s`"));
+        said("for 2 s\n\n# what is traced\ntrace: []\n", &format!("1:1: {missing} `for: 2 s`"));
+    }
+
+    #[test]
+    fn tab_is_reported_at_its_line() {
+        let tab = "this is not YAML: a tab is not allowed in the indentation, indent with blanks";
+        said("a:\n  b: 1\n\tc: 2\n", &format!("3:2: {tab}"));
+    }
+
+    #[test]
+    fn wrong_indentation_says_what_belongs_together() {
+        let aligned = "keys of one mapping, and entries of one list, begin in the same column";
+        let wrong = "this is not YAML: the indentation does not fit the lines before";
+        for text in ["a:\n - b: 1\n  - c: 2\nd: 3\n", "a:\n    b: 1\n  c: 2\n"] {
+            said(text, &format!("3:3: {wrong}, {aligned}"));
+        }
+        let second = "this is not YAML: a second colon in one value, or a key in another column than the keys before it, put keys of one \
+                      mapping in the same column, and quotes around a value with `: `";
+        said("a: 1\n   b: 2\n", &format!("2:5: {second}"));
+        said("a: b: c\n", &format!("1:5: {second}"));
+        said("a:\n  - {b: 1}\n  c: 2\n", &format!("3:3: {wrong}, {aligned}"));
+    }
+
+    #[test]
+    fn missing_bracket_is_named() {
+        said("a: {b: 1 c: 2}\n", "1:11: this is not YAML: a comma or the closing `}` of a mapping is missing");
+        said("a: [1, 2\n", "2:1: this is not YAML: a comma or the closing `]` of a list is missing");
+    }
+}

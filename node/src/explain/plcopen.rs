@@ -1,0 +1,307 @@
+//! Function blocks of PLCopen: what does the same here. docs/from-plc.md has the same table, and a test holds them equal.
+//!
+//! Source   PLCopen Technical Committee 2, function blocks for motion control: part 1 (version 2.0) and part 4, coordinated motion
+
+use super::section;
+
+/// What all of these names begin with.
+const PREFIX: &str = "MC_";
+
+/// Blocks that the same thing does.
+struct Block {
+    /// Their names.
+    names: &'static [&'static str],
+    /// The service, action, topic, parameter or key, or `no equivalent` with what is there instead; empty: none.
+    here: &'static str,
+    /// The verb of a scenario, or a signal; empty: none.
+    verb: &'static str,
+    /// The command of the program; empty: none.
+    command: &'static str,
+}
+
+const fn block(names: &'static [&'static str], here: &'static str, verb: &'static str, command: &'static str) -> Block {
+    Block { names, here, verb, command }
+}
+
+/// A part of the standard, and its blocks.
+struct Part {
+    /// Heading of its table.
+    name: &'static str,
+    /// In the order of the table.
+    blocks: &'static [Block],
+}
+
+/// All of them, in the order of the page.
+static PARTS: [Part; 4] = [
+    Part { name: "Part 1, administrative", blocks: ADMINISTRATIVE },
+    Part { name: "Part 1, motion", blocks: MOTION },
+    Part { name: "Part 4, administrative", blocks: GROUPS },
+    Part { name: "Part 4, motion", blocks: COORDINATED },
+];
+
+const ADMINISTRATIVE: &[Block] = &[
+    block(&["MC_Power"], "`~/enable`, `~/disable`", "`enable`, `disable`", "`lineshaft enable`, `disable`"),
+    block(
+        &["MC_ReadStatus", "MC_ReadMotionState", "MC_ReadAxisInfo"],
+        "`~/axis_states`",
+        "signal `x.state` and others",
+        "`lineshaft state`",
+    ),
+    block(
+        &["MC_ReadAxisError"],
+        "`~/axis_states`, field `error_code`; `~/errors`",
+        "signal `x.error`",
+        "`lineshaft state`",
+    ),
+    block(&["MC_Reset"], "`~/reset_errors`", "`reset_errors`", "`lineshaft reset`"),
+    block(
+        &["MC_ReadParameter", "MC_ReadBoolParameter", "MC_WriteParameter", "MC_WriteBoolParameter"],
+        "ROS parameters `x.<key>`",
+        "`set_parameters`",
+        "",
+    ),
+    block(&["MC_ReadDigitalInput", "MC_ReadDigitalOutput"], "", "signal of the input or output", ""),
+    block(&["MC_WriteDigitalOutput"], "`~/set_output`", "`set_output`", ""),
+    block(&["MC_ReadAnalogInput"], "", "signal of the input", ""),
+    block(
+        &["MC_ReadActualPosition"],
+        "`~/axis_states`, `joint_states`",
+        "signal `x.actual.position`",
+        "`lineshaft state`",
+    ),
+    block(
+        &["MC_ReadActualVelocity"],
+        "`~/axis_states`, `joint_states`",
+        "signal `x.actual.velocity`",
+        "`lineshaft state`",
+    ),
+    block(&["MC_ReadActualTorque"], "`joint_states`, field `effort`", "signal `x.actual.effort`", ""),
+    block(&["MC_SetPosition"], "`~/set_position`, `~/set_position_relative`", "`set_position`", ""),
+    block(
+        &["MC_SetOverride"],
+        "`velocity_override`, a share of `max_velocity`: it limits faster goals, and is no factor",
+        "`set_parameters`",
+        "",
+    ),
+    block(
+        &["MC_TouchProbe", "MC_AbortTrigger"],
+        "`~/touch_probe`, `~/abort_trigger`; with a move after the edge `~/probe_axis`",
+        "`touch_probe`, `abort_trigger`, `probe_axis`",
+        "",
+    ),
+    block(&["MC_DigitalCamSwitch"], "function slot of type `cam`", "`run_function`, `command_function`", ""),
+    block(&["MC_CamTableSelect"], "`~/synchronize`, field `table`; `~/load_table`", "`synchronize`, `load_table`", ""),
+];
+
+const MOTION: &[Block] = &[
+    block(&["MC_Home"], "`~/home_axis`, `~/home`", "`home_axis`", "`lineshaft home`"),
+    block(&["MC_Stop"], "`~/quick_stop`; locks until `~/reset_errors`", "`quick_stop`", ""),
+    block(&["MC_Halt"], "`~/halt`", "`halt`", "`lineshaft halt`"),
+    block(
+        &["MC_MoveAbsolute", "MC_MoveRelative"],
+        "`~/move_axis`, field `mode`",
+        "`move_axis`",
+        "`lineshaft move`, with `--relative`",
+    ),
+    block(
+        &["MC_MoveAdditive", "MC_MoveSuperimposed", "MC_MoveVelocity"],
+        "`~/move_axis`, field `mode`; velocities that change in each cycle: `~/setpoints`",
+        "`move_axis`, `setpoints`",
+        "`lineshaft jog`, for a velocity",
+    ),
+    block(&["MC_HaltSuperimposed"], "cancel of the superimposed goal", "`cancel`", ""),
+    block(
+        &["MC_MoveContinuousAbsolute", "MC_MoveContinuousRelative"],
+        "no equivalent: a goal ends at rest, or blends into the next one (`buffer_mode`)",
+        "",
+        "",
+    ),
+    block(
+        &["MC_TorqueControl"],
+        "no equivalent: `interface: torque` closes all loops here; `out_an` is for commissioning",
+        "`out_an`",
+        "",
+    ),
+    block(&["MC_PositionProfile"], "`~/follow_joint_trajectory`", "`follow_joint_trajectory`", ""),
+    block(
+        &["MC_VelocityProfile", "MC_AccelerationProfile"],
+        "no equivalent: `~/setpoints` takes velocities, one after the other",
+        "`setpoints`",
+        "",
+    ),
+    block(
+        &["MC_GearIn"],
+        "`~/synchronize`, modes VELOCITY, POSITION; the ratio is increments of the axis per increments of the leader",
+        "`synchronize`",
+        "",
+    ),
+    block(
+        &["MC_GearInPos"],
+        "`~/synchronize`, `engage` AT_POSITION; `master_increments`, `slave_increments`, `start_distance_increments` are \
+         MasterSyncPosition, SlaveSyncPosition, MasterStartDistance",
+        "`synchronize`",
+        "",
+    ),
+    block(&["MC_CamIn"], "`~/synchronize`, mode CAM, `table`", "`synchronize`", ""),
+    block(&["MC_GearOut", "MC_CamOut"], "`~/gear_out`, or cancel of the goal", "`gear_out`, `cancel`", ""),
+    block(&["MC_PhasingRelative"], "`~/phase`, side MASTER", "`phase`", ""),
+    block(&["MC_PhasingAbsolute"], "no equivalent: a phase shift is relative", "", ""),
+    block(&["MC_CombineAxes"], "section `masters` of the cell", "", ""),
+];
+
+const GROUPS: &[Block] = &[
+    block(
+        &["MC_AddAxisToGroup", "MC_RemoveAxisFromGroup", "MC_UngroupAllAxes", "MC_GroupReadConfiguration"],
+        "section `groups` of the cell; a group does not change while the node runs",
+        "",
+        "",
+    ),
+    block(
+        &["MC_GroupEnable", "MC_GroupDisable"],
+        "`~/enable`, `~/disable` with the names of the axes",
+        "`enable`, `disable`",
+        "`lineshaft enable`, `disable`",
+    ),
+    block(&["MC_GroupHome"], "`~/home` with the names of the axes", "`home_axis`", "`lineshaft home`"),
+    block(&["MC_GroupReset"], "`~/reset_errors` with the names of the axes", "`reset_errors`", "`lineshaft reset`"),
+    block(&["MC_GroupSetPosition"], "`~/set_position` of each axis", "`set_position`", ""),
+    block(
+        &["MC_GroupReadActualPosition", "MC_GroupReadActualVelocity"],
+        "`joint_states`; the position of the tool: `/tf` of a robot_state_publisher",
+        "",
+        "`lineshaft state`",
+    ),
+    block(&["MC_GroupReadActualAcceleration"], "no equivalent", "", ""),
+    block(&["MC_GroupReadStatus", "MC_GroupReadError"], "`~/axis_states`, of each axis", "", "`lineshaft state`"),
+    block(&["MC_GroupSetOverride"], "no equivalent: `velocity_override` does not apply to trajectories", "", ""),
+    block(
+        &[
+            "MC_SetKinTransform",
+            "MC_SetCartesianTransform",
+            "MC_SetCoordinateTransform",
+            "MC_ReadKinTransform",
+            "MC_ReadCartesianTransform",
+            "MC_ReadCoordinateTransform",
+        ],
+        "no equivalent: kinematics and frames are in the URDF and in the planner, such as MoveIt",
+        "",
+        "",
+    ),
+    block(&["MC_PathSelect"], "no equivalent: a trajectory is in the goal, or in a file of a scenario", "", ""),
+    block(
+        &["MC_SetDynCoordTransform", "MC_TrackConveyorBelt", "MC_TrackRotaryTable"],
+        "no equivalent: single axes follow a belt by `~/synchronize`",
+        "",
+        "",
+    ),
+];
+
+const COORDINATED: &[Block] = &[
+    block(&["MC_GroupStop"], "`~/quick_stop` with the names of the axes", "`quick_stop`", ""),
+    block(
+        &["MC_GroupHalt"],
+        "`~/halt` with the names of the axes, or cancel of the trajectory",
+        "`halt`, `cancel`",
+        "`lineshaft halt`",
+    ),
+    block(
+        &["MC_GroupInterrupt", "MC_GroupContinue"],
+        "no equivalent: send the rest of the trajectory as a new goal",
+        "",
+        "",
+    ),
+    block(
+        &["MC_MoveDirectAbsolute", "MC_MovePath"],
+        "`~/follow_joint_trajectory`: points with positions and times",
+        "`follow_joint_trajectory`",
+        "",
+    ),
+    block(&["MC_MoveDirectRelative"], "no equivalent: the points of a trajectory are absolute", "", ""),
+    block(
+        &["MC_MoveLinearAbsolute", "MC_MoveLinearRelative", "MC_MoveCircularAbsolute", "MC_MoveCircularRelative"],
+        "no equivalent: a planner, such as MoveIt, plans the path; `~/follow_joint_trajectory` runs it",
+        "",
+        "",
+    ),
+    block(&["MC_SyncAxisToGroup", "MC_SyncGroupToAxis"], "no equivalent: a leader is an axis or an encoder", "", ""),
+];
+
+pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
+    let is_called = |known: &str| {
+        let bare = known.strip_prefix(PREFIX).unwrap_or(known);
+        known.eq_ignore_ascii_case(name) || bare.eq_ignore_ascii_case(name)
+    };
+    let mut sections = Vec::new();
+    for part in &PARTS {
+        for block in part.blocks {
+            let found = block.names.iter().copied().filter(|known| is_called(known));
+            sections.extend(found.map(|known| text(known, part, block, width)));
+        }
+    }
+    sections
+}
+
+pub(super) fn names() -> Vec<String> {
+    let blocks = PARTS.iter().flat_map(|part| part.blocks);
+    blocks.flat_map(|block| block.names).map(|name| (*name).to_owned()).collect()
+}
+
+fn text(name: &str, part: &Part, block: &Block, width: usize) -> String {
+    let facts: [(&str, &str); 4] =
+        [("here", block.here), ("verb", block.verb), ("command", block.command), ("documented", "docs/from-plc.md")];
+    section(&format!("{name}: a function block of PLCopen ({})", part.name), &facts, width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interfaces::replaced;
+    use crate::scenario::VERBS;
+    use lineshaft_ros::surface::table::ROWS;
+    use std::collections::HashSet;
+
+    /// The tables of the page.
+    fn markdown() -> String {
+        let mut text = String::new();
+        for part in &PARTS {
+            if !text.is_empty() {
+                text.push('\n');
+            }
+            text += &format!("### {}\n\n| PLCopen | service, action or parameter | verb | command |\n", part.name);
+            text += "| --- | --- | --- | --- |\n";
+            for Block { names, here, verb, command } in part.blocks {
+                text += &format!("| {} | {here} | {verb} | {command} |\n", names.join(", "));
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn the_page_in_docs_has_the_same_table() {
+        crate::page::check("from-plc.md", "plcopen", |page| replaced(page, "blocks", &markdown()).unwrap());
+    }
+
+    /// What stands in backticks.
+    fn quoted(text: &str) -> impl Iterator<Item = &str> {
+        text.split('`').skip(1).step_by(2)
+    }
+
+    #[test]
+    fn each_block_names_what_exists_and_is_there_once() {
+        let mut names = HashSet::new();
+        for block in PARTS.iter().flat_map(|part| part.blocks) {
+            assert!(!block.here.is_empty() || !block.verb.is_empty(), "{:?}", block.names);
+            for name in block.names {
+                assert!(name.starts_with(PREFIX) && names.insert(*name), "{name}");
+            }
+            for own in quoted(block.here).filter(|word| word.starts_with("~/")) {
+                assert!(ROWS.iter().any(|row| row.name == own), "{:?}: {own}", block.names);
+            }
+            for word in quoted(block.verb) {
+                let is_signal = word.starts_with("x.") && super::super::explain(word, 80).is_ok();
+                assert!(is_signal || VERBS.contains(&word), "{:?}: {word}", block.names);
+            }
+        }
+        assert!(names.len() > 60, "{}", names.len());
+    }
+}
