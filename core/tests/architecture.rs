@@ -2,6 +2,7 @@
 //!
 //! `tests/drawing/crates.py` draws the picture. The tables of section "Entry points" have the columns step, file and symbol.
 //! Section "Own code instead of a library" gives two sentences of reason for each, with the versions of Cargo.toml.
+//! docs/realtime.md says in which functions the instructions of a moving axis are.
 
 mod tree;
 
@@ -224,6 +225,36 @@ fn own_code_has_two_sentences_of_reason_with_versions_in_use() {
         let version = line.and_then(|line| quoted(line).next()).expect("a version").trim_start_matches('=');
         assert!(plain.contains(&format!("{library} {version}")), "{PAGE} does not name {library} {version}");
     }
+}
+
+#[test]
+fn instructions_of_a_moving_axis_add_up_to_the_figure_of_the_bench() {
+    let page = read("docs/realtime.md");
+    let (_, rest) = page.split_once("\n### Instructions of a moving axis\n").expect("the section");
+    let section = rest.split_once("\n#").map_or(rest, |(section, _)| section);
+    let sources: Vec<String> =
+        files(&[".rs"]).iter().filter(|file| file.starts_with("core/src/")).map(|file| read(file)).collect();
+    let (mut sum, mut count) = (0, 0);
+    for row in section.lines().filter(|line| line.starts_with("| ") && line.contains('`')) {
+        let function = code(row).next().expect("a function");
+        let is_there = sources.iter().any(|text| text.contains(&format!("fn {function}(")));
+        assert!(is_there, "docs/realtime.md: no function {function}");
+        let figure = row.trim_matches('|').rsplit('|').next().unwrap_or_default().trim();
+        sum += figure.parse::<u32>().unwrap_or_else(|error| panic!("docs/realtime.md: {row}: {error}"));
+        count += 1;
+    }
+    assert!(
+        (1..=10).contains(&count) && section.contains(&format!("{sum} instructions of an axis that moves")),
+        "{sum}"
+    );
+    let stored = read("core/benches/instructions.txt");
+    let measured = stored.lines().find_map(|line| {
+        let figure = line.strip_prefix("moving ")?.trim_start().strip_prefix("64 ")?;
+        figure.trim().parse::<u32>().ok()
+    });
+    let measured = measured.expect("the figure of 64 moving axes");
+    let is_near = sum.abs_diff(measured) * 10 <= measured;
+    assert!(is_near, "docs/realtime.md has {sum} instructions, the bench {measured}: profile it again");
 }
 
 #[test]
