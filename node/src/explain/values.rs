@@ -60,7 +60,7 @@ pub(super) fn names() -> Vec<String> {
 fn key_names(key: &'static Key) -> impl Iterator<Item = &'static str> {
     let names = |shape: &Shape| -> &'static [&'static str] {
         match shape {
-            Shape::Choice(names) => *names,
+            Shape::Choice(names) => names,
             _ => &[],
         }
     };

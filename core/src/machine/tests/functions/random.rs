@@ -203,9 +203,11 @@ fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -
     for (((before, ran), slot), config) in before.into_iter().zip(rig.machine.slots()).zip(&rig.machine.config().slots)
     {
         let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
-        // An error of its axis ends it behind its call of that cycle, be it the first one; a program has a call of RESET.
-        let may_end_later = config.kind == Kind::Apsf || config.on_axis_error == OnAxisError::Reset;
-        let may_have_moved = is_speed || ran && may_end_later;
+        let resets = config.on_axis_error == OnAxisError::Reset;
+        let has_program = config.kind == Kind::Apsf;
+        // An error of its axis ends it after its call of that cycle, even the first one. A program is called with RESET
+        // then, in the cycle after that.
+        let may_have_moved = is_speed || ran && (resets || has_program) || resets && has_program;
         assert!(
             slot.is_active() || slot.sink() == before || may_have_moved,
             "{:?} moved its sink in RESET",
