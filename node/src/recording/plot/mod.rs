@@ -9,27 +9,21 @@
 //! A figure is a pure function of its arguments: the same arguments make the same bytes, on every machine, with whatever fonts.
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
-mod canvas;
 mod chart;
 mod curve;
-mod file;
+mod events;
 mod lane;
-mod layout;
-mod marks;
-mod meaning;
-mod page;
-mod palette;
 mod pixels;
-mod scale;
-mod sheet;
-mod sort;
+mod quantity;
+mod signals;
 #[cfg(test)]
 mod tests;
 mod text;
 
-pub use chart::{Axis, Chart, Curve, Look, Pin, Sheet, Spacing, draw_chart};
-pub use file::{Target, replace, write};
+pub use chart::{Axis, Chart, Curve, Look, Panel, Pin, Spacing, draw_chart};
 
+use crate::whole_file::WholeFile;
+use std::path::Path;
 use super::series::{Mark, Series};
 
 /// Smallest and largest width (px).
@@ -87,6 +81,8 @@ pub struct Figure<'a> {
     pub width: u32,
     /// Height (px), see [`HEIGHTS`]; left out: what the panels need.
     pub height: Option<u32>,
+    /// Each signal has a panel of its own.
+    pub split: bool,
 }
 
 /// Why there is no figure.
@@ -204,11 +200,45 @@ fn there_is(run: Option<(f64, f64)>) -> String {
 /// # Errors
 /// [`Problem`], all but its variants about files.
 pub fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
-    let font = text::Font::new();
-    let sheet = sheet::Sheet::new(figure, &font)?;
-    let size = (figure.width, sheet.layout.height);
-    match target {
-        Target::Svg => canvas::svg(size, |canvas| page::paint(&sheet, &font, canvas)).map(String::into_bytes),
-        Target::Png => pixels::png(size, &font, |canvas| page::paint(&sheet, &font, canvas)),
+    signals::draw(figure, target)
+}
+
+/// The format of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// Scalable Vector Graphics.
+    Svg,
+    /// Portable Network Graphics.
+    Png,
+}
+
+impl Target {
+    /// The format that the ending of a file's name asks for.
+    ///
+    /// # Errors
+    /// [`Problem::Ending`]
+    pub fn of(path: &Path) -> Result<Self, Problem> {
+        match path.extension().map(|ending| ending.to_ascii_lowercase()) {
+            Some(ending) if ending == "svg" => Ok(Self::Svg),
+            Some(ending) if ending == "png" => Ok(Self::Png),
+            _ => Err(Problem::Ending { name: path.display().to_string() }),
+        }
     }
+}
+
+/// Draws a figure and writes it; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+///
+/// # Errors
+/// [`Problem`]
+pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
+    replace(path, &draw(figure, Target::of(path)?)?)
+}
+
+/// Writes a figure; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+///
+/// # Errors
+/// [`Problem::File`]
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    let written = WholeFile::write(path, bytes, None).and_then(WholeFile::take_place);
+    written.map_err(|error| Problem::File { name: path.display().to_string(), reason: error.to_string() })
 }
