@@ -145,7 +145,7 @@ mod tests {
         for text in ["\nswing.mcap\n", "\nx.actual.position\n", "\ntime (s)\n", "constant: y.actual.position 0.5"] {
             assert!(svg.contains(text), "`{text}` is not in {svg}");
         }
-        let problem = draw(&args(run.clone(), &["z.*"], output)).unwrap_err().to_string();
+        let problem = draw(&args(run.clone(), &["z.*"], output.clone())).unwrap_err().to_string();
         assert!(problem.starts_with("no signal matches `z.*`"), "{problem}");
         let units = |unit: &str| {
             let unit = vec![super::unit(unit).unwrap()];

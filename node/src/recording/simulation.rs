@@ -23,16 +23,8 @@ impl SimulationRecorder {
     ///
     /// # Errors
     /// The bag cannot be begun.
-    pub fn new(
-        cell: &Cell,
-        machine: &Machine,
-        options: &BagOptions,
-        scenario: Option<&str>,
-    ) -> Result<Self, BagError> {
-        let subject = Subject {
-            scenario: scenario.map(str::to_owned),
-            ..Subject::new(cell, &cell.ros.node_name())
-        };
+    pub fn new(cell: &Cell, machine: &Machine, options: &BagOptions, scenario: Option<&str>) -> Result<Self, BagError> {
+        let subject = Subject { scenario: scenario.map(str::to_owned), ..Subject::new(cell, &cell.ros.node_name()) };
         let cycle_ns = machine.config().cycle_ns;
         Ok(Self {
             bag: Bag::create(options, subject)?,

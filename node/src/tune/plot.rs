@@ -8,7 +8,7 @@
 
 use super::findings::{Answer, Findings};
 use super::text::{decibel, frequency, rounded, share};
-use crate::recording::plot::{Axis, Chart, Curve, Look, Pin, Problem, Panel, Spacing, Target, draw_chart, replace};
+use crate::recording::plot::{Axis, Chart, Curve, Look, Panel, Pin, Problem, Spacing, Target, draw_chart, replace};
 use lineshaft_tune::{Bode, Point, Record, retrace};
 use std::path::Path;
 

@@ -4,61 +4,20 @@
 //! Reads    points, in the order in which they are joined
 //! Refuses  a width out of its range ([`Problem::Width`]), more height than a figure has ([`Problem::High`])
 
+use super::axis::{Axis, Plotted, Spacing};
 use super::curve::reduced;
 use super::events::{Events, Listed, spread};
 use super::lane::{Content, Stay};
-use super::text::{clean, font, grouped, number, shorten, use_bundled_font, width, wrap};
+use super::pen::{
+    BIT, Drawn, Entry, FRAME, INK, LABEL, Look, MARGIN, Mark, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG, severity_colour,
+};
+use super::text::{clean, shorten, use_bundled_font, width, wrap};
 use super::{HEIGHTS, Problem, Target, WIDTHS, pixels};
-use plotters::chart::{ChartBuilder, ChartContext};
-use plotters::coord::Shift;
-use plotters::coord::cartesian::Cartesian2d;
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-use plotters::coord::types::RangedCoordf64;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{DashedPathElement, PathElement, Rectangle};
+use plotters::drawing::IntoDrawingArea;
+use plotters::element::{PathElement, Rectangle};
 use plotters::prelude::{DrawingBackend, SVGBackend};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor, ShapeStyle, TRANSPARENT, TextStyle, WHITE};
-use std::ops::Range;
-
-/// How values are spaced along an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Spacing {
-    /// Evenly, with round ticks.
-    Even,
-    /// Evenly, with ticks at the multiples of a step.
-    Steps(f64),
-    /// By their logarithm; all values are above 0.
-    Decades,
-}
-
-/// An axis of a panel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
-    /// Quantity and unit, as `time (s)`.
-    pub label: String,
-    /// Lowest value shown.
-    pub low: f64,
-    /// Highest value shown, above `low`.
-    pub high: f64,
-    /// How values are spaced.
-    pub spacing: Spacing,
-}
-
-/// How a curve looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
-    /// The new state: wide and solid.
-    New,
-    /// The old state: grey, dashed.
-    Old,
-    /// A curve to compare with: thin, above the others.
-    Other,
-    /// A demanded value: thin, dotted.
-    Asked,
-    /// The curve with this number among the signals of its panel.
-    Signal(usize),
-}
+use plotters::style::text_anchor::HPos;
+use plotters::style::{Color, RGBColor, WHITE};
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,167 +95,24 @@ pub(super) struct Page<'a> {
     pub(super) notes: &'a [String],
 }
 
-/// Sizes of letters (px).
+/// Size of the letters of the title (px).
 const TITLE: f64 = 16.0;
-const LABEL: f64 = 12.0;
-pub(super) const SMALL: f64 = 11.0;
-/// Free on all sides (px).
-pub(super) const MARGIN: f64 = 14.0;
 /// Left of a plot: the label of its axis and those of its ticks (px). Names of lanes may need more, up to a part of the width.
 const LEFT: f64 = 84.0;
+/// Right of a plot: half of the label of its last tick (px).
+const RIGHT: f64 = 30.0;
+/// Free left of the label of an axis (px).
+const EDGE: f64 = 10.0;
 const NAME_PART: f64 = 0.24;
 /// Heights of rows (px).
-const TITLE_ROW: f64 = 22.0;
+const TITLE_ROW: f64 = 25.0;
 const ROW: f64 = 17.0;
 const TAGS: f64 = 26.0;
-const GAP: f64 = 10.0;
+const GAP: f64 = 14.0;
 const AXIS: f64 = 42.0;
 const LANE: f64 = 26.0;
-/// Side of the tag of an event, and length of a line in a legend (px).
-const TAG: f64 = 15.0;
-const SWATCH: f64 = 30.0;
 /// A tick for each (px), to the right and upwards.
 const TICKS: (f64, f64) = (85.0, 28.0);
-/// More dashes than these make no readable line: the curve is drawn solid and thin.
-const MOST_DASHES: f64 = 600.0;
-
-const INK: RGBColor = RGBColor(34, 34, 34);
-const PALE_INK: RGBColor = RGBColor(95, 95, 95);
-const FRAME: RGBColor = RGBColor(150, 150, 150);
-const GRID: RGBColor = RGBColor(228, 228, 228);
-pub(super) const BUSY: RGBColor = RGBColor(150, 150, 150);
-const BIT: RGBColor = RGBColor(0, 114, 178);
-pub(super) const BIT_FILL: RGBColor = RGBColor(176, 212, 236);
-
-/// Okabe and Ito without the yellow, which is hard to see on white, and a grey for their black.
-const CURVES: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(50, 50, 50),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-];
-/// Lengths of dash and gap (px) of all curves but the first, which is wide and solid: it is seen through their gaps.
-const DASHES: [(f64, f64); 6] = [(8.0, 5.0), (3.0, 4.0), (15.0, 6.0), (5.0, 9.0), (22.0, 9.0), (2.0, 7.0)];
-
-/// Colour, width (px), and dash and gap (px) of a line.
-type Line = (RGBColor, f64, Option<(f64, f64)>);
-
-impl Look {
-    fn line(self) -> Line {
-        match self {
-            Self::New => (CURVES[0], 2.2, None),
-            Self::Old => (RGBColor(130, 130, 130), 1.6, Some((7.0, 4.0))),
-            Self::Other => (CURVES[1], 1.2, None),
-            Self::Asked => (INK, 1.0, Some((2.0, 3.0))),
-            Self::Signal(0) => (CURVES[0], 2.6, None),
-            Self::Signal(place) => (CURVES[place % CURVES.len()], 1.6, Some(DASHES[(place - 1) % DASHES.len()])),
-        }
-    }
-}
-
-/// Colour of an event, by severity.
-fn severity_colour(severity: u8) -> RGBColor {
-    match severity {
-        0 => RGBColor(120, 120, 120),
-        1 => RGBColor(214, 120, 0),
-        _ => RGBColor(200, 30, 30),
-    }
-}
-
-/// An axis as plotters draws it: of logarithms for decades, and from a base on where numbers would be too long.
-#[derive(Clone)]
-struct Plotted {
-    low: f64,
-    high: f64,
-    base: f64,
-    is_log: bool,
-    ticks: Vec<f64>,
-    /// Labels of the ticks.
-    tick_labels: Vec<String>,
-    /// Ticks of the minor grid.
-    minor: Vec<f64>,
-    label: String,
-}
-
-impl Plotted {
-    fn new(axis: &Axis, most: f64) -> Self {
-        let is_log = axis.spacing == Spacing::Decades;
-        let scale = |value: f64| if is_log { libm::log10(value) } else { value };
-        let (low, high) = (scale(axis.low), scale(axis.high));
-        let largest = low.abs().max(high.abs());
-        let is_far = (high - low) < 1e-6 * largest && !is_log;
-        let base = if is_far { low.floor() } else { 0.0 };
-        let (low, high) = (low - base, high - base);
-        let label = if is_far { format!("{}, from {} on", axis.label, number(base)) } else { axis.label.clone() };
-        let (ticks, minor) = match axis.spacing {
-            Spacing::Even => (RangedCoordf64::from(low..high).key_points(most.max(2.0) as usize), Vec::new()),
-            Spacing::Steps(step) => {
-                let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
-                ((first..=last.min(first.saturating_add(200))).map(|k| k as f64 * step).collect(), Vec::new())
-            }
-            Spacing::Decades => decades(low, high),
-        };
-        let step = ticks.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let decimals = if step.is_finite() && step > 0.0 { -(step.log10() + 1e-9).floor() } else { 0.0 };
-        let decimals = decimals.clamp(0.0, 15.0) as usize;
-        let tick_label = |value: &f64| {
-            let text = format!("{value:.decimals$}");
-            let is_zero = text.chars().all(|letter| "-0.".contains(letter));
-            grouped(if is_zero { text.trim_start_matches('-') } else { &text })
-        };
-        let tick_labels = match is_log {
-            true => ticks.iter().map(|power| number((10_f64.powf(*power) * 1e9).round() / 1e9)).collect(),
-            false => ticks.iter().map(tick_label).collect(),
-        };
-        Self { low, high, base, is_log, ticks, tick_labels, minor, label }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        if self.is_log { libm::log10(value) } else { value - self.base }
-    }
-}
-
-impl Ranged for Plotted {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        RangedCoordf64::from(self.low..self.high).map(value, limit)
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() { self.minor.clone() } else { self.ticks.clone() }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Plotted {
-    fn format(value: &f64) -> String {
-        number(*value)
-    }
-
-    fn format_ext(&self, value: &f64) -> String {
-        let place = self.ticks.iter().position(|tick| tick == value);
-        place.and_then(|place| self.tick_labels.get(place)).cloned().unwrap_or_default()
-    }
-}
-
-/// Ticks of a logarithmic axis (powers of ten, with 2 and 5 where there are few decades) and its minor grid, as logarithms.
-fn decades(low: f64, high: f64) -> (Vec<f64>, Vec<f64>) {
-    let powers = (low.floor() as i32)..=(high.ceil() as i32);
-    let all = |digits: &[f64]| -> Vec<f64> {
-        let values = powers.clone().flat_map(|power| digits.iter().map(move |digit| f64::from(power) + digit.log10()));
-        values.filter(|value| (low - 1e-9..=high + 1e-9).contains(value)).collect()
-    };
-    let digits: &[f64] = if high - low < 3.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    (all(digits), all(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]))
-}
 
 /// Draws a chart and returns the content of its file.
 ///
@@ -368,7 +184,7 @@ impl Page<'_> {
 
     /// Width of the plots.
     pub(super) fn plot_width(&self) -> f64 {
-        self.full_width() - self.left() - MARGIN
+        self.full_width() - self.left() - RIGHT
     }
 
     /// Height of all rows but the plots.
@@ -451,7 +267,8 @@ impl Page<'_> {
             let text = format!("{:.3} s  {}: {}", event.time, event.source, event.text);
             wrap(&text, SMALL, room, 3)
         };
-        let rows = |event| text(event).into_iter().enumerate().map(move |(row, text)| ((row == 0).then_some(event), text));
+        let rows =
+            |event| text(event).into_iter().enumerate().map(move |(row, text)| ((row == 0).then_some(event), text));
         self.events.listed.iter().flat_map(rows).collect()
     }
 
@@ -462,8 +279,7 @@ impl Page<'_> {
             pen.text(&line, (MARGIN, y + TITLE_ROW / 2.0), TITLE, INK, HPos::Left)?;
             y += TITLE_ROW;
         }
-        let tags = y;
-        y += if self.events.listed.is_empty() { 0.0 } else { TAGS };
+        let tags = if self.events.listed.is_empty() { 0.0 } else { TAGS };
         let mut is_first = true;
         for panel in &self.chart.panels {
             for row in self.legend(panel) {
@@ -471,7 +287,8 @@ impl Page<'_> {
                 y += ROW;
             }
             if std::mem::take(&mut is_first) {
-                self.tags(pen, left, tags, y)?;
+                self.tags(pen, left, y)?;
+                y += tags;
             }
             self.panel(pen, panel, left, y)?;
             y += panel.height + self.below(panel);
@@ -482,7 +299,8 @@ impl Page<'_> {
                 y += ROW;
             }
             if is_first {
-                self.tags(pen, left, tags, y)?;
+                self.tags(pen, left, y)?;
+                y += tags;
             }
             self.paint_lanes(pen, left, y)?;
             y += self.lanes.len() as f64 * LANE + AXIS;
@@ -505,8 +323,8 @@ impl Page<'_> {
         let across = Plotted::new(&panel.across, self.plot_width() / TICKS.0);
         let up = Plotted::new(&panel.up, (panel.height / TICKS.1).clamp(2.0, 9.0));
         let below = if panel.is_joined { 0.0 } else { AXIS };
-        let area = pen.part((0.0, top), (self.full_width() - MARGIN, top + panel.height + below));
-        let mut chart = pen.chart(&area, (&across, &up), (left, below))?;
+        let area = pen.part((EDGE, top), (self.full_width() - RIGHT, top + panel.height + below));
+        let mut chart = pen.chart(&area, (&across, &up), (left - EDGE, below))?;
         pen.mesh(&mut chart, (&across, &up), panel.height, !panel.is_joined)?;
         let level = panel.level.map(|level| vec![(across.low, up.place(level)), (across.high, up.place(level))]);
         chart.draw_series(level.map(|level| PathElement::new(level, pen.style(FRAME, 1.0))))?;
@@ -543,8 +361,8 @@ impl Page<'_> {
         let (base, minor, label) = (0.0, Vec::new(), String::new());
         let up = Plotted { low: 0.0, high: count, base, is_log: false, ticks, tick_labels, minor, label };
         let height = count * LANE;
-        let area = pen.part((0.0, top), (self.full_width() - MARGIN, top + height + AXIS));
-        let mut chart = pen.chart(&area, (&across, &up), (left, AXIS))?;
+        let area = pen.part((EDGE, top), (self.full_width() - RIGHT, top + height + AXIS));
+        let mut chart = pen.chart(&area, (&across, &up), (left - EDGE, AXIS))?;
         pen.mesh(&mut chart, (&across, &up), height, true)?;
         let per_column = (across.high - across.low) / self.full_width();
         for (place, lane) in self.lanes.iter().enumerate() {
@@ -599,8 +417,8 @@ impl Page<'_> {
         chart.draw_series(lines.iter().map(element)).map(drop)
     }
 
-    /// The numbers of events above the first row of plots, whose upper edge is at `end`.
-    fn tags<DB: DrawingBackend>(&self, pen: &Pen<DB>, left: f64, top: f64, end: f64) -> Drawn<DB> {
+    /// The numbers of events above the first plot.
+    fn tags<DB: DrawingBackend>(&self, pen: &Pen<DB>, left: f64, top: f64) -> Drawn<DB> {
         let across = self.chart.panels.first().map_or(self.across, |panel| &panel.across);
         let per_unit = self.plot_width() / (across.high - across.low);
         let wanted: Vec<f64> =
@@ -608,7 +426,7 @@ impl Page<'_> {
         let places = spread(&wanted, TAG + 3.0, left - TAG, left + self.plot_width() + TAG / 2.0);
         for ((event, wanted), place) in self.events.listed.iter().zip(wanted).zip(places) {
             let style = pen.style(severity_colour(event.severity), 0.8);
-            let foot = [(place, top + TAG), (wanted, top + TAGS), (wanted, end)].map(|at| pen.px(at)).to_vec();
+            let foot = [(place, top + TAG), (wanted, top + TAGS)].map(|at| pen.px(at)).to_vec();
             pen.area.draw(&PathElement::new(foot, style))?;
             pen.tag(event, (place, top + TAG / 2.0))?;
         }
@@ -621,26 +439,6 @@ fn is_written(stay: &Stay, text: &str, per_column: f64) -> bool {
     stay.content != Content::Busy && width(text, SMALL) + 6.0 <= (stay.to - stay.from) * per_column
 }
 
-/// An entry of a legend.
-#[derive(Clone, Debug, PartialEq)]
-struct Entry {
-    mark: Mark,
-    text: String,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum Mark {
-    Line(Line),
-    Box(RGBColor),
-    None,
-}
-
-impl Entry {
-    fn width(&self) -> f64 {
-        SWATCH + 6.0 + width(&self.text, LABEL) + 18.0
-    }
-}
-
 /// Returns the points within the axes, with NaN where the curve leaves them and a point where it crosses their edge.
 fn clip(points: &[(f64, f64)], across: &Axis, up: &Axis) -> Vec<(f64, f64)> {
     let mut clipped: Vec<(f64, f64)> = Vec::with_capacity(points.len());
@@ -649,148 +447,15 @@ fn clip(points: &[(f64, f64)], across: &Axis, up: &Axis) -> Vec<(f64, f64)> {
         if let Some((x0, y0)) = before.filter(|(_, y0)| y0.is_finite() && y.is_finite()) {
             let edges = if y0 < y { [up.low, up.high] } else { [up.high, up.low] };
             let is_crossed = |edge: &f64| (y0 < *edge && *edge < y) || (y < *edge && *edge < y0);
-            clipped.extend(edges.into_iter().filter(is_crossed).map(|edge| (x0 + (edge - y0) / (y - y0) * (x - x0), edge)));
+            clipped.extend(
+                edges.into_iter().filter(is_crossed).map(|edge| (x0 + (edge - y0) / (y - y0) * (x - x0), edge)),
+            );
         }
         let is_inside = (up.low..=up.high).contains(&y);
         clipped.push((x, if is_inside { y } else { f64::NAN }));
         before = Some((x, y));
     }
     clipped
-}
-
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
-type Plot<'a, DB> = ChartContext<'a, DB, Cartesian2d<Plotted, Plotted>>;
-
-/// A drawing area that counts px of the figure.
-struct Pen<DB: DrawingBackend> {
-    area: DrawingArea<DB, Shift>,
-    /// Pixels of the area for one px.
-    factor: f64,
-}
-
-impl<DB: DrawingBackend> Pen<DB> {
-    fn px(&self, (x, y): (f64, f64)) -> (i32, i32) {
-        ((x * self.factor).round() as i32, (y * self.factor).round() as i32)
-    }
-
-    fn length(&self, length: f64) -> i32 {
-        (length * self.factor).round() as i32
-    }
-
-    fn part(&self, from: (f64, f64), to: (f64, f64)) -> DrawingArea<DB, Shift> {
-        let (from, to) = (self.px(from), self.px(to));
-        self.area.clone().shrink(from, (to.0 - from.0, to.1 - from.1))
-    }
-
-    fn style(&self, colour: RGBColor, width: f64) -> ShapeStyle {
-        ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: self.length(width).max(1) as u32 }
-    }
-
-    fn text(&self, text: &str, at: (f64, f64), em: f64, colour: RGBColor, side: HPos) -> Drawn<DB> {
-        let style = TextStyle::from(font(em * self.factor)).color(&colour);
-        self.area.draw_text(text, &style.pos(Pos::new(side, VPos::Center)), self.px(at))
-    }
-
-    fn fill(&self, from: (f64, f64), to: (f64, f64), colour: RGBColor) -> Drawn<DB> {
-        self.area.draw(&Rectangle::new([self.px(from), self.px(to)], colour.filled()))
-    }
-
-    /// The number of an event on its colour.
-    fn tag(&self, event: &Listed, (x, y): (f64, f64)) -> Drawn<DB> {
-        let half = TAG / 2.0;
-        self.fill((x - half, y - half), (x + half, y + half), severity_colour(event.severity))?;
-        self.text(&event.number.to_string(), (x, y), SMALL, WHITE, HPos::Center)
-    }
-
-    fn entries(&self, row: &[Entry], (mut x, y): (f64, f64)) -> Drawn<DB> {
-        for entry in row {
-            let (em, colour, indent) = match &entry.mark {
-                Mark::None => (SMALL, PALE_INK, 0.0),
-                Mark::Line((colour, width, dash)) => {
-                    let ends = [self.px((x, y)), self.px((x + SWATCH, y))];
-                    self.line(&self.area, ends.to_vec(), (*colour, *width, *dash))?;
-                    (LABEL, INK, SWATCH + 6.0)
-                }
-                Mark::Box(colour) => {
-                    self.fill((x, y - 6.0), (x + SWATCH, y + 6.0), *colour)?;
-                    (LABEL, INK, SWATCH + 6.0)
-                }
-            };
-            self.text(&entry.text, (x + indent, y), em, colour, HPos::Left)?;
-            x += entry.width();
-        }
-        Ok(())
-    }
-
-    fn line(&self, area: &DrawingArea<DB, Shift>, points: Vec<(i32, i32)>, (colour, width, dash): Line) -> Drawn<DB> {
-        let style = self.style(colour, width);
-        match dash {
-            Some((dash, gap)) => {
-                area.draw(&DashedPathElement::new(points, self.length(dash), self.length(gap), style))
-            }
-            None => area.draw(&PathElement::new(points, style)),
-        }
-    }
-
-    /// A part of a curve without a gap; `scale` is the px of a unit along both axes.
-    fn curve(&self, chart: &mut Plot<'_, DB>, points: &[(f64, f64)], line: Line, scale: (f64, f64)) -> Drawn<DB> {
-        let (colour, width, dash) = line;
-        if let [(x, y)] = points {
-            let (x, y) = chart.backend_coord(&(*x, *y));
-            let (x, y) = (f64::from(x) / self.factor, f64::from(y) / self.factor);
-            return self.fill((x - width, y - width), (x + width, y + width), colour);
-        }
-        let length = |pair: &[(f64, f64)]| {
-            ((pair[1].0 - pair[0].0) * scale.0).hypot((pair[1].1 - pair[0].1) * scale.1)
-        };
-        let length: f64 = points.windows(2).map(length).sum();
-        let dash = dash.filter(|(dash, gap)| length / (dash + gap) < MOST_DASHES);
-        match dash {
-            Some((dash, gap)) => {
-                let (dash, gap, style) = (self.length(dash), self.length(gap), self.style(colour, width));
-                chart.draw_series([DashedPathElement::new(points.to_vec(), dash, gap, style)])?;
-            }
-            None => {
-                let width = if line.2.is_some() { 1.0 } else { width };
-                chart.draw_series([PathElement::new(points.to_vec(), self.style(colour, width))])?;
-            }
-        }
-        Ok(())
-    }
-
-    fn chart<'a>(
-        &self,
-        area: &'a DrawingArea<DB, Shift>,
-        (across, up): (&Plotted, &Plotted),
-        (left, below): (f64, f64),
-    ) -> Result<Plot<'a, DB>, DrawingAreaErrorKind<DB::ErrorType>> {
-        ChartBuilder::on(area)
-            .set_left_and_bottom_label_area_size(0)
-            .y_label_area_size(self.length(left))
-            .x_label_area_size(self.length(below))
-            .build_cartesian_2d(across.clone(), up.clone())
-    }
-
-    fn mesh(
-        &self,
-        chart: &mut Plot<'_, DB>,
-        (across, up): (&Plotted, &Plotted),
-        height: f64,
-        has_axis: bool,
-    ) -> Drawn<DB> {
-        let mut mesh = chart.configure_mesh();
-        mesh.bold_line_style(self.style(GRID, 1.0))
-            .light_line_style(if across.minor.is_empty() { TRANSPARENT.into() } else { self.style(GRID, 0.6) })
-            .axis_style(self.style(FRAME, 1.0))
-            .set_all_tick_mark_size(self.length(4.0))
-            .label_style(TextStyle::from(font(SMALL * self.factor)).color(&INK))
-            .axis_desc_style(TextStyle::from(font(LABEL * self.factor)).color(&INK))
-            .y_desc(shorten(&clean(&up.label), LABEL, height + MARGIN));
-        if has_axis {
-            mesh.x_desc(clean(&across.label));
-        }
-        mesh.draw()
-    }
 }
 
 #[cfg(test)]

@@ -281,7 +281,8 @@ mod tests {
         let series = series(&[(0.0, 1.0), (2.0, 1.0), (6.0, 1.0), (10.0, 1.0)], &[(2.0, 6.0)]);
         let of = |from: f64, to: f64, is_stepped| parts(&Window::new(&series, from, to), is_stepped, to - from);
         let whole = [vec![(0.0, 1.0), (2.0, 1.0)], vec![(6.0, 1.0), (10.0, 1.0)]];
-        let ends = |lines: Vec<Points>| lines.iter().map(|line| (line[0].0, line[line.len() - 1].0)).collect::<Vec<_>>();
+        let ends =
+            |lines: Vec<Points>| lines.iter().map(|line| (line[0].0, line[line.len() - 1].0)).collect::<Vec<_>>();
         assert_eq!(of(0.0, 10.0, false), whole);
         assert_eq!(ends(of(0.0, 10.0, true)), [(0.0, 2.0), (6.0, 10.0)]);
         // An edge of the figure within the gap: nothing is held or crossed there.

@@ -9,10 +9,12 @@
 //! A figure is a pure function of its arguments: the same arguments make the same bytes, on every machine, with whatever fonts.
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
+mod axis;
 mod chart;
 mod curve;
 mod events;
 mod lane;
+mod pen;
 mod pixels;
 mod quantity;
 mod signals;
@@ -20,11 +22,13 @@ mod signals;
 mod tests;
 mod text;
 
-pub use chart::{Axis, Chart, Curve, Look, Panel, Pin, Spacing, draw_chart};
+pub use axis::{Axis, Spacing};
+pub use chart::{Chart, Curve, Panel, Pin, draw_chart};
+pub use pen::Look;
 
+use super::series::{Mark, Series};
 use crate::whole_file::WholeFile;
 use std::path::Path;
-use super::series::{Mark, Series};
 
 /// Smallest and largest width (px).
 pub const WIDTHS: (u32, u32) = (500, 8000);

@@ -4,12 +4,16 @@
 //! get smooth edges. Thick lines have round ends, so that noise has neither spikes nor holes.
 
 use super::Problem;
-use plotters_backend::{BackendColor, BackendCoord, BackendStyle, DrawingBackend, DrawingErrorKind};
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind};
 use std::convert::Infallible;
 
 /// Largest factor, and most pixels that are drawn.
 const FINEST: u32 = 3;
 const MOST_DRAWN: u64 = 50_000_000;
+
+/// How much plotters places a text too high (parts of its size): its lines have no room below the letters.
+const LOWER: f64 = 0.125;
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
@@ -172,14 +176,37 @@ impl DrawingBackend for Pixels<'_> {
         Ok(())
     }
 
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
+        let failed = |error: S::FontError| DrawingErrorKind::FontError(error.to_string().into());
+        let ((left, top), (right, end)) = style.layout_box(text).map_err(failed)?;
+        let x = match style.anchor().h_pos {
+            HPos::Left => 0,
+            HPos::Center => (left - right) / 2,
+            HPos::Right => left - right,
+        };
+        let y = match style.anchor().v_pos {
+            VPos::Top => 0,
+            VPos::Center => (top - end) / 2 + (LOWER * style.size()).round() as i32,
+            VPos::Bottom => top - end,
+        };
+        let turn = style.transform();
+        let drawn = style.draw(text, (0, 0), |dx, dy, colour| {
+            let (dx, dy) = turn.transform(x + dx, y + dy);
+            self.draw_pixel((at.0 + dx, at.1 + dy), colour)
+        });
+        drawn.map_err(failed)?
+    }
+
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Drawn {
         if style.color().alpha == 0.0 {
             return Ok(());
         }
         let radius = (f64::from(style.stroke_width()) / 2.0).max(0.5);
+        // The edges of a line are edges of pixels: that of an odd width lies in the middle of its pixel.
+        let middle = if style.stroke_width() % 2 == 1 { 0.5 } else { 0.0 };
         let mut before = None;
         for (x, y) in path {
-            let at = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let at = (f64::from(x) + middle, f64::from(y) + middle);
             if before != Some(at) {
                 self.fill_line(before.unwrap_or(at), at, radius, style.color());
             }
@@ -213,12 +240,14 @@ mod tests {
     #[test]
     fn a_rectangle_fills_its_pixels_and_no_others() {
         let bytes = drawn(|pixels| drop(pixels.draw_rect((20, 20), (40, 30), &Color::filled(&BLACK), true)));
-        assert_eq!([shade(&bytes, 9, 12), shade(&bytes, 10, 12), shade(&bytes, 19, 12), shade(&bytes, 20, 12)], [
-            255, 0, 0, 255
-        ]);
-        assert_eq!([shade(&bytes, 12, 9), shade(&bytes, 12, 10), shade(&bytes, 12, 14), shade(&bytes, 12, 15)], [
-            255, 0, 0, 255
-        ]);
+        assert_eq!(
+            [shade(&bytes, 9, 12), shade(&bytes, 10, 12), shade(&bytes, 19, 12), shade(&bytes, 20, 12)],
+            [255, 0, 0, 255]
+        );
+        assert_eq!(
+            [shade(&bytes, 12, 9), shade(&bytes, 12, 10), shade(&bytes, 12, 14), shade(&bytes, 12, 15)],
+            [255, 0, 0, 255]
+        );
     }
 
     #[test]

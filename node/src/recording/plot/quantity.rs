@@ -94,12 +94,8 @@ const WITH_PREFIX: [(&str, i32, i32); 9] = [
 const PREFIXES: [(i32, &str); 7] = [(-9, "n"), (-6, "\u{b5}"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G")];
 /// Lengths and angles that a cell may use, as parts of a metre and of a radian.
 const LENGTHS: [(&str, f64); 5] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("in", 0.0254)];
-const ANGLES: [(&str, f64); 4] = [
-    ("rad", 1.0),
-    ("mrad", 1e-3),
-    ("deg", std::f64::consts::PI / 180.0),
-    ("rev", 2.0 * std::f64::consts::PI),
-];
+const ANGLES: [(&str, f64); 4] =
+    [("rad", 1.0), ("mrad", 1e-3), ("deg", std::f64::consts::PI / 180.0), ("rev", 2.0 * std::f64::consts::PI)];
 
 /// `mm` and `/s` of `mm/s`.
 fn parts(unit: &str) -> (&str, &str) {
@@ -157,7 +153,8 @@ pub(super) fn with_prefix(unit: &str, largest: f64) -> ShownUnit {
 
 /// `10^n` with raised digits.
 fn power_of_ten(exponent: i32) -> String {
-    let digits: Vec<char> = "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}".chars().collect();
+    let digits: Vec<char> =
+        "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}".chars().collect();
     let raised = |letter: char| letter.to_digit(10).map_or('\u{207b}', |digit| digits[digit as usize]);
     format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
 }
@@ -168,7 +165,8 @@ mod tests {
 
     #[test]
     fn errors_are_no_positions_and_codes_are_no_errors() {
-        for name in ["x.following_error", "x.sync.error", "x.regulator.error", "x.marker.error", "x.marker.correction"] {
+        for name in ["x.following_error", "x.sync.error", "x.regulator.error", "x.marker.error", "x.marker.correction"]
+        {
             assert_eq!(SignalQuantity::of(name, "mm"), SignalQuantity::Error, "{name}");
         }
         assert_eq!(SignalQuantity::of("x.error", ""), SignalQuantity::Other("error".to_owned()));

@@ -1,9 +1,11 @@
 //! The rows of a figure of signals: panels of curves, lanes of states, and lines of text.
 
-use super::chart::{Axis, BIT_FILL, BUSY, Chart, Curve, Lane, Look, MARGIN, Page, Panel, SMALL, Spacing};
+use super::axis::{Axis, Spacing};
+use super::chart::{Chart, Curve, Lane, Page, Panel};
 use super::curve::{LARGEST, Window, curve};
 use super::events::Events;
 use super::lane::{Content, Stay, stays, value_text};
+use super::pen::{BIT_FILL, BUSY, Look, MARGIN, SMALL};
 use super::quantity::{ShownUnit, SignalQuantity, unified, with_prefix};
 use super::text::{clean, number, use_bundled_font, wrap};
 use super::{Chosen, Figure, HEIGHTS, Problem, Target, WIDTHS};

@@ -1,7 +1,9 @@
 //! Content of a chart, by its SVG.
 
+use super::super::pen::Line;
 use super::super::tests::texts;
 use super::*;
+use plotters::coord::ranged1d::Ranged;
 use proptest::prelude::*;
 
 fn axis(label: &str, low: f64, high: f64, spacing: Spacing) -> Axis {

@@ -83,10 +83,11 @@ fn numbers(tag: &str, name: &str) -> f64 {
 fn nothing_is_cut_off_in_narrow_figures() {
     let signals: Vec<Series> = ["a.command.position", "the_second_roller.command.position", "b.actual.position"]
         .iter()
-        .map(|name| sampled(name, "mm", Kind::Int, 1000, |time| time))
-        .chain([sampled("the_second_roller.in_position", "", Kind::Bit, 1000, |time| f64::from(time > 0.5))])
+        .map(|name| sampled(name, "mm", Kind::Int, 20_001, |time| time))
+        .chain([sampled("the_second_roller.in_position", "", Kind::Bit, 20_001, |time| f64::from(time > 0.5))])
         .collect();
-    let marks = [mark(0.5, 2, "error", "a sentence of many words that needs more than one line in a narrow figure, and more")];
+    let marks =
+        [mark(0.5, 2, "error", "a sentence of many words that needs more than one line in a narrow figure, and more")];
     for width in [500, 700, 900] {
         let title = "Two rollers, of which the second one is five per cent faster while the web is tight".to_owned();
         let svg = svg(&Figure { title: title.clone(), width, ..figure(&signals, &marks) });
@@ -124,7 +125,8 @@ fn the_legend_is_outside_of_the_plot() {
     let legend = svg.split("<text").find(|tag| tag.contains("\nx.actual.position\n")).unwrap();
     let curve = svg.split("<polyline").filter(|tag| tag.contains("stroke-width=\"26\"")).nth(1).unwrap();
     let points = curve.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
-    let highest = points.split_whitespace().filter_map(|xy| xy.split_once(',')?.1.parse::<f64>().ok()).fold(1e9, f64::min);
+    let highest =
+        points.split_whitespace().filter_map(|xy| xy.split_once(',')?.1.parse::<f64>().ok()).fold(1e9, f64::min);
     assert!(numbers(legend, "y") + 80.0 < highest);
 }
 
@@ -352,7 +354,10 @@ fn sizes_that_hold_no_figure_are_refused_with_the_needed_size() {
     let signals = run();
     let problem = |width, height| draw(&Figure { width, height, ..figure(&signals, &[]) }, Target::Svg).unwrap_err();
     let low = problem(1200, Some(300)).to_string();
-    assert!(low.starts_with("3 panels and 2 lanes need a height of ") && low.ends_with(" px or more, not 300 px"), "{low}");
+    assert!(
+        low.starts_with("3 panels and 2 lanes need a height of ") && low.ends_with(" px or more, not 300 px"),
+        "{low}"
+    );
     assert_eq!(problem(1200, Some(90)).to_string(), "height 90 px lies outside of 200 to 20000 px");
     assert_eq!(problem(100, None).to_string(), "width 100 px lies outside of 500 to 8000 px");
     let lanes: Vec<Series> =
