@@ -244,7 +244,7 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Panel; 2]> {
     let explained = format!("explained: {} %", share(findings.identified.explained));
     Some([
         panel(format!("record ({way_unit})"), ways, vec![explained], HEIGHTS[3], true),
-        panel("left (inc)".to_owned(), left, vec![format!("RMS: {} inc", rounded(mean, 2))], HEIGHTS[4], false),
+        panel("residual (inc)".to_owned(), left, vec![format!("RMS: {} inc", rounded(mean, 2))], HEIGHTS[4], false),
     ])
 }
 

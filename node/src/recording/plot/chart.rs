@@ -99,11 +99,11 @@ pub(super) struct Page<'a> {
 const TITLE: f64 = 16.0;
 /// Left of a plot: the label of its axis and those of its ticks (px). Names of lanes may need more, up to a part of the width.
 const LEFT: f64 = 84.0;
+const NAME_PART: f64 = 0.24;
 /// Right of a plot: half of the label of its last tick (px).
 const RIGHT: f64 = 30.0;
 /// Free left of the label of an axis (px).
 const EDGE: f64 = 10.0;
-const NAME_PART: f64 = 0.24;
 /// Heights of rows (px).
 const TITLE_ROW: f64 = 25.0;
 const ROW: f64 = 17.0;
@@ -176,7 +176,7 @@ impl Page<'_> {
         if title.is_empty() { Vec::new() } else { wrap(&title, TITLE, self.full_width() - 2.0 * MARGIN, 2) }
     }
 
-    /// Widths left of the plots.
+    /// Width left of the plots.
     fn left(&self) -> f64 {
         let names = self.lanes.iter().map(|lane| width(&lane.name, LABEL) + MARGIN + 10.0).fold(LEFT, f64::max);
         names.min((NAME_PART * self.full_width()).max(LEFT))
@@ -214,9 +214,8 @@ impl Page<'_> {
         let named = panel.curves.iter().filter(|curve| !curve.name.is_empty());
         let entry = |curve: &Curve| Entry { mark: Mark::Line(curve.look.line()), text: clean(&curve.name) };
         let mut rows = self.entry_rows(named.map(entry).collect());
-        let room = self.plot_width();
-        let line = |text| vec![Entry { mark: Mark::None, text }];
-        rows.extend(panel.lines.iter().flat_map(|text| wrap(&clean(text), SMALL, room, 2)).map(line));
+        let line = |text: &String| Entry { mark: Mark::None, text: clean(text) };
+        rows.extend(self.entry_rows(panel.lines.iter().map(line).collect()));
         rows
     }
 

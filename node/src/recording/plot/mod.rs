@@ -1,12 +1,15 @@
-//! Figures of a run: signals as stacked panels over one time axis, events as marks, as SVG or PNG.
+//! Figures of a run: signals as stacked panels over one time axis, events as numbered lines, as SVG or PNG. plotters draws axes,
+//! ticks, meshes, curves and text; this module chooses signals, units and rows.
 //!
-//! Law      Curves of one meaning and unit share a panel. Bits, enums, words and numbers without a unit that seldom change
-//!          are lanes of a timing diagram. What was chosen by a pattern and never changes, or is a fraction, is named below,
-//!          not drawn; so is how often a curve has no number, a value too large to draw, or a gap.
+//! Law      Signals of one quantity and unit share a panel, whose legend is above it. Bits, enums, words and numbers without a
+//!          unit that seldom change are lanes of a timing diagram. Each axis has a unit, with a prefix for small and large
+//!          values, and 1 for none; encoders in m or rad are shown in the unit of the axes. Signals chosen by a pattern that
+//!          never change, or are a fraction, are named below, not drawn; so is how often a curve has no number, a value too
+//!          large to draw, or a gap.
 //! Reads    series in order of time, events in any order
 //! Refuses  no series, none that changes, a size that holds no figure
 //!
-//! A figure is a pure function of its arguments: the same arguments make the same bytes, on every machine, with whatever fonts.
+//! A figure is a pure function of its arguments: the same arguments make the same bytes on every machine, with the bundled font.
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
 mod axis;

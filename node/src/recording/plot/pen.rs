@@ -19,7 +19,7 @@ pub enum Look {
     New,
     /// The old state: grey, dashed.
     Old,
-    /// A curve to compare with: thin, above the others.
+    /// A curve to compare with: thin, dashed, above the others.
     Other,
     /// A demanded value: thin, dotted.
     Asked,
@@ -68,7 +68,7 @@ impl Look {
         match self {
             Self::New => (CURVES[0], 2.2, None),
             Self::Old => (RGBColor(130, 130, 130), 1.6, Some((7.0, 4.0))),
-            Self::Other => (CURVES[1], 1.2, None),
+            Self::Other => (CURVES[1], 1.2, Some((6.0, 5.0))),
             Self::Asked => (INK, 1.0, Some((2.0, 3.0))),
             Self::Signal(0) => (CURVES[0], 2.6, None),
             Self::Signal(place) => (CURVES[place % CURVES.len()], 1.6, Some(DASHES[(place - 1) % DASHES.len()])),
@@ -101,7 +101,8 @@ pub(super) enum Mark {
 
 impl Entry {
     pub(super) fn width(&self) -> f64 {
-        SWATCH + 6.0 + width(&self.text, LABEL) + 18.0
+        let (swatch, em) = if self.mark == Mark::None { (0.0, SMALL) } else { (SWATCH + 6.0, LABEL) };
+        swatch + width(&self.text, em) + 18.0
     }
 }
 

@@ -114,11 +114,13 @@ impl Pixels<'_> {
 
 /// Returns where the level line at `y` is nearer than `radius` to the line between two points.
 fn span(from: (f64, f64), to: (f64, f64), radius: f64, y: f64) -> Option<(f64, f64)> {
-    let mut places: Vec<f64> = Vec::with_capacity(6);
+    let mut span: Option<(f64, f64)> = None;
+    let mut add = |x: f64| span = Some(span.map_or((x, x), |(left, right)| (left.min(x), right.max(x))));
     for end in [from, to] {
         let rest = radius * radius - (y - end.1) * (y - end.1);
         if rest >= 0.0 {
-            places.extend([end.0 - rest.sqrt(), end.0 + rest.sqrt()]);
+            add(end.0 - rest.sqrt());
+            add(end.0 + rest.sqrt());
         }
     }
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
@@ -128,12 +130,11 @@ fn span(from: (f64, f64), to: (f64, f64), radius: f64, y: f64) -> Option<(f64, f
         for side in [radius / length, -radius / length] {
             let part = (y - (from.1 + side * dx)) / dy;
             if (0.0..=1.0).contains(&part) {
-                places.push(from.0 - side * dy + part * dx);
+                add(from.0 - side * dy + part * dx);
             }
         }
     }
-    let ends = places.into_iter().map(|place| (place, place));
-    ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    span
 }
 
 impl DrawingBackend for Pixels<'_> {

@@ -19,7 +19,9 @@ const DOTS: char = '\u{2026}';
 pub(super) fn use_bundled_font() {
     static ONCE: Once = Once::new();
     // A bundled font that cannot be read is an error of every text that is drawn.
-    ONCE.call_once(|| drop(register_font("sans-serif", FontStyle::Normal, FONT)));
+    ONCE.call_once(|| {
+        let _ = register_font("sans-serif", FontStyle::Normal, FONT);
+    });
 }
 
 pub(super) fn font(em: f64) -> FontDesc<'static> {
@@ -113,7 +115,7 @@ mod tests {
         let room = width(text, 11.0);
         assert!((66.0..76.0).contains(&room), "{room}");
         assert_eq!(shorten(text, 11.0, room), text);
-        assert_eq!(shorten(text, 11.0, 55.0), "STA\u{2026}LL");
+        assert_eq!(shorten(text, 11.0, 55.0), "STA\u{2026}ILL");
         assert_eq!(shorten(text, 11.0, 10.0), "");
     }
 
