@@ -314,9 +314,15 @@ struct PlotArgs {
     /// Height (px, 200 to 20000); left out: what the panels need
     #[arg(long, value_name = "N", value_parser = pixels(HEIGHTS))]
     height: Option<u32>,
-    /// A line above the figure; left out: the name of the run
+    /// Title above the figure; left out: the name of the scenario of the run, or of its file
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
+    /// Draw each signal in a panel of its own: curves that lie on each other stay visible
+    #[arg(long)]
+    split: bool,
+    /// Unit of the numbers of a signal, as `lag=inc` or `speed=0.0001 rpm`; several times for more
+    #[arg(long, value_name = "SIGNAL=UNIT", value_parser = plot::unit)]
+    unit: Vec<(String, String)>,
 }
 
 #[derive(Debug, Args)]

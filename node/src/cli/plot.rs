@@ -2,9 +2,10 @@
 
 use super::command_output::watch;
 use super::{Exit, PlotArgs, complain, say};
+use crate::recording::bag::SCENARIO;
 use crate::recording::plot::{Across, Chosen, Figure, Problem, Target, write};
 use crate::recording::run::{Run, RunError};
-use crate::recording::series::{Recorded, SeriesError, alias, load};
+use crate::recording::series::{Kind, Recorded, SeriesError, alias, load};
 use lineshaft_core::unit::{Dimension, Quantity};
 use std::path::Path;
 
@@ -17,6 +18,8 @@ enum PlotError {
     Series(#[from] SeriesError),
     #[error("{0}")]
     Figure(#[from] Problem),
+    #[error("--unit {name}={unit}: {reason}")]
+    Unit { name: String, unit: String, reason: String },
 }
 
 pub(super) fn plot(args: &PlotArgs) -> Exit {
@@ -43,13 +46,16 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
     Target::of(&args.output)?;
     let mut run = Run::open(&args.run)?;
     watch(&mut run);
-    let recorded = load(&mut run, &args.signals)?;
+    let mut recorded = load(&mut run, &args.signals)?;
     run.end_progress();
+    for (name, unit) in &args.unit {
+        set_unit(&mut recorded, name, unit)?;
+    }
     let is_named =
         |name: &String| args.signals.contains(name) || alias(name).is_some_and(|alias| args.signals.contains(&alias));
     let signals = recorded.series.iter().map(|series| Chosen { series, by_name: is_named(&series.name) });
     let figure = Figure {
-        title: args.title.clone().unwrap_or_else(|| name(&args.run)),
+        title: args.title.clone().or_else(|| scenario(&run)).unwrap_or_else(|| name(&args.run)),
         signals: signals.collect(),
         marks: &recorded.marks,
         from: args.from,
@@ -57,9 +63,42 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
         across: Across::Time,
         width: args.width,
         height: args.height,
+        split: args.split,
     };
     write(&figure, &args.output)?;
     Ok(recorded)
+}
+
+/// Gives a signal the unit of its numbers; a factor before the unit multiplies them.
+fn set_unit(recorded: &mut Recorded, name: &str, unit: &str) -> Result<(), PlotError> {
+    let refused = |reason: String| PlotError::Unit { name: name.to_owned(), unit: unit.to_owned(), reason };
+    let Some(series) = recorded.series.iter_mut().find(|series| series.name == name) else {
+        return Err(refused(format!("{name} is not one of the chosen signals")));
+    };
+    let (factor, unit) = match unit.split_once(' ').map(|(factor, unit)| (factor.parse::<f64>(), unit)) {
+        Some((Ok(factor), unit)) if factor.is_normal() => (factor, unit),
+        _ => (1.0, unit),
+    };
+    unit.clone_into(&mut series.unit);
+    // Numbers in another unit are not whole any more.
+    if factor != 1.0 {
+        series.kind = Kind::Real;
+        series.points.iter_mut().for_each(|point| point.1 *= factor);
+    }
+    Ok(())
+}
+
+/// A signal and its unit on the command line.
+pub(super) fn unit(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').filter(|(name, unit)| !name.is_empty() && !unit.is_empty());
+    pair.map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+        .ok_or_else(|| "must be a signal and its unit, as `lag=inc`".to_owned())
+}
+
+/// The name of the scenario that was played.
+fn scenario(run: &Run) -> Option<String> {
+    let name = run.metadata("lineshaft")?.get(SCENARIO)?;
+    Some(name.clone()).filter(|name| !name.trim().is_empty())
 }
 
 /// The last part of a path: where it is is of no interest in a figure.
@@ -75,15 +114,20 @@ pub(super) fn time(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::Cell;
     use crate::cli::{Command, Line};
+    use crate::interrupt::Interrupt;
+    use crate::recording::bag::BagOptions;
     use crate::recording::plot::{HEIGHTS, WIDTHS};
     use crate::recording::test_bags::{TestBag, joints};
+    use crate::scenario::{Options, Scenario, simulate};
     use clap::Parser;
     use std::path::PathBuf;
 
     fn args(run: PathBuf, signals: &[&str], output: PathBuf) -> PlotArgs {
         let signals = signals.iter().map(|signal| (*signal).to_owned()).collect();
-        PlotArgs { run, signals, output, from: None, to: None, width: 900, height: None, title: None }
+        let (from, to, height, title, unit) = (None, None, None, None, Vec::new());
+        PlotArgs { run, signals, output, from, to, width: 900, height, title, split: false, unit }
     }
 
     #[test]
@@ -101,10 +145,38 @@ mod tests {
         for text in ["\nswing.mcap\n", "\nx.actual.position\n", "\ntime (s)\n", "constant: y.actual.position 0.5"] {
             assert!(svg.contains(text), "`{text}` is not in {svg}");
         }
-        let problem = draw(&args(run.clone(), &["z.*"], output)).unwrap_err().to_string();
+        let problem = draw(&args(run.clone(), &["z.*"], output.clone())).unwrap_err().to_string();
         assert!(problem.starts_with("no signal matches `z.*`"), "{problem}");
+        let units = |unit: &str| {
+            let unit = vec![super::unit(unit).unwrap()];
+            let args = PlotArgs { unit, ..args(run.clone(), &["*.position"], output.clone()) };
+            draw(&args).map_err(|problem| problem.to_string())?;
+            Ok::<String, String>(std::fs::read_to_string(&output).unwrap())
+        };
+        assert_eq!(units("z=inc"), Err("--unit z=inc: z is not one of the chosen signals".to_owned()));
+        // The numbers are -1 to 1.
+        let drawn = units("x.actual.position=1000 mm").unwrap();
+        assert!(drawn.contains("\nposition (mm)\n") && drawn.contains("\n1000\n"), "{drawn}");
+        assert!(super::unit("lag").is_err() && super::unit("=inc").is_err());
         let problem = draw(&args(run, &["*"], folder.path().join("swing.pdf"))).unwrap_err().to_string();
         assert!(problem.ends_with("swing.pdf ends with neither .svg nor .png"), "{problem}");
+    }
+
+    #[test]
+    fn a_figure_of_a_scenario_has_its_name_as_title() {
+        let folder = tempfile::tempdir().unwrap();
+        let (bag, output) = (folder.path().join("a.mcap"), folder.path().join("a.svg"));
+        let cell = Cell::demo();
+        let text = "scenario: x moves to 5 mm\nfor: 0.5 s\nsteps:\n  - {at: 0, do: {enable: {axes: [x]}}}\n  - when: \
+                    {signal: x.state, is: STANDSTILL}\n    do: {move_axis: {axis: x, mode: absolute, position: 5 mm, \
+                    velocity: 0.1 m/s}}\n";
+        let scenario = Scenario::parse("x.yaml", text, &cell).unwrap();
+        let record = Some(BagOptions::split(bag.clone(), 0, 0));
+        let options = Options { record, csv: None, events: false, progress: false, interrupt: Interrupt::default() };
+        simulate(&cell, &scenario, &options).unwrap();
+        draw(&args(bag, &["x.command.position"], output.clone())).unwrap();
+        let svg = std::fs::read_to_string(&output).unwrap();
+        assert!(svg.contains("\nx moves to 5 mm\n") && !svg.contains("a.mcap"));
     }
 
     #[test]

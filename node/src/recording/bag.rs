@@ -69,6 +69,8 @@ pub struct Subject {
     pub cycle_ns: u64,
     /// Of this program.
     pub version: String,
+    /// Name of the scenario that is played, for the titles of figures; nothing where none is played.
+    pub scenario: Option<String>,
     /// Buses on CAN whose frames the bag keeps.
     pub buses: Vec<String>,
     /// Topics that the node publishes, apart from those of the cycles.
@@ -170,6 +172,9 @@ pub(crate) const TABLES: &str = "tables.json";
 /// Key of the record `lineshaft`: how far stamps are ahead of log times in the first cycle of the file (ns). Without it they are equal.
 pub(crate) const STAMPS_AHEAD: &str = "stamps_ahead_ns";
 
+/// Key of the record `lineshaft`: name of the scenario that is played; missing without one.
+pub(crate) const SCENARIO: &str = "scenario";
+
 impl Subject {
     /// A machine of that cell before its cycle 0, shown as `node`.
     pub fn new(cell: &Cell, node: &NodeName) -> Self {
@@ -183,6 +188,7 @@ impl Subject {
             node: node.clone(),
             cycle_ns: cell.machine.cycle_ns,
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            scenario: None,
             buses: Vec::new(),
             published: Vec::new(),
         }
@@ -393,6 +399,7 @@ impl Bag {
         ];
         let ahead = (time.ahead_ns() != 0).then(|| (STAMPS_AHEAD.to_owned(), time.ahead_ns().to_string()));
         let programs = subject.programs.iter().map(|(name, hash)| (format!("program_sha256.{name}"), hash.clone()));
+        let scenario = subject.scenario.iter().map(|name| (SCENARIO.to_owned(), name.clone()));
         let opening = Opening {
             log_ns: time.log_ns,
             attachments,
@@ -400,6 +407,7 @@ impl Bag {
                 .map(|(key, value)| (key.to_owned(), value))
                 .into_iter()
                 .chain(programs)
+                .chain(scenario)
                 .chain(ahead)
                 .collect(),
         };

@@ -19,14 +19,15 @@ pub struct SimulationRecorder {
 }
 
 impl SimulationRecorder {
-    /// Begins a bag for a machine of `cell` that has not run yet.
+    /// Begins a bag for a machine of `cell` that has not run yet and plays the scenario of that name, if any.
     ///
     /// # Errors
     /// The bag cannot be begun.
-    pub fn new(cell: &Cell, machine: &Machine, options: &BagOptions) -> Result<Self, BagError> {
+    pub fn new(cell: &Cell, machine: &Machine, options: &BagOptions, scenario: Option<&str>) -> Result<Self, BagError> {
+        let subject = Subject { scenario: scenario.map(str::to_owned), ..Subject::new(cell, &cell.ros.node_name()) };
         let cycle_ns = machine.config().cycle_ns;
         Ok(Self {
-            bag: Bag::create(options, Subject::new(cell, &cell.ros.node_name()))?,
+            bag: Bag::create(options, subject)?,
             encoder: Encoder::new(cell, machine.config(), machine.directory()),
             cycle_ns,
             key_cycles: key_cycles(cycle_ns),

@@ -109,7 +109,10 @@ pub fn simulate_with(
         None => None,
     };
     let mut recorder = match &options.record {
-        Some(options) => Some(SimulationRecorder::new(cell, &machine, options).map_err(SimulateError::Place)?),
+        Some(options) => {
+            let recorder = SimulationRecorder::new(cell, &machine, options, Some(scenario.name()));
+            Some(recorder.map_err(SimulateError::Place)?)
+        }
         None => None,
     };
     let mut keeper = store.map(|store| Keeper::new(store, &machine));

@@ -41,6 +41,7 @@ pub(crate) fn draw(motion: &Motion, sheet: Sheet, output: &Path) -> Result<(), P
         across: Across::Master,
         width: sheet.width,
         height: sheet.height,
+        split: false,
     };
     write(&figure, output)
 }

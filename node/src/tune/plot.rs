@@ -8,7 +8,7 @@
 
 use super::findings::{Answer, Findings};
 use super::text::{decibel, frequency, rounded, share};
-use crate::recording::plot::{Axis, Chart, Curve, Look, Pin, Problem, Sheet, Spacing, Target, draw_chart, replace};
+use crate::recording::plot::{Axis, Chart, Curve, Look, Panel, Pin, Problem, Spacing, Target, draw_chart, replace};
 use lineshaft_tune::{Bode, Point, Record, retrace};
 use std::path::Path;
 
@@ -55,13 +55,13 @@ fn chart(findings: &Findings, record: &Record) -> Chart {
     let before = findings.before.as_ref().ok().map(|answer| ("before", Look::Old, answer));
     let after = findings.after.as_ref().ok().map(|answer| ("after", Look::New, answer));
     let sides: Vec<Side<'_>> = [before, after].into_iter().flatten().collect();
-    let mut sheets = Vec::new();
+    let mut panels = Vec::new();
     if !sides.is_empty() {
-        sheets.extend(response(&sides));
-        sheets.push(step(findings, &sides));
+        panels.extend(response(&sides));
+        panels.push(step(findings, &sides));
     }
-    sheets.extend(fit(findings, record).into_iter().flatten());
-    Chart { title: format!("axis {}: loops before and after", findings.subject.axis), sheets, width: WIDTH }
+    panels.extend(fit(findings, record).into_iter().flatten());
+    Chart { title: format!("axis {}: loops before and after", findings.subject.axis), panels, width: WIDTH }
 }
 
 fn axis(label: &str, low: f64, high: f64, spacing: Spacing) -> Axis {
@@ -76,7 +76,7 @@ fn turned(bode: &Bode) -> impl Fn(&Point) -> Point + use<> {
 }
 
 /// Magnitude and phase.
-fn response(sides: &[Side<'_>]) -> [Sheet; 2] {
+fn response(sides: &[Side<'_>]) -> [Panel; 2] {
     let crossovers = || sides.iter().map(|side| side.2.position.margins.crossover).filter(|f| *f > 0.0);
     let ends = || sides.iter().filter_map(|side| side.2.position.points.last()).map(|point| point.frequency);
     let highest = ends().fold(0.0, f64::max);
@@ -108,7 +108,7 @@ fn response(sides: &[Side<'_>]) -> [Sheet; 2] {
     let marked = sides.last().map(|side| &side.2.position).filter(|bode| bode.margins.is_stable());
     let (gain_pins, phase_pins) = marked.map_or_else(Default::default, pins);
     [
-        Sheet {
+        Panel {
             across: across(),
             up: axis("open loop (dB)", gain_low, gain_high, Spacing::Steps(20.0)),
             curves: gains,
@@ -118,7 +118,7 @@ fn response(sides: &[Side<'_>]) -> [Sheet; 2] {
             height: HEIGHTS[0],
             is_joined: true,
         },
-        Sheet {
+        Panel {
             across: across(),
             up: axis("phase (deg)", phase_low, phase_high, Spacing::Steps(45.0)),
             curves: phases.into_iter().map(|curve| Curve { name: String::new(), ..curve }).collect(),
@@ -162,7 +162,7 @@ fn extent(curves: &[Curve], (least, most): (f64, f64)) -> (f64, f64) {
     (low - air, high + air)
 }
 
-fn step(findings: &Findings, sides: &[Side<'_>]) -> Sheet {
+fn step(findings: &Findings, sides: &[Side<'_>]) -> Panel {
     let distance = findings.step.distance();
     let end = sides.iter().filter_map(|side| side.2.step.samples.last()).map(|sample| sample.time).fold(0.0, f64::max);
     let lead = -0.04 * end;
@@ -188,7 +188,7 @@ fn step(findings: &Findings, sides: &[Side<'_>]) -> Sheet {
         );
         [format!("{name}: overshoot {:.0} %", figures.overshoot), format!("{name}: {settled}")]
     });
-    Sheet {
+    Panel {
         across: axis(&format!("time ({unit})"), lead * scale, end * scale, Spacing::Even),
         up: axis("step (inc)", low, high, Spacing::Even),
         lines: lines.collect(),
@@ -206,7 +206,7 @@ fn time_unit(longest: f64) -> (f64, &'static str) {
 }
 
 /// What was measured beside its model, and the difference.
-fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
+fn fit(findings: &Findings, record: &Record) -> Option<[Panel; 2]> {
     let modelled = retrace(&findings.identified.model, record).ok()?;
     let first = record.positions.first().copied()?;
     let measured = || record.positions.iter().map(|position| position.saturating_sub(first) as f64);
@@ -228,9 +228,9 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
     let left = vec![curve("measured - modelled", Look::Other, left)];
     let mean = left.iter().flat_map(|curve| &curve.points).map(|point| point.1 * point.1).sum::<f64>();
     let mean = (mean / record.positions.len() as f64).sqrt();
-    let sheet = |label: String, curves: Vec<Curve>, lines, height, is_joined| {
+    let panel = |label: String, curves: Vec<Curve>, lines, height, is_joined| {
         let (low, high) = extent(&curves, (f64::MIN, f64::MAX));
-        Sheet {
+        Panel {
             across: axis(&format!("time ({unit})"), 0.0, end * scale, Spacing::Even),
             up: axis(&label, low.min(high - 1e-6), high, Spacing::Even),
             curves,
@@ -243,8 +243,8 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Sheet; 2]> {
     };
     let explained = format!("explained: {} %", share(findings.identified.explained));
     Some([
-        sheet(format!("record ({way_unit})"), ways, vec![explained], HEIGHTS[3], true),
-        sheet("left (inc)".to_owned(), left, vec![format!("RMS: {} inc", rounded(mean, 2))], HEIGHTS[4], false),
+        panel(format!("record ({way_unit})"), ways, vec![explained], HEIGHTS[3], true),
+        panel("residual (inc)".to_owned(), left, vec![format!("RMS: {} inc", rounded(mean, 2))], HEIGHTS[4], false),
     ])
 }
 

@@ -58,7 +58,7 @@ pub(crate) fn try_until(
     let mut plant = cell.plant();
     prepare(&mut plant);
     let mut trial = Trial::new(setting, Source::Cli, machine.config(), machine.directory())?;
-    let mut recorder = record.map(|options| SimulationRecorder::new(cell, &machine, options)).transpose()?;
+    let mut recorder = record.map(|options| SimulationRecorder::new(cell, &machine, options, None)).transpose()?;
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut commands: Vec<Command> = Vec::new();
     let mut number = 0;

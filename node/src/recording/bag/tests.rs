@@ -32,6 +32,7 @@ fn subject() -> Subject {
         node: NodeName::new("/", "lineshaft").unwrap(),
         cycle_ns: 1_000_000,
         version: "0.1.0".to_owned(),
+        scenario: None,
         buses: Vec::new(),
         published: Vec::new(),
     }

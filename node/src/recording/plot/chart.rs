@@ -1,55 +1,23 @@
-//! Charts: panels below each other, each with axes of its own, linear or logarithmic.
+//! Charts: panels below each other, drawn by plotters, with the legend of each above it.
 //!
-//! Law      a curve ends where it leaves its panel; what a pin measures stands beside it, where nothing else stands
+//! Law      a curve ends where it leaves its panel; panels, legends and texts are rows of the drawing area, from above
 //! Reads    points, in the order in which they are joined
 //! Refuses  a width out of its range ([`Problem::Width`]), more height than a figure has ([`Problem::High`])
-//!
-//! Unlike a figure of a run it knows no time and no signals; letters, colours and files are the same.
 
-use super::canvas::{Anchor, Canvas, Colour, Letters, Point, Stroke, point};
+use super::axis::{Axis, Plotted, Spacing};
 use super::curve::reduced;
-use super::layout::{LABEL, LEGEND_HEIGHT, MARGIN, NOTE_HEIGHT, SMALL, TICK, TITLE};
-use super::palette::{FRAME, GRID, INK, PALE_INK, PAPER};
-use super::scale::{Ticks, decades, multiples, ticks};
-use super::text::{Font, clean};
-use super::{HEIGHTS, Problem, Target, WIDTHS, canvas, pixels};
-
-/// How values stand along an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Spacing {
-    /// Evenly, with round marks.
-    Even,
-    /// Evenly, with marks at the multiples of a step.
-    Steps(f64),
-    /// By their logarithm; all are above 0.
-    Decades,
-}
-
-/// An axis of a panel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
-    /// What it is, with its unit.
-    pub label: String,
-    /// Where it begins.
-    pub low: f64,
-    /// Where it ends, above `low`.
-    pub high: f64,
-    /// How values stand along it.
-    pub spacing: Spacing,
-}
-
-/// How a curve looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
-    /// What counts: wide, without gaps.
-    New,
-    /// What it was before: grey, dashed.
-    Old,
-    /// What it is compared with: thin, above the others.
-    Other,
-    /// What is asked for: thin, dotted.
-    Asked,
-}
+use super::events::{Events, Listed, spread};
+use super::lane::{Content, Stay};
+use super::pen::{
+    BIT, Drawn, Entry, FRAME, INK, LABEL, Look, MARGIN, Mark, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG, severity_colour,
+};
+use super::text::{clean, shorten, use_bundled_font, width, wrap};
+use super::{HEIGHTS, Problem, Target, WIDTHS, pixels};
+use plotters::drawing::IntoDrawingArea;
+use plotters::element::{PathElement, Rectangle};
+use plotters::prelude::{DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::HPos;
+use plotters::style::{Color, RGBColor, WHITE};
 
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,20 +30,20 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// A line with a text beside it: what is measured between two points, or what stands at one.
+/// A line with a text next to it: a value measured between two points, or at one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
     /// One end.
     pub from: (f64, f64),
     /// The other one, with a dot.
     pub to: (f64, f64),
-    /// Beside it.
+    /// Next to it.
     pub text: String,
 }
 
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub struct Panel {
     /// To the right.
     pub across: Axis,
     /// Upwards.
@@ -86,9 +54,9 @@ pub struct Sheet {
     pub pins: Vec<Pin>,
     /// A level line at that value.
     pub level: Option<f64>,
-    /// Below the legend.
+    /// Text below the legend.
     pub lines: Vec<String>,
-    /// Of its frame (px).
+    /// Height of the plot (px).
     pub height: f64,
     /// The next panel has the same axis to the right, and its label.
     pub is_joined: bool,
@@ -97,84 +65,54 @@ pub struct Sheet {
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// One line on top.
+    /// On top; empty for none.
     pub title: String,
     /// From above.
-    pub sheets: Vec<Sheet>,
+    pub panels: Vec<Panel>,
     /// (px), see [`WIDTHS`]
     pub width: u32,
 }
 
-/// Left of a panel: its label and those of its marks (px).
-const LEFT: f64 = 78.0;
-/// Right of a panel: its legend (px).
-const RIGHT: f64 = 232.0;
-const TITLE_HEIGHT: f64 = 34.0;
-/// Below a panel: its axis, or a gap where the next one has it (px).
-const AXIS: f64 = 52.0;
-const JOINED: f64 = 12.0;
-/// A mark for each (px): upwards, to the right, and between two labels of a logarithmic axis.
-const MARKS: (f64, f64, f64) = (26.0, 80.0, 34.0);
-/// Swatch of a legend (px).
-const SWATCH: f64 = 44.0;
-/// Free around the text of a pin (px).
-const AIR: f64 = 3.0;
-const DOT: f64 = 3.0;
-
-impl Look {
-    fn stroke(self) -> Stroke {
-        let (colour, width, dash): (_, _, &[f64]) = match self {
-            Self::New => (Colour(0, 114, 178), 2.2, &[]),
-            Self::Old => (Colour(130, 130, 130), 1.6, &[7.0, 4.0]),
-            Self::Other => (Colour(213, 94, 0), 1.2, &[]),
-            Self::Asked => (INK, 1.0, &[2.0, 3.0]),
-        };
-        Stroke { colour, width, dash }
-    }
+/// A lane of the timing diagram.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Lane {
+    pub(super) name: String,
+    pub(super) is_bit: bool,
+    /// Each with its text and colour; their places count columns of the figure.
+    pub(super) states: Vec<(Stay, String, RGBColor)>,
 }
 
-impl Axis {
-    /// Part of the way from its beginning to its end.
-    fn part(&self, value: f64) -> f64 {
-        match self.spacing {
-            Spacing::Decades => libm::log(value / self.low) / libm::log(self.high / self.low),
-            Spacing::Even | Spacing::Steps(_) => (value - self.low) / (self.high - self.low),
-        }
-    }
-
-    fn ticks(&self, length: f64, per_mark: f64) -> Ticks {
-        match self.spacing {
-            Spacing::Even => ticks(self.low, self.high, length / per_mark, false),
-            Spacing::Steps(step) => multiples(self.low, self.high, step),
-            Spacing::Decades => decades(self.low, self.high, MARKS.2 * libm::log10(self.high / self.low) / length),
-        }
-    }
+/// All rows of a figure.
+#[derive(Clone, Debug)]
+pub(super) struct Page<'a> {
+    pub(super) chart: &'a Chart,
+    /// Below the panels, over the axis of the last one.
+    pub(super) lanes: &'a [Lane],
+    /// The axis to the right of the lanes.
+    pub(super) across: &'a Axis,
+    pub(super) events: &'a Events,
+    /// Lines of text at the end.
+    pub(super) notes: &'a [String],
 }
 
-/// A rectangle: left, upper, right, lower edge (px).
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Room {
-    left: f64,
-    top: f64,
-    right: f64,
-    end: f64,
-}
-
-impl Room {
-    fn meets(&self, other: &Self) -> bool {
-        self.left < other.right && other.left < self.right && self.top < other.end && other.top < self.end
-    }
-
-    fn holds(&self, other: &Self) -> bool {
-        self.left <= other.left && other.right <= self.right && self.top <= other.top && other.end <= self.end
-    }
-}
-
-/// A panel with its place.
-struct Placed<'a> {
-    sheet: &'a Sheet,
-    room: Room,
-}
+/// Size of the letters of the title (px).
+const TITLE: f64 = 16.0;
+/// Left of a plot: the label of its axis and those of its ticks (px). Names of lanes may need more, up to a part of the width.
+const LEFT: f64 = 84.0;
+const NAME_PART: f64 = 0.24;
+/// Right of a plot: half of the label of its last tick (px).
+const RIGHT: f64 = 30.0;
+/// Free left of the label of an axis (px).
+const EDGE: f64 = 10.0;
+/// Heights of rows (px).
+const TITLE_ROW: f64 = 25.0;
+const ROW: f64 = 17.0;
+const TAGS: f64 = 26.0;
+const GAP: f64 = 14.0;
+const AXIS: f64 = 42.0;
+const LANE: f64 = 26.0;
+/// A tick for each (px), to the right and upwards.
+const TICKS: (f64, f64) = (85.0, 28.0);
 
 /// Draws a chart and returns the content of its file.
 ///
@@ -184,203 +122,339 @@ pub fn draw_chart(chart: &Chart, target: Target) -> Result<Vec<u8>, Problem> {
     if !(WIDTHS.0..=WIDTHS.1).contains(&chart.width) {
         return Err(Problem::Width { given: chart.width });
     }
-    let font = Font::new();
-    let (placed, end) = place(chart);
-    let height = end.ceil() as u32;
-    if height > HEIGHTS.1 {
-        return Err(Problem::High { panels: format!("{} panels", chart.sheets.len()), needed: height });
-    }
-    let size = (chart.width, height);
-    match target {
-        Target::Svg => canvas::svg(size, |canvas| paint(chart, &placed, size, &font, canvas)).map(String::into_bytes),
-        Target::Png => pixels::png(size, &font, |canvas| paint(chart, &placed, size, &font, canvas)),
-    }
+    let across = Axis { label: String::new(), low: 0.0, high: 1.0, spacing: Spacing::Even };
+    let page = Page { chart, lanes: &[], across: &across, events: &Events::default(), notes: &[] };
+    page.draw(target)
 }
 
-fn place(chart: &Chart) -> (Vec<Placed<'_>>, f64) {
-    let mut top = MARGIN + if chart.title.is_empty() { 0.0 } else { TITLE_HEIGHT };
-    let mut placed = Vec::new();
-    for sheet in &chart.sheets {
-        let end = top + sheet.height.max(legend_height(sheet));
-        let room = Room { left: LEFT, top, right: f64::from(chart.width) - RIGHT, end };
-        placed.push(Placed { sheet, room });
-        top = end + if sheet.is_joined { JOINED } else { AXIS };
-    }
-    (placed, top)
-}
+/// Part of SVG pixels that are told apart: plotters counts whole pixels.
+const SVG_FACTOR: u32 = 10;
 
-fn legend_height(sheet: &Sheet) -> f64 {
-    let entries = sheet.curves.iter().filter(|curve| !curve.name.is_empty()).count();
-    entries as f64 * LEGEND_HEIGHT + sheet.lines.len() as f64 * NOTE_HEIGHT + 2.0 * AIR
-}
-
-fn paint(chart: &Chart, placed: &[Placed<'_>], size: (u32, u32), font: &Font, canvas: &mut dyn Canvas) {
-    let (width, height) = (f64::from(size.0), f64::from(size.1));
-    canvas.fill(point(0.0, 0.0), point(width, height), PAPER);
-    if !chart.title.is_empty() {
-        let title = font.shorten(&clean(&chart.title), TITLE, width - 2.0 * MARGIN);
-        canvas.text(&title, point(MARGIN, MARGIN + TITLE / 2.0), Letters::new(TITLE, INK, Anchor::Start));
-    }
-    for panel in placed {
-        panel.paint(font, canvas);
-    }
-}
-
-/// The middle of the nearest pixel: lines along it are sharp.
-fn sharp(place: f64) -> f64 {
-    place.floor() + 0.5
-}
-
-impl Placed<'_> {
-    fn x(&self, value: f64) -> f64 {
-        self.room.left + self.sheet.across.part(value) * (self.room.right - self.room.left)
-    }
-
-    fn y(&self, value: f64) -> f64 {
-        self.room.end - self.sheet.up.part(value) * (self.room.end - self.room.top)
-    }
-
-    fn at(&self, place: (f64, f64)) -> Point {
-        point(self.x(place.0), self.y(place.1))
-    }
-
-    fn paint(&self, font: &Font, canvas: &mut dyn Canvas) {
-        let Room { left, top, right, end } = self.room;
-        let across = self.sheet.across.ticks(right - left, MARKS.1);
-        let up = self.sheet.up.ticks(end - top, MARKS.0);
-        for &value in &across.values {
-            line(canvas, point(sharp(self.x(value)), top), point(sharp(self.x(value)), end), GRID);
+impl Page<'_> {
+    /// # Errors
+    /// [`Problem::High`], [`Problem::Pixels`], [`Problem::Drawing`]
+    pub(super) fn draw(&self, target: Target) -> Result<Vec<u8>, Problem> {
+        use_bundled_font();
+        let height = self.height().ceil() as u32;
+        if height > HEIGHTS.1 {
+            return Err(Problem::High { panels: self.contents(), needed: height });
         }
-        for &value in &up.values {
-            line(canvas, point(left, sharp(self.y(value))), point(right, sharp(self.y(value))), GRID);
-        }
-        if let Some(level) = self.sheet.level {
-            line(canvas, point(left, sharp(self.y(level))), point(right, sharp(self.y(level))), FRAME);
-        }
-        for curve in &self.sheet.curves {
-            self.curve(curve, canvas);
-        }
-        let corners = [(left, top), (right, top), (right, end), (left, end), (left, top)];
-        canvas.stroke(&corners.map(|(x, y)| point(sharp(x), sharp(y))), Stroke::line(FRAME, 1.0));
-        self.axes(&across, &up, font, canvas);
-        self.pins(font, canvas);
-        self.legend(font, canvas);
-    }
-
-    /// A curve, cut where it leaves the panel.
-    fn curve(&self, curve: &Curve, canvas: &mut dyn Canvas) {
-        let (across, up) = (&self.sheet.across, &self.sheet.up);
-        let inside = curve.points.iter().filter(|(x, _)| (across.low..=across.high).contains(x));
-        let cut = cut(inside.copied(), up.low, up.high);
-        let width = self.room.right - self.room.left;
-        for part in reduced(cut.into_iter().map(|(x, y)| (across.part(x) * width, y))) {
-            let points: Vec<Point> = part.iter().map(|&(x, y)| point(self.room.left + x, self.y(y))).collect();
-            canvas.stroke(&points, curve.look.stroke());
-        }
-    }
-
-    fn axes(&self, across: &Ticks, up: &Ticks, font: &Font, canvas: &mut dyn Canvas) {
-        let Room { left, top, right, end } = self.room;
-        for (&value, label) in up.values.iter().zip(&up.labels) {
-            line(canvas, point(left - 4.0, sharp(self.y(value))), point(left, sharp(self.y(value))), FRAME);
-            canvas.text(label, point(left - 7.0, self.y(value)), Letters::new(TICK, INK, Anchor::End));
-        }
-        let letters = Letters { upright: true, ..Letters::new(LABEL, INK, Anchor::Middle) };
-        let label = font.shorten(&clean(&self.sheet.up.label), LABEL, end - top + 2.0 * MARGIN);
-        canvas.text(&label, point(MARGIN + 4.0, (top + end) / 2.0), letters);
-        if self.sheet.is_joined {
-            return;
-        }
-        for (&value, label) in across.values.iter().zip(&across.labels) {
-            line(canvas, point(sharp(self.x(value)), end), point(sharp(self.x(value)), end + 4.0), FRAME);
-            canvas.text(label, point(self.x(value), end + 14.0), Letters::new(TICK, INK, Anchor::Middle));
-        }
-        let label = clean(&self.sheet.across.label);
-        canvas.text(&label, point((left + right) / 2.0, end + 32.0), Letters::new(LABEL, INK, Anchor::Middle));
-    }
-
-    fn pins(&self, font: &Font, canvas: &mut dyn Canvas) {
-        let mut taken: Vec<Room> = Vec::new();
-        for pin in &self.sheet.pins {
-            let (from, to) = (self.at(pin.from), self.at(pin.to));
-            canvas.stroke(&[from, to], Stroke::line(INK, 1.2));
-            canvas.fill(point(to.x - DOT, to.y - DOT), point(to.x + DOT, to.y + DOT), INK);
-            taken.push(Room { left: to.x - DOT, top: to.y - DOT, right: to.x + DOT, end: to.y + DOT });
-        }
-        for pin in &self.sheet.pins {
-            let room = self.beside(self.at(pin.from), self.at(pin.to), font.width(&pin.text, SMALL), &taken);
-            let Some(room) = room else { continue };
-            canvas.fill(point(room.left, room.top), point(room.right, room.end), PAPER);
-            let at = point(room.left + AIR, (room.top + room.end) / 2.0);
-            canvas.text(&pin.text, at, Letters::new(SMALL, INK, Anchor::Start));
-            taken.push(room);
-        }
-    }
-
-    /// Where a text of that width has room beside a line: at its middle, else at its ends. Curves fall: what reaches up to one has room
-    /// to the left, what reaches down to it to the right, and what stands on it above to the right.
-    fn beside(&self, from: Point, to: Point, width: f64, taken: &[Room]) -> Option<Room> {
-        let (width, height) = (width + 2.0 * AIR, SMALL + 2.0 * AIR);
-        let gap = 2.0 * DOT;
-        let middle = point((from.x + to.x) / 2.0, (from.y + to.y) / 2.0);
-        let ends = [to.y - height, to.y + height, from.y - height, from.y + height];
-        let heights = (from != to).then_some(middle.y).into_iter().chain(ends);
-        let (right, left) = (middle.x + gap, middle.x - gap - width);
-        let sides = if to.y < from.y { [left, right] } else { [right, left] };
-        let places = heights.flat_map(|y| sides.map(|x| (x, y)));
-        let mut rooms =
-            places.map(|(left, y)| Room { left, top: y - height / 2.0, right: left + width, end: y + height / 2.0 });
-        rooms.find(|room| self.room.holds(room) && !taken.iter().any(|other| other.meets(room)))
-    }
-
-    fn legend(&self, font: &Font, canvas: &mut dyn Canvas) {
-        let left = self.room.right + 12.0;
-        let mut y = self.room.top + AIR + LEGEND_HEIGHT / 2.0;
-        let most = RIGHT - 12.0 - MARGIN / 2.0;
-        for curve in self.sheet.curves.iter().filter(|curve| !curve.name.is_empty()) {
-            canvas.stroke(&[point(left, y), point(left + SWATCH - 10.0, y)], curve.look.stroke());
-            let name = font.shorten(&clean(&curve.name), LABEL, most - SWATCH);
-            canvas.text(&name, point(left + SWATCH, y), Letters::new(LABEL, INK, Anchor::Start));
-            y += LEGEND_HEIGHT;
-        }
-        for text in &self.sheet.lines {
-            let text = font.shorten(&clean(text), SMALL, most);
-            canvas.text(&text, point(left, y), Letters::new(SMALL, PALE_INK, Anchor::Start));
-            y += NOTE_HEIGHT;
-        }
-    }
-}
-
-fn line(canvas: &mut dyn Canvas, from: Point, to: Point, colour: Colour) {
-    canvas.stroke(&[from, to], Stroke::line(colour, 1.0));
-}
-
-/// A line with gaps where it lies beyond `low` and `high`: it goes as far as these.
-fn cut(points: impl Iterator<Item = (f64, f64)>, low: f64, high: f64) -> Vec<(f64, f64)> {
-    let mut cut: Vec<(f64, f64)> = Vec::new();
-    let mut before: Option<(f64, f64)> = None;
-    let is_inside = |y: f64| (low..=high).contains(&y);
-    for (x, y) in points {
-        if let Some((x0, y0)) = before.filter(|(_, y0)| y0.is_finite() && y.is_finite()) {
-            let at = |edge: f64| (x0 + (edge - y0) / (y - y0) * (x - x0), edge);
-            let crossed = |edge: f64| (y0 < edge && edge < y) || (y < edge && edge < y0);
-            let mut edges: Vec<(f64, f64)> = [low, high].into_iter().filter(|edge| crossed(*edge)).map(at).collect();
-            if y < y0 {
-                edges.reverse();
+        let size = (self.chart.width, height);
+        match target {
+            Target::Svg => {
+                let mut text = String::new();
+                let large = (size.0 * SVG_FACTOR, size.1 * SVG_FACTOR);
+                self.paint(SVGBackend::with_string(&mut text, large), SVG_FACTOR)?;
+                let attributes = |(width, height): (u32, u32)| format!(r#"width="{width}" height="{height}""#);
+                Ok(text.replacen(&attributes(large), &attributes(size), 1).into_bytes())
             }
-            cut.extend(edges);
+            Target::Png => {
+                let factor = pixels::factor(size)?;
+                pixels::png(size, factor, |backend| self.paint(backend, factor))
+            }
         }
-        if is_inside(y) {
-            cut.push((x, y));
-        } else if before.is_none_or(|(_, y0)| is_inside(y0)) || !y.is_finite() {
-            cut.push((x, f64::NAN));
-        } else if cut.last().is_some_and(|(_, last)| last.is_finite()) {
-            // It has crossed the whole panel between two points.
-            cut.push((x, f64::NAN));
+    }
+
+    /// Panels and lanes in words.
+    pub(super) fn contents(&self) -> String {
+        let count = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+        format!("{} and {}", count(self.chart.panels.len(), "panel"), count(self.lanes.len(), "lane"))
+    }
+
+    fn paint<DB: DrawingBackend>(&self, backend: DB, factor: u32) -> Result<(), Problem> {
+        let pen = Pen { area: backend.into_drawing_area(), factor: f64::from(factor) };
+        let drawn = self.rows(&pen).and_then(|()| pen.area.present());
+        drawn.map_err(|error| Problem::Drawing { reason: error.to_string() })
+    }
+
+    fn full_width(&self) -> f64 {
+        f64::from(self.chart.width)
+    }
+
+    fn title(&self) -> Vec<String> {
+        let title = clean(&self.chart.title);
+        if title.is_empty() { Vec::new() } else { wrap(&title, TITLE, self.full_width() - 2.0 * MARGIN, 2) }
+    }
+
+    /// Width left of the plots.
+    fn left(&self) -> f64 {
+        let names = self.lanes.iter().map(|lane| width(&lane.name, LABEL) + MARGIN + 10.0).fold(LEFT, f64::max);
+        names.min((NAME_PART * self.full_width()).max(LEFT))
+    }
+
+    /// Width of the plots.
+    pub(super) fn plot_width(&self) -> f64 {
+        self.full_width() - self.left() - RIGHT
+    }
+
+    /// Height of all rows but the plots.
+    pub(super) fn height_around(&self) -> f64 {
+        self.height() - self.chart.panels.iter().map(|panel| panel.height).sum::<f64>()
+    }
+
+    fn height(&self) -> f64 {
+        let mut height = 2.0 * MARGIN + self.title().len() as f64 * TITLE_ROW;
+        height += if self.events.listed.is_empty() { 0.0 } else { TAGS };
+        for panel in &self.chart.panels {
+            height += self.legend(panel).len() as f64 * ROW + panel.height + self.below(panel);
         }
+        if !self.lanes.is_empty() {
+            height += self.state_legend().len() as f64 * ROW + self.lanes.len() as f64 * LANE + AXIS;
+        }
+        height + (self.event_rows().len() + self.notes.len()) as f64 * ROW
+    }
+
+    /// Below a plot: its axis, or a gap (px).
+    fn below(&self, panel: &Panel) -> f64 {
+        if panel.is_joined { GAP } else { AXIS }
+    }
+
+    /// Rows of entries: a mark and a text, or a text alone.
+    fn legend(&self, panel: &Panel) -> Vec<Vec<Entry>> {
+        let named = panel.curves.iter().filter(|curve| !curve.name.is_empty());
+        let entry = |curve: &Curve| Entry { mark: Mark::Line(curve.look.line()), text: clean(&curve.name) };
+        let mut rows = self.entry_rows(named.map(entry).collect());
+        let line = |text: &String| Entry { mark: Mark::None, text: clean(text) };
+        rows.extend(self.entry_rows(panel.lines.iter().map(line).collect()));
+        rows
+    }
+
+    /// States that no lane has room to name.
+    fn state_legend(&self) -> Vec<Vec<Entry>> {
+        let per_column = self.plot_width() / self.full_width();
+        let states = || self.lanes.iter().filter(|lane| !lane.is_bit).flat_map(|lane| &lane.states);
+        let has_room = |(stay, text, _): &&(Stay, String, RGBColor)| is_written(stay, text, per_column);
+        let written: Vec<_> = states().filter(has_room).map(|(_, text, colour)| (text, colour)).collect();
+        let mut entries: Vec<Entry> = Vec::new();
+        let all = self.lanes.iter().flat_map(|lane| &lane.states);
+        // A sliver of many values looks like the edge of a state.
+        let is_seen = |stay: &Stay| (stay.to - stay.from) * per_column >= 6.0;
+        for (stay, text, colour) in states().chain(all.filter(|(stay, ..)| stay.content == Content::Busy)) {
+            let text = match stay.content {
+                Content::Busy if !is_seen(stay) => continue,
+                Content::Busy => "changes too fast to show".to_owned(),
+                Content::Value(_) if written.contains(&(text, colour)) => continue,
+                Content::Value(_) => text.clone(),
+            };
+            let entry = Entry { mark: Mark::Box(*colour), text };
+            if !entries.contains(&entry) {
+                entries.push(entry);
+            }
+        }
+        self.entry_rows(entries)
+    }
+
+    fn entry_rows(&self, entries: Vec<Entry>) -> Vec<Vec<Entry>> {
+        let room = self.plot_width();
+        let (mut rows, mut used): (Vec<Vec<Entry>>, f64) = (Vec::new(), f64::INFINITY);
+        for mut entry in entries {
+            entry.text = shorten(&entry.text, LABEL, room - SWATCH - 8.0);
+            if used + entry.width() > room {
+                rows.push(Vec::new());
+                used = 0.0;
+            }
+            used += entry.width();
+            rows.last_mut().into_iter().for_each(|row| row.push(entry.clone()));
+        }
+        rows
+    }
+
+    /// Rows of the list of events: the event in its first row, and a part of its text.
+    fn event_rows(&self) -> Vec<(Option<&Listed>, String)> {
+        let room = self.full_width() - 2.0 * MARGIN - TAG - 10.0;
+        let text = |event: &Listed| {
+            let text = format!("{:.3} s  {}: {}", event.time, event.source, event.text);
+            wrap(&text, SMALL, room, 3)
+        };
+        let rows =
+            |event| text(event).into_iter().enumerate().map(move |(row, text)| ((row == 0).then_some(event), text));
+        self.events.listed.iter().flat_map(rows).collect()
+    }
+
+    fn rows<DB: DrawingBackend>(&self, pen: &Pen<DB>) -> Drawn<DB> {
+        pen.area.fill(&WHITE)?;
+        let (left, mut y) = (self.left(), MARGIN);
+        for line in self.title() {
+            pen.text(&line, (MARGIN, y + TITLE_ROW / 2.0), TITLE, INK, HPos::Left)?;
+            y += TITLE_ROW;
+        }
+        let tags = if self.events.listed.is_empty() { 0.0 } else { TAGS };
+        let mut is_first = true;
+        for panel in &self.chart.panels {
+            for row in self.legend(panel) {
+                pen.entries(&row, (left, y + ROW / 2.0))?;
+                y += ROW;
+            }
+            if std::mem::take(&mut is_first) {
+                self.tags(pen, left, y)?;
+                y += tags;
+            }
+            self.panel(pen, panel, left, y)?;
+            y += panel.height + self.below(panel);
+        }
+        if !self.lanes.is_empty() {
+            for row in self.state_legend() {
+                pen.entries(&row, (left, y + ROW / 2.0))?;
+                y += ROW;
+            }
+            if is_first {
+                self.tags(pen, left, y)?;
+                y += tags;
+            }
+            self.paint_lanes(pen, left, y)?;
+            y += self.lanes.len() as f64 * LANE + AXIS;
+        }
+        for (event, text) in self.event_rows() {
+            if let Some(event) = event {
+                pen.tag(event, (MARGIN + TAG / 2.0, y + ROW / 2.0))?;
+            }
+            pen.text(&text, (MARGIN + TAG + 8.0, y + ROW / 2.0), SMALL, INK, HPos::Left)?;
+            y += ROW;
+        }
+        for note in self.notes {
+            pen.text(note, (MARGIN, y + ROW / 2.0), SMALL, PALE_INK, HPos::Left)?;
+            y += ROW;
+        }
+        Ok(())
+    }
+
+    fn panel<DB: DrawingBackend>(&self, pen: &Pen<DB>, panel: &Panel, left: f64, top: f64) -> Drawn<DB> {
+        let across = Plotted::new(&panel.across, self.plot_width() / TICKS.0);
+        let up = Plotted::new(&panel.up, (panel.height / TICKS.1).clamp(2.0, 9.0));
+        let below = if panel.is_joined { 0.0 } else { AXIS };
+        let area = pen.part((EDGE, top), (self.full_width() - RIGHT, top + panel.height + below));
+        let mut chart = pen.chart(&area, (&across, &up), (left - EDGE, below))?;
+        pen.mesh(&mut chart, (&across, &up), panel.height, !panel.is_joined)?;
+        let level = panel.level.map(|level| vec![(across.low, up.place(level)), (across.high, up.place(level))]);
+        chart.draw_series(level.map(|level| PathElement::new(level, pen.style(FRAME, 1.0))))?;
+        self.event_lines(pen, &mut chart, &across, (up.low, up.high))?;
+        for curve in &panel.curves {
+            let columns = self.plot_width() / (across.high - across.low);
+            let inside = clip(&curve.points, &panel.across, &panel.up);
+            let points = reduced(&inside, |x| (across.place(x) - across.low) * columns);
+            let points: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (across.place(x), up.place(y))).collect();
+            for part in points.split(|point| point.1.is_nan()).filter(|part| !part.is_empty()) {
+                pen.curve(&mut chart, part, curve.look.line(), (columns, panel.height / (up.high - up.low)))?;
+            }
+        }
+        for pin in &panel.pins {
+            let [from, to] = [pin.from, pin.to].map(|(x, y)| (across.place(x), up.place(y)));
+            chart.draw_series([PathElement::new(vec![from, to], pen.style(INK, 1.0))])?;
+            let (x, y) = chart.backend_coord(&to);
+            let (x, y) = (f64::from(x) / pen.factor, f64::from(y) / pen.factor);
+            pen.fill((x - 3.0, y - 3.0), (x + 3.0, y + 3.0), INK)?;
+            let middle = f64::from(chart.backend_coord(&from).1) / pen.factor;
+            let middle = if pin.from == pin.to { y - 11.0 } else { f64::midpoint(middle, y) };
+            let is_right = x + 10.0 + width(&pin.text, SMALL) < left + self.plot_width();
+            let (x, side) = if is_right { (x + 7.0, HPos::Left) } else { (x - 7.0, HPos::Right) };
+            pen.text(&pin.text, (x, middle), SMALL, INK, side)?;
+        }
+        Ok(())
+    }
+
+    fn paint_lanes<DB: DrawingBackend>(&self, pen: &Pen<DB>, left: f64, top: f64) -> Drawn<DB> {
+        let across = Plotted::new(self.across, self.plot_width() / TICKS.0);
+        let count = self.lanes.len() as f64;
+        let ticks = (0..self.lanes.len()).map(|place| count - place as f64 - 0.5).collect();
+        let tick_labels = self.lanes.iter().map(|lane| shorten(&lane.name, LABEL, left - MARGIN)).collect();
+        let (base, minor, label) = (0.0, Vec::new(), String::new());
+        let up = Plotted { low: 0.0, high: count, base, is_log: false, ticks, tick_labels, minor, label };
+        let height = count * LANE;
+        let area = pen.part((EDGE, top), (self.full_width() - RIGHT, top + height + AXIS));
+        let mut chart = pen.chart(&area, (&across, &up), (left - EDGE, AXIS))?;
+        pen.mesh(&mut chart, (&across, &up), height, true)?;
+        let per_column = (across.high - across.low) / self.full_width();
+        for (place, lane) in self.lanes.iter().enumerate() {
+            let (low, high) = (count - place as f64 - 0.84, count - place as f64 - 0.16);
+            let mut edge: Vec<(f64, f64)> = Vec::new();
+            for (stay, text, colour) in &lane.states {
+                let (from, to) = (across.low + stay.from * per_column, across.low + stay.to * per_column);
+                let is_low = lane.is_bit && stay.content == Content::Value(0);
+                if !is_low {
+                    chart.draw_series([Rectangle::new([(from, high), (to, low)], colour.filled())])?;
+                }
+                if lane.is_bit {
+                    let y = if is_low { low } else { high };
+                    edge.extend([(from, y), (to, y)]);
+                } else if stay.content != Content::Busy {
+                    chart.draw_series([Rectangle::new([(from, high), (to, low)], pen.style(FRAME, 0.6))])?;
+                    if is_written(stay, text, self.plot_width() / self.full_width()) {
+                        let (x, y) = chart.backend_coord(&(f64::midpoint(from, to), f64::midpoint(low, high)));
+                        let at = (f64::from(x) / pen.factor, f64::from(y) / pen.factor);
+                        pen.text(text, at, SMALL, INK, HPos::Center)?;
+                    }
+                }
+            }
+            if !edge.is_empty() {
+                chart.draw_series([PathElement::new(edge, pen.style(BIT, 1.3))])?;
+            }
+        }
+        self.event_lines(pen, &mut chart, &across, (0.0, count))
+    }
+
+    /// Events as upright lines. Those that were expected and have no number are left out: a hundred lines would be a fence.
+    fn event_lines<DB: DrawingBackend>(
+        &self,
+        pen: &Pen<DB>,
+        chart: &mut Plot<'_, DB>,
+        across: &Plotted,
+        (low, high): (f64, f64),
+    ) -> Drawn<DB> {
+        let mut lines: Vec<(u8, f64, f64)> =
+            self.events.plain.iter().filter(|event| event.1 > 0).map(|event| (event.1, event.0, 0.4)).collect();
+        lines.sort_by(|a, b| a.1.total_cmp(&b.1));
+        lines.dedup_by_key(|line| {
+            let part = (across.place(line.1) - across.low) / (across.high - across.low);
+            (part * self.plot_width()).round() as i64
+        });
+        lines.extend(self.events.listed.iter().map(|event| (event.severity, event.time, 0.8)));
+        lines.sort_by_key(|line| line.0);
+        let element = |&(severity, time, width): &(u8, f64, f64)| {
+            let x = across.place(time);
+            PathElement::new(vec![(x, low), (x, high)], pen.style(severity_colour(severity), width))
+        };
+        chart.draw_series(lines.iter().map(element)).map(drop)
+    }
+
+    /// The numbers of events above the first plot.
+    fn tags<DB: DrawingBackend>(&self, pen: &Pen<DB>, left: f64, top: f64) -> Drawn<DB> {
+        let across = self.chart.panels.first().map_or(self.across, |panel| &panel.across);
+        let per_unit = self.plot_width() / (across.high - across.low);
+        let wanted: Vec<f64> =
+            self.events.listed.iter().map(|event| left + (event.time - across.low) * per_unit).collect();
+        let places = spread(&wanted, TAG + 3.0, left - TAG, left + self.plot_width() + TAG / 2.0);
+        for ((event, wanted), place) in self.events.listed.iter().zip(wanted).zip(places) {
+            let style = pen.style(severity_colour(event.severity), 0.8);
+            let foot = [(place, top + TAG), (wanted, top + TAGS)].map(|at| pen.px(at)).to_vec();
+            pen.area.draw(&PathElement::new(foot, style))?;
+            pen.tag(event, (place, top + TAG / 2.0))?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether a state has room for its name, in plots with so many px for a column.
+fn is_written(stay: &Stay, text: &str, per_column: f64) -> bool {
+    stay.content != Content::Busy && width(text, SMALL) + 6.0 <= (stay.to - stay.from) * per_column
+}
+
+/// Returns the points within the axes, with NaN where the curve leaves them and a point where it crosses their edge.
+fn clip(points: &[(f64, f64)], across: &Axis, up: &Axis) -> Vec<(f64, f64)> {
+    let mut clipped: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    let mut before: Option<(f64, f64)> = None;
+    for &(x, y) in points.iter().filter(|point| (across.low..=across.high).contains(&point.0)) {
+        if let Some((x0, y0)) = before.filter(|(_, y0)| y0.is_finite() && y.is_finite()) {
+            let edges = if y0 < y { [up.low, up.high] } else { [up.high, up.low] };
+            let is_crossed = |edge: &f64| (y0 < *edge && *edge < y) || (y < *edge && *edge < y0);
+            clipped.extend(
+                edges.into_iter().filter(is_crossed).map(|edge| (x0 + (edge - y0) / (y - y0) * (x - x0), edge)),
+            );
+        }
+        let is_inside = (up.low..=up.high).contains(&y);
+        clipped.push((x, if is_inside { y } else { f64::NAN }));
         before = Some((x, y));
     }
-    cut
+    clipped
 }
 
 #[cfg(test)]

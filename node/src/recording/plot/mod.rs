@@ -1,36 +1,37 @@
-//! Figures of a run: signals as stacked panels over one time axis, events as marks, as SVG or PNG.
+//! Figures of a run: signals as stacked panels over one time axis, events as numbered lines, as SVG or PNG. plotters draws axes,
+//! ticks, meshes, curves and text; this module chooses signals, units and rows.
 //!
-//! Law      Curves of one meaning and unit share a panel. Bits, enums, words and numbers without a unit that seldom change
-//!          are lanes of a timing diagram. What was chosen by a pattern and never changes, or is a fraction, is named below,
-//!          not drawn; so is how often a curve has no number, a value too large to draw, or a gap.
+//! Law      Signals of one quantity and unit share a panel, whose legend is above it. Bits, enums, words and numbers without a
+//!          unit that seldom change are lanes of a timing diagram. Each axis has a unit, with a prefix for small and large
+//!          values, and 1 for none; encoders in m or rad are shown in the unit of the axes. Signals chosen by a pattern that
+//!          never change, or are a fraction, are named below, not drawn; so is how often a curve has no number, a value too
+//!          large to draw, or a gap.
 //! Reads    series in order of time, events in any order
 //! Refuses  no series, none that changes, a size that holds no figure
 //!
-//! A figure is a pure function of its arguments: the same arguments make the same bytes, on every machine, with whatever fonts.
+//! A figure is a pure function of its arguments: the same arguments make the same bytes on every machine, with the bundled font.
 //! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
 
-mod canvas;
+mod axis;
 mod chart;
 mod curve;
-mod file;
+mod events;
 mod lane;
-mod layout;
-mod marks;
-mod meaning;
-mod page;
-mod palette;
+mod pen;
 mod pixels;
-mod scale;
-mod sheet;
-mod sort;
+mod quantity;
+mod signals;
 #[cfg(test)]
 mod tests;
 mod text;
 
-pub use chart::{Axis, Chart, Curve, Look, Pin, Sheet, Spacing, draw_chart};
-pub use file::{Target, replace, write};
+pub use axis::{Axis, Spacing};
+pub use chart::{Chart, Curve, Panel, Pin, draw_chart};
+pub use pen::Look;
 
 use super::series::{Mark, Series};
+use crate::whole_file::WholeFile;
+use std::path::Path;
 
 /// Smallest and largest width (px).
 pub const WIDTHS: (u32, u32) = (500, 8000);
@@ -87,6 +88,8 @@ pub struct Figure<'a> {
     pub width: u32,
     /// Height (px), see [`HEIGHTS`]; left out: what the panels need.
     pub height: Option<u32>,
+    /// Each signal has a panel of its own.
+    pub split: bool,
 }
 
 /// Why there is no figure.
@@ -204,11 +207,45 @@ fn there_is(run: Option<(f64, f64)>) -> String {
 /// # Errors
 /// [`Problem`], all but its variants about files.
 pub fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
-    let font = text::Font::new();
-    let sheet = sheet::Sheet::new(figure, &font)?;
-    let size = (figure.width, sheet.layout.height);
-    match target {
-        Target::Svg => canvas::svg(size, |canvas| page::paint(&sheet, &font, canvas)).map(String::into_bytes),
-        Target::Png => pixels::png(size, &font, |canvas| page::paint(&sheet, &font, canvas)),
+    signals::draw(figure, target)
+}
+
+/// The format of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// Scalable Vector Graphics.
+    Svg,
+    /// Portable Network Graphics.
+    Png,
+}
+
+impl Target {
+    /// The format that the ending of a file's name asks for.
+    ///
+    /// # Errors
+    /// [`Problem::Ending`]
+    pub fn of(path: &Path) -> Result<Self, Problem> {
+        match path.extension().map(|ending| ending.to_ascii_lowercase()) {
+            Some(ending) if ending == "svg" => Ok(Self::Svg),
+            Some(ending) if ending == "png" => Ok(Self::Png),
+            _ => Err(Problem::Ending { name: path.display().to_string() }),
+        }
     }
+}
+
+/// Draws a figure and writes it; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+///
+/// # Errors
+/// [`Problem`]
+pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
+    replace(path, &draw(figure, Target::of(path)?)?)
+}
+
+/// Writes a figure; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+///
+/// # Errors
+/// [`Problem::File`]
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    let written = WholeFile::write(path, bytes, None).and_then(WholeFile::take_place);
+    written.map_err(|error| Problem::File { name: path.display().to_string(), reason: error.to_string() })
 }

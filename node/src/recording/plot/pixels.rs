@@ -1,48 +1,54 @@
 //! A figure as PNG.
 //!
-//! The figure is drawn larger by a whole factor and each pixel is the mean of those that it stands for: lines and letters get smooth
-//! edges. Letters come from the font of the program, whatever fonts there are.
+//! The figure is drawn larger by a whole factor and each pixel is the mean of the pixels that it covers: lines and letters
+//! get smooth edges. Thick lines have round ends, so that noise has neither spikes nor holes.
 
 use super::Problem;
-use super::canvas::{Anchor, Canvas, Colour, Letters, Point, Stroke, dashes};
-use super::text::Font;
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::Color;
-use std::fmt::Display;
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind};
+use std::convert::Infallible;
 
-/// Half of the height of small letters (em): what the middle of a line of text is.
-const MIDDLE: f64 = 0.2735;
-/// Most pixels drawn for one that is shown, along one side, and in all.
+/// Largest factor, and most pixels that are drawn.
 const FINEST: u32 = 3;
 const MOST_DRAWN: u64 = 50_000_000;
 
-struct Pixels<'a> {
-    bytes: Vec<u8>,
+/// How much plotters places a text too high (parts of its size): its lines have no room below the letters.
+const LOWER: f64 = 0.125;
+
+type Drawn = Result<(), DrawingErrorKind<Infallible>>;
+
+/// The pixels that plotters draws.
+pub(super) struct Pixels<'a> {
+    bytes: &'a mut [u8],
     size: (u32, u32),
-    fine: u32,
-    font: &'a Font,
-    failure: Option<String>,
 }
 
-/// Draws a PNG of this size (px).
+/// Returns the factor by which a PNG of this size (px) is drawn larger.
 ///
 /// # Errors
-/// [`Problem::Pixels`], [`Problem::Drawing`]
-pub(super) fn png(size: (u32, u32), font: &Font, paint: impl FnOnce(&mut dyn Canvas)) -> Result<Vec<u8>, Problem> {
-    let (width, height) = size;
+/// [`Problem::Pixels`]
+pub(super) fn factor((width, height): (u32, u32)) -> Result<u32, Problem> {
     let shown = u64::from(width) * u64::from(height);
     if shown > super::MOST_PIXELS {
         return Err(Problem::Pixels { width, height });
     }
-    let drawn = |fine: u32| shown * u64::from(fine * fine);
-    let fine = (2..=FINEST).rev().find(|&fine| drawn(fine) <= MOST_DRAWN).unwrap_or(1);
-    let bytes = vec![255; drawn(fine) as usize * 3];
-    let mut pixels = Pixels { bytes, size: (width * fine, height * fine), fine, font, failure: None };
-    paint(&mut pixels);
-    if let Some(reason) = pixels.failure {
-        return Err(Problem::Drawing { reason });
-    }
-    encode(&pixels.means(), width, height).map_err(|error| Problem::Drawing { reason: error.to_string() })
+    Ok((2..=FINEST).rev().find(|factor| shown * u64::from(factor * factor) <= MOST_DRAWN).unwrap_or(1))
+}
+
+/// Draws a PNG of this size (px) with `paint`, which draws it larger by `factor`.
+///
+/// # Errors
+/// [`Problem::Drawing`]
+pub(super) fn png(
+    (width, height): (u32, u32),
+    factor: u32,
+    paint: impl FnOnce(Pixels<'_>) -> Result<(), Problem>,
+) -> Result<Vec<u8>, Problem> {
+    let size = (width * factor, height * factor);
+    let mut bytes = vec![255; size.0 as usize * size.1 as usize * 3];
+    paint(Pixels { bytes: &mut bytes, size })?;
+    let means = means(&bytes, size.0 as usize, factor as usize);
+    encode(&means, width, height).map_err(|error| Problem::Drawing { reason: error.to_string() })
 }
 
 fn encode(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, png::EncodingError> {
@@ -57,238 +63,212 @@ fn encode(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, png::Encodin
     Ok(file)
 }
 
-impl Pixels<'_> {
-    fn note<E: Display>(&mut self, result: Result<(), E>) {
-        if let Err(error) = result {
-            self.failure.get_or_insert(error.to_string());
-        }
-    }
-
-    /// Each pixel shown is the mean of `fine` x `fine` drawn ones.
-    fn means(&self) -> Vec<u8> {
-        let fine = self.fine as usize;
-        let (width, height) = (self.size.0 as usize / fine, self.size.1 as usize / fine);
-        let mut means = Vec::with_capacity(width * height * 3);
-        let mut sums = vec![0_u32; width * 3];
-        let count = (fine * fine) as u32;
-        for rows in self.bytes.chunks_exact(self.size.0 as usize * 3 * fine) {
-            sums.fill(0);
-            for row in rows.chunks_exact(self.size.0 as usize * 3) {
-                for (block, sums) in row.chunks_exact(3 * fine).zip(sums.chunks_exact_mut(3)) {
-                    for pixel in block.chunks_exact(3) {
-                        sums.iter_mut().zip(pixel).for_each(|(sum, &part)| *sum += u32::from(part));
-                    }
+/// Returns the means of blocks of `factor` x `factor` pixels.
+fn means(bytes: &[u8], width: usize, factor: usize) -> Vec<u8> {
+    let mut means = Vec::with_capacity(bytes.len() / (factor * factor));
+    let mut sums = vec![0_u32; width / factor * 3];
+    let count = (factor * factor) as u32;
+    for rows in bytes.chunks_exact(width * 3 * factor) {
+        sums.fill(0);
+        for row in rows.chunks_exact(width * 3) {
+            for (block, sums) in row.chunks_exact(3 * factor).zip(sums.chunks_exact_mut(3)) {
+                for pixel in block.chunks_exact(3) {
+                    sums.iter_mut().zip(pixel).for_each(|(sum, &part)| *sum += u32::from(part));
                 }
             }
-            means.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
         }
-        means
+        means.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
     }
+    means
+}
 
-    /// Fills spans of rows, each from its first pixel to before its last.
-    fn spans(&mut self, spans: impl Iterator<Item = (i32, i32, i32)>, colour: Colour) {
-        let (right, below) = (self.size.0 as i32, self.size.1 as i32);
-        let mut backend = BitMapBackend::with_buffer(&mut self.bytes, self.size);
-        let mut failure = None;
-        for (row, from, to) in spans {
-            let (from, to) = (from.max(0), to.min(right));
-            if row >= 0
-                && row < below
-                && from < to
-                && let Err(error) = backend.draw_rect((from, row), (to, row + 1), &colour.rgb(), true)
-            {
-                failure = Some(error.to_string());
+impl Pixels<'_> {
+    /// Fills the pixels of a row from one to before another.
+    fn fill_row(&mut self, row: i32, from: i32, to: i32, colour: BackendColor) {
+        let (from, to) = (from.max(0), to.min(self.size.0 as i32));
+        if row < 0 || row >= self.size.1 as i32 || from >= to {
+            return;
+        }
+        let start = row as usize * self.size.0 as usize;
+        let (red, green, blue) = colour.rgb;
+        if let Some(pixels) = self.bytes.get_mut((start + from as usize) * 3..(start + to as usize) * 3) {
+            if red == green && green == blue {
+                pixels.fill(red);
+            } else {
+                pixels.chunks_exact_mut(3).for_each(|pixel| pixel.copy_from_slice(&[red, green, blue]));
             }
         }
-        drop(backend);
-        self.note(failure.map_or(Ok(()), Err));
     }
 
-    /// Fills what lies within `radius` of the line between two points.
-    fn capsule(&mut self, from: Point, to: Point, radius: f64, colour: Colour) {
-        let top = first(from.y.min(to.y) - radius).max(0);
-        let end = first(from.y.max(to.y) + radius).min(self.size.1 as i32);
-        let rows = (top..end).filter_map(|row| {
-            let (left, right) = span(from, to, radius, f64::from(row) + 0.5)?;
-            Some((row, first(left), first(right)))
-        });
-        self.spans(rows, colour);
-    }
-
-    fn large(&self, at: Point) -> Point {
-        Point { x: at.x * f64::from(self.fine), y: at.y * f64::from(self.fine) }
+    /// Fills what is nearer than `radius` to the line between two points.
+    fn fill_line(&mut self, from: (f64, f64), to: (f64, f64), radius: f64, colour: BackendColor) {
+        let top = (from.1.min(to.1) - radius).floor().max(0.0) as i32;
+        let end = (from.1.max(to.1) + radius).ceil().min(f64::from(self.size.1)) as i32;
+        for row in top..end {
+            if let Some((left, right)) = span(from, to, radius, f64::from(row) + 0.5) {
+                self.fill_row(row, (left - 0.5).ceil() as i32, (right - 0.5).ceil() as i32, colour);
+            }
+        }
     }
 }
 
-/// Where the level line at `y` is nearer than `radius` to the line between two points.
-fn span(from: Point, to: Point, radius: f64, y: f64) -> Option<(f64, f64)> {
+/// Returns where the level line at `y` is nearer than `radius` to the line between two points.
+fn span(from: (f64, f64), to: (f64, f64), radius: f64, y: f64) -> Option<(f64, f64)> {
     let mut span: Option<(f64, f64)> = None;
-    let mut add = |left: f64, right: f64| {
-        span = Some(span.map_or((left, right), |(a, b)| (a.min(left), b.max(right))));
-    };
+    let mut add = |x: f64| span = Some(span.map_or((x, x), |(left, right)| (left.min(x), right.max(x))));
     for end in [from, to] {
-        let rest = radius * radius - (y - end.y) * (y - end.y);
+        let rest = radius * radius - (y - end.1) * (y - end.1);
         if rest >= 0.0 {
-            add(end.x - rest.sqrt(), end.x + rest.sqrt());
+            add(end.0 - rest.sqrt());
+            add(end.0 + rest.sqrt());
         }
     }
-    let (dx, dy) = (to.x - from.x, to.y - from.y);
-    let length = dx.hypot(dy);
-    if length > 0.0 {
-        // The two long edges of the line; the round ends above close it.
-        let (side_x, side_y) = (-dy / length * radius, dx / length * radius);
-        for sign in [-1.0, 1.0] {
-            let (x, start) = (from.x + sign * side_x, from.y + sign * side_y);
-            if dy == 0.0 {
-                continue;
-            }
-            let part = (y - start) / dy;
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    if dy != 0.0 {
+        // The two long edges of the line; its round ends are above.
+        let length = dx.hypot(dy);
+        for side in [radius / length, -radius / length] {
+            let part = (y - (from.1 + side * dx)) / dy;
             if (0.0..=1.0).contains(&part) {
-                add(x + part * dx, x + part * dx);
+                add(from.0 - side * dy + part * dx);
             }
         }
     }
     span
 }
 
-/// The first pixel whose middle lies at or behind `edge`.
-fn first(edge: f64) -> i32 {
-    (edge - 0.5).ceil() as i32
-}
+impl DrawingBackend for Pixels<'_> {
+    type ErrorType = Infallible;
 
-impl Canvas for Pixels<'_> {
-    fn fill(&mut self, from: Point, to: Point, colour: Colour) {
-        let (from, to) = (self.large(from), self.large(to));
-        let rows = first(from.y).max(0)..first(to.y).min(self.size.1 as i32);
-        self.spans(rows.map(|row| (row, first(from.x), first(to.x))), colour);
+    fn get_size(&self) -> (u32, u32) {
+        self.size
     }
 
-    fn stroke(&mut self, path: &[Point], stroke: Stroke) {
-        let radius = (stroke.width * f64::from(self.fine) / 2.0).max(0.5);
-        for dash in dashes(path, stroke.dash) {
-            let dash: Vec<Point> = dash.into_iter().map(|at| self.large(at)).collect();
-            if let [dot] = dash[..] {
-                self.capsule(dot, dot, 2.0 * radius, stroke.colour);
-            }
-            for pair in dash.windows(2) {
-                self.capsule(pair[0], pair[1], radius, stroke.colour);
+    fn ensure_prepared(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn present(&mut self) -> Drawn {
+        Ok(())
+    }
+
+    fn draw_pixel(&mut self, (x, y): BackendCoord, colour: BackendColor) -> Drawn {
+        if x >= 0 && y >= 0 && x < self.size.0 as i32 && y < self.size.1 as i32 {
+            let place = (y as usize * self.size.0 as usize + x as usize) * 3;
+            let (red, green, blue) = colour.rgb;
+            for (part, new) in self.bytes.iter_mut().skip(place).zip([red, green, blue]) {
+                *part = (f64::from(*part) + (f64::from(new) - f64::from(*part)) * colour.alpha.min(1.0)).round() as u8;
             }
         }
+        Ok(())
     }
 
-    fn text(&mut self, text: &str, at: Point, letters: Letters) {
-        let font = self.font;
-        let em = letters.em * f64::from(self.fine);
-        let at = self.large(at);
-        let width = font.width(text, em);
-        let back = match letters.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => width / 2.0,
-            Anchor::End => width,
+    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Drawn {
+        self.draw_path([from, to], style)
+    }
+
+    fn draw_rect<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S, fill: bool) -> Drawn {
+        if !fill {
+            return self.draw_path([from, (to.0, from.1), to, (from.0, to.1), from], style);
+        }
+        for row in from.1.max(0)..to.1.min(self.size.1 as i32) {
+            self.fill_row(row, from.0, to.0, style.color());
+        }
+        Ok(())
+    }
+
+    fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Drawn {
+        let failed = |error: S::FontError| DrawingErrorKind::FontError(error.to_string().into());
+        let ((left, top), (right, end)) = style.layout_box(text).map_err(failed)?;
+        let x = match style.anchor().h_pos {
+            HPos::Left => 0,
+            HPos::Center => (left - right) / 2,
+            HPos::Right => left - right,
         };
-        let (along, across) = if letters.upright { (at.y, at.x) } else { (at.x, at.y) };
-        let base = (across + MIDDLE * em).round() as i32;
-        let start = if letters.upright { (along + back).round() } else { (along - back).round() } as i32;
-        let (right, below) = (self.size.0 as i32, self.size.1 as i32);
-        let mut backend = BitMapBackend::with_buffer(&mut self.bytes, self.size);
-        let mut failure = None;
-        for outline in font.outlines(text, em) {
-            let corner = outline.px_bounds().min;
-            outline.draw(|x, y, covered| {
-                let (x, y) = (corner.x as i32 + x as i32, corner.y as i32 + y as i32);
-                let (x, y) = if letters.upright { (base + y, start - x) } else { (start + x, base + y) };
-                if x < 0 || y < 0 || x >= right || y >= below || covered <= 0.0 {
-                    return;
-                }
-                let colour = letters.colour.rgb().mix(f64::from(covered.min(1.0)));
-                if let Err(error) = backend.draw_pixel((x, y), colour.to_backend_color()) {
-                    failure = Some(error.to_string());
-                }
-            });
+        let y = match style.anchor().v_pos {
+            VPos::Top => 0,
+            VPos::Center => (top - end) / 2 + (LOWER * style.size()).round() as i32,
+            VPos::Bottom => top - end,
+        };
+        let turn = style.transform();
+        let drawn = style.draw(text, (0, 0), |dx, dy, colour| {
+            let (dx, dy) = turn.transform(x + dx, y + dy);
+            self.draw_pixel((at.0 + dx, at.1 + dy), colour)
+        });
+        drawn.map_err(failed)?
+    }
+
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(&mut self, path: I, style: &S) -> Drawn {
+        if style.color().alpha == 0.0 {
+            return Ok(());
         }
-        drop(backend);
-        self.note(failure.map_or(Ok(()), Err));
+        let radius = (f64::from(style.stroke_width()) / 2.0).max(0.5);
+        // The edges of a line are edges of pixels: that of an odd width lies in the middle of its pixel.
+        let middle = if style.stroke_width() % 2 == 1 { 0.5 } else { 0.0 };
+        let mut before = None;
+        for (x, y) in path {
+            let at = (f64::from(x) + middle, f64::from(y) + middle);
+            if before != Some(at) {
+                self.fill_line(before.unwrap_or(at), at, radius, style.color());
+            }
+            before = Some(at);
+        }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::plot::canvas::point;
+    use plotters::style::{BLACK, Color};
 
-    fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+    /// Decoded bytes of a PNG of 40 x 40 px.
+    fn drawn(paint: impl FnOnce(&mut Pixels<'_>)) -> Vec<u8> {
+        let file = png((40, 40), 2, |mut pixels| {
+            paint(&mut pixels);
+            Ok(())
+        });
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file.unwrap())).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut bytes).unwrap();
-        (info.width, info.height, bytes)
+        reader.next_frame(&mut bytes).unwrap();
+        bytes
     }
 
-    /// The darkness of each pixel of a picture, from 0 to 255, in rows.
-    fn darkness(size: (u32, u32), paint: impl FnOnce(&mut dyn Canvas)) -> Vec<Vec<u8>> {
-        let (width, _, bytes) = decoded(&png(size, &Font::new(), paint).unwrap());
-        let dark: Vec<u8> = bytes.chunks_exact(3).map(|pixel| 255 - pixel[0]).collect();
-        dark.chunks_exact(width as usize).map(<[u8]>::to_vec).collect()
+    fn shade(bytes: &[u8], x: usize, y: usize) -> u8 {
+        bytes[(y * 40 + x) * 3]
     }
-
-    const BLACK: Colour = Colour(0, 0, 0);
 
     #[test]
-    fn a_level_line_on_the_middle_of_a_row_fills_that_row_and_no_other() {
-        let rows = darkness((20, 7), |canvas| {
-            canvas.stroke(&[point(-5.0, 3.5), point(30.0, 3.5)], Stroke::line(BLACK, 1.0));
-        });
-        for (place, row) in rows.iter().enumerate() {
-            assert!(row.iter().all(|&dark| dark == if place == 3 { 255 } else { 0 }), "row {place}: {row:?}");
+    fn a_rectangle_fills_its_pixels_and_no_others() {
+        let bytes = drawn(|pixels| drop(pixels.draw_rect((20, 20), (40, 30), &Color::filled(&BLACK), true)));
+        assert_eq!(
+            [shade(&bytes, 9, 12), shade(&bytes, 10, 12), shade(&bytes, 19, 12), shade(&bytes, 20, 12)],
+            [255, 0, 0, 255]
+        );
+        assert_eq!(
+            [shade(&bytes, 12, 9), shade(&bytes, 12, 10), shade(&bytes, 12, 14), shade(&bytes, 12, 15)],
+            [255, 0, 0, 255]
+        );
+    }
+
+    #[test]
+    fn a_line_has_its_width_in_every_direction() {
+        for (from, to) in [((10, 40), (70, 40)), ((40, 10), (40, 70)), ((10, 10), (70, 70))] {
+            let bytes = drawn(|pixels| drop(pixels.draw_path([from, to], &Color::stroke_width(&BLACK, 8))));
+            let dark: f64 = bytes.chunks_exact(3).map(|pixel| f64::from(255 - pixel[0]) / 255.0).sum();
+            let length = f64::from(to.0 - from.0).hypot(f64::from(to.1 - from.1)) / 2.0;
+            // 4 px wide, with two half circles as ends.
+            let expected = 4.0 * length + std::f64::consts::PI * 4.0;
+            assert!((dark - expected).abs() < 0.05 * expected, "{dark} {expected}");
         }
     }
 
     #[test]
-    fn a_slanted_line_covers_the_area_that_its_width_asks_for() {
-        let rows = darkness((60, 60), |canvas| {
-            canvas.stroke(&[point(10.0, 10.0), point(40.0, 50.0)], Stroke::line(BLACK, 3.0));
-        });
-        let area = rows.iter().flatten().map(|&dark| f64::from(dark) / 255.0).sum::<f64>();
-        // 50 px long, and two half circles.
-        let expected = 50.0 * 3.0 + 1.5 * 1.5 * std::f64::consts::PI;
-        assert!((area - expected).abs() < 0.05 * expected, "{area} of {expected}");
-    }
-
-    #[test]
-    fn a_text_stands_where_it_is_anchored() {
-        let extent = |anchor: Anchor| {
-            let rows = darkness((200, 40), |canvas| {
-                canvas.text("xx", point(100.0, 20.0), Letters::new(20.0, BLACK, anchor));
-            });
-            let columns: Vec<usize> = (0..200).filter(|&x| rows.iter().any(|row| row[x] > 60)).collect();
-            let inked: Vec<usize> = (0..40).filter(|&y| rows[y].iter().any(|&dark| dark > 60)).collect();
-            ((columns[0], columns[columns.len() - 1]), (inked[0], inked[inked.len() - 1]))
-        };
-        let ((left, right), (top, below)) = extent(Anchor::Middle);
-        assert!((left + right).abs_diff(199) <= 2, "{left} {right}");
-        assert!((top + below).abs_diff(39) <= 2, "{top} {below}");
-        assert!(extent(Anchor::Start).0.0.abs_diff(100) <= 2);
-        assert!(extent(Anchor::End).0.1.abs_diff(99) <= 2);
-    }
-
-    #[test]
-    fn an_upright_text_reads_from_below() {
-        let text = |text: &'static str, upright| {
-            let letters = Letters { upright, ..Letters::new(20.0, BLACK, Anchor::Middle) };
-            darkness((40, 40), move |canvas| canvas.text(text, point(20.0, 20.0), letters))
-        };
-        let (level, upright) = (text("L", false), text("L", true));
-        let turned = |x: usize, y: usize| upright[39 - x][y];
-        let differ = (0..40).flat_map(|y| (0..40).map(move |x| (x, y)));
-        let off = differ.filter(|&(x, y)| level[y][x].abs_diff(turned(x, y)) > 170).count();
-        assert!(off < 12, "{off} pixels");
-    }
-
-    #[test]
-    fn too_large_a_picture_is_refused_with_its_size() {
-        let problem = png((8000, 8000), &Font::new(), |_| {}).unwrap_err();
+    fn a_picture_that_is_too_large_is_refused_with_its_size() {
         assert_eq!(
-            problem.to_string(),
+            factor((8000, 8000)).unwrap_err().to_string(),
             "8000 x 8000 px are more than the 24 million pixels of a PNG; an SVG may be as large"
         );
+        assert_eq!([factor((1000, 1000)), factor((6000, 4000))], [Ok(3), Ok(1)]);
     }
 }

@@ -36,6 +36,7 @@ fn figure<'a>(signals: &'a [Series], marks: &'a [Mark]) -> Figure<'a> {
         across: Across::Time,
         width: 1200,
         height: None,
+        split: false,
     }
 }
 
@@ -44,7 +45,7 @@ fn svg(figure: &Figure<'_>) -> String {
 }
 
 /// The texts of an SVG, in the order in which they are painted.
-fn texts(svg: &str) -> Vec<&str> {
+pub(super) fn texts(svg: &str) -> Vec<&str> {
     let texts = svg.split("<text").skip(1).filter_map(|text| text.split_once(">\n")?.1.split_once("\n</text>"));
     texts.map(|(text, _)| text).collect()
 }

@@ -58,13 +58,13 @@ fn plants() -> [(&'static str, u32, &'static str, &'static str, Option<f64>); 6]
 
 #[test]
 fn the_figure_of_six_plants_is_drawn_by_the_program() {
-    let mut sheets = Vec::new();
+    let mut panels = Vec::new();
     let mut rows = String::new();
     for (name, counts, plant, keys, ratio) in plants() {
         let found = found(&cell(counts, plant, keys), ratio);
         let (before, after) = (found.before.as_ref().expect("loops"), found.after.as_ref().expect("gains"));
-        let sheet = step(&found, &[("before", Look::Old, before), ("after", Look::New, after)]);
-        sheets.push(Sheet { up: Axis { label: format!("{name} (inc)"), ..sheet.up }, height: 130.0, ..sheet });
+        let panel = step(&found, &[("before", Look::Old, before), ("after", Look::New, after)]);
+        panels.push(Panel { up: Axis { label: format!("{name} (inc)"), ..panel.up }, height: 130.0, ..panel });
         let told = |answer: &Answer| {
             let settled = answer.step.figures.settling;
             let settled = settled.map_or_else(|| "not".to_owned(), |time| format!("{:.0} ms", 1000.0 * time));
@@ -77,7 +77,7 @@ fn the_figure_of_six_plants_is_drawn_by_the_program() {
         let _ =
             writeln!(rows, "| {name} | {size:.0} inc | {before} | {after} | {phase:.0} deg, {gain:.0} dB | {gains} |");
     }
-    let chart = Chart { title: "six axes: a step before and after".to_owned(), sheets, width: WIDTH };
+    let chart = Chart { title: "six axes: a step before and after".to_owned(), panels, width: WIDTH };
     let made = String::from_utf8(draw_chart(&chart, Target::Svg).expect("a figure")).expect("text");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/images/tune_plants.svg");
     if std::env::var_os("LINESHAFT_RENEW").is_some() {

@@ -41,7 +41,7 @@ fn panels_have_labels_with_units_and_both_sides() {
         "record (rev)",
         "measured",
         "modelled",
-        "left (inc)",
+        "residual (inc)",
         "time (s)",
         "before: phase margin ",
         "after: phase margin 60 deg",

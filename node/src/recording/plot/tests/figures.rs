@@ -35,7 +35,7 @@ fn panels_have_their_names_units_legends_lanes_and_events() {
     for text in [
         "A run",
         "position (mm)",
-        "acceleration (10\u{2076} mm/s\u{b2})",
+        "acceleration (km/s\u{b2})",
         "error (mm)",
         "x.command.position",
         "x.actual.position",
@@ -46,15 +46,88 @@ fn panels_have_their_names_units_legends_lanes_and_events() {
         "DISCRETE_MOTION",
         "x.in_position",
         "time (s)",
-        "0.500 s",
-        "target 900 mm exceeds max_position 850 mm",
-        "following error &lt;12 mm &amp; more&gt;",
+        "0.500 s  x: target 900 mm exceeds max_position 850 mm",
+        "1.500 s  x: following error &lt;12 mm &amp; more&gt;",
         "events not listed: 1 accepted",
         "constant: x.homed 1, x.target.position 120 mm",
     ] {
         assert!(texts.contains(&text), "`{text}` is not in {texts:?}");
     }
-    assert!(!texts.contains(&"move_axis accepted"));
+    assert!(!texts.iter().any(|text| text.contains("move_axis accepted")));
+}
+
+#[test]
+fn every_axis_has_a_unit_and_prefixes_are_the_usual_ones() {
+    let signals = vec![
+        sampled("line.command.position", "m", Kind::Int, 1000, |time| time * 4e-3),
+        sampled("x.phase.master", "", Kind::Real, 1000, |time| 1.0 - time),
+        sampled("roll.command.velocity", "rev/s", Kind::Real, 1000, |time| time * 2.0),
+        sampled("wheel.velocity", "rad/s", Kind::Real, 1000, |time| time * 6.0),
+        sampled("lag", "", Kind::Real, 1000, |time| time * 9.0),
+    ];
+    let svg = svg(&figure(&signals, &[]));
+    let texts = texts(&svg);
+    for text in ["position (mm)", "phase shift left (1)", "velocity (rev/s)", "value (1)", "time (s)"] {
+        assert!(texts.contains(&text), "`{text}` is not in {texts:?}");
+    }
+    assert!(!svg.contains("rad/s"), "rad/s and rev/s are in one figure");
+}
+
+/// Number, and left, upper, right and lower edge (px) of the polyline or text.
+fn numbers(tag: &str, name: &str) -> f64 {
+    let text = tag.split(&format!("{name}=\"")).nth(1).and_then(|rest| rest.split('"').next());
+    text.and_then(|text| text.parse().ok()).unwrap_or_default()
+}
+
+#[test]
+fn nothing_is_cut_off_in_narrow_figures() {
+    let signals: Vec<Series> = ["a.command.position", "the_second_roller.command.position", "b.actual.position"]
+        .iter()
+        .map(|name| sampled(name, "mm", Kind::Int, 20_001, |time| time))
+        .chain([sampled("the_second_roller.in_position", "", Kind::Bit, 20_001, |time| f64::from(time > 0.5))])
+        .collect();
+    let marks =
+        [mark(0.5, 2, "error", "a sentence of many words that needs more than one line in a narrow figure, and more")];
+    for width in [500, 700, 900] {
+        let title = "Two rollers, of which the second one is five per cent faster while the web is tight".to_owned();
+        let svg = svg(&Figure { title: title.clone(), width, ..figure(&signals, &marks) });
+        let edge = f64::from(width) * 10.0;
+        for tag in svg.split("<text").skip(1) {
+            let text = tag.split_once(">\n").and_then(|(_, rest)| rest.split_once("\n</text>")).unwrap().0;
+            let (x, size) = (numbers(tag, "x"), numbers(tag, "font-size"));
+            let length = crate::recording::plot::text::width(text, size);
+            let (left, right) = match tag {
+                tag if tag.contains("rotate") => continue,
+                tag if tag.contains("\"end\"") => (x - length, x),
+                tag if tag.contains("\"middle\"") => (x - length / 2.0, x + length / 2.0),
+                _ => (x, x + length),
+            };
+            assert!(left >= 0.0 && right <= edge, "{width}: `{text}` from {left} to {right}");
+        }
+        let all = texts(&svg).join(" ");
+        assert!(all.contains(&title), "{all}");
+        assert!(all.contains("the_second_roller.command.position"), "{all}");
+        assert!(all.contains("in a narrow figure, and more"), "{all}");
+    }
+}
+
+#[test]
+fn a_split_figure_has_a_panel_for_each_curve() {
+    let signals = run();
+    let panels = |split| svg(&Figure { split, ..figure(&signals[..2], &[]) }).matches("\nposition (mm)\n").count();
+    assert_eq!((panels(false), panels(true)), (1, 2));
+}
+
+#[test]
+fn the_legend_is_outside_of_the_plot() {
+    let signals = run();
+    let svg = svg(&figure(&signals[..2], &[]));
+    let legend = svg.split("<text").find(|tag| tag.contains("\nx.actual.position\n")).unwrap();
+    let curve = svg.split("<polyline").filter(|tag| tag.contains("stroke-width=\"26\"")).nth(1).unwrap();
+    let points = curve.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
+    let highest =
+        points.split_whitespace().filter_map(|xy| xy.split_once(',')?.1.parse::<f64>().ok()).fold(1e9, f64::min);
+    assert!(numbers(legend, "y") + 80.0 < highest);
 }
 
 #[test]
@@ -120,17 +193,17 @@ fn what_is_not_drawn_is_named_below() {
     ] {
         assert!(texts.contains(&text), "`{text}` is not in {texts:?}");
     }
-    assert!(!texts.contains(&"fraction"));
+    assert!(!texts.contains(&"fraction (1)"));
 }
 
 #[test]
 fn a_fraction_is_drawn_where_it_is_named_or_nothing_else_is() {
     let fraction = || sampled("x.command.fraction", "", Kind::Real, 1000, |time| (time * 7.0).fract());
     let signals = vec![fraction(), sampled("x.actual.position", "mm", Kind::Int, 1000, |time| time)];
-    assert!(texts(&svg(&figure(&signals[..1], &[]))).contains(&"fraction"));
+    assert!(texts(&svg(&figure(&signals[..1], &[]))).contains(&"fraction (1)"));
     let mut figure = figure(&signals, &[]);
     figure.signals[0].by_name = true;
-    assert!(texts(&svg(&figure)).contains(&"fraction"));
+    assert!(texts(&svg(&figure)).contains(&"fraction (1)"));
 }
 
 #[test]
@@ -143,8 +216,7 @@ fn signals_of_one_name_are_told_apart_by_their_topics() {
         .to_vec();
     signals.push(sampled("y.actual.position", "SI", Kind::Real, 1000, |time| time));
     let svg = svg(&Figure { width: 2000, ..figure(&signals, &[]) });
-    let names: Vec<&str> =
-        texts(&svg).into_iter().filter(|text| text.contains("actual.p") || text.contains("joint_states")).collect();
+    let names: Vec<&str> = texts(&svg).into_iter().filter(|text| text.contains("actual.p")).collect();
     assert_eq!(names.len(), 3, "{names:?}");
     assert!(
         names[0] != names[1] && names[0].ends_with("joint_states") && names[1].ends_with("joint_states"),
@@ -157,13 +229,20 @@ fn signals_of_one_name_are_told_apart_by_their_topics() {
 fn many_expected_events_make_no_fence() {
     let signals = run();
     let marks: Vec<Mark> = (0..300).map(|n| mark(f64::from(n) * 6e-3, 0, "done", "done")).collect();
+    // The places along the time of upright lines of events.
     let tall = |svg: &str| {
-        let upright = svg.split("<polyline").filter(|line| line.contains(r##"stroke="#787878""##)).filter(|line| {
-            let points = line.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap_or_default();
-            let ys: Vec<i32> = points.split_whitespace().filter_map(|xy| xy.split_once(',')?.1.parse().ok()).collect();
-            ys.len() == 2 && ys[0].abs_diff(ys[1]) > 1000
+        let upright = svg.split("<polyline").filter(|line| line.contains(r##"stroke="#787878""##));
+        let places = upright.filter_map(|line| {
+            let points = line.split("points=\"").nth(1)?.split('"').next()?;
+            let points: Vec<(i32, i32)> = points
+                .split_whitespace()
+                .filter_map(|xy| xy.split_once(','))
+                .filter_map(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)))
+                .collect();
+            let [from, to] = points[..] else { return None };
+            (from.0 == to.0 && from.1.abs_diff(to.1) > 1000).then_some(from.0)
         });
-        upright.count()
+        places.collect::<std::collections::BTreeSet<_>>().len()
     };
     assert_eq!(tall(&svg(&figure(&signals, &marks[..12]))), 12);
     assert_eq!(tall(&svg(&figure(&signals, &marks))), 12);
@@ -268,4 +347,21 @@ fn other_endings_are_refused() {
         let problem = write(&figure(&[], &[]), name.as_ref()).unwrap_err();
         assert_eq!(problem.to_string(), format!("{name} ends with neither .svg nor .png"));
     }
+}
+
+#[test]
+fn sizes_that_hold_no_figure_are_refused_with_the_needed_size() {
+    let signals = run();
+    let problem = |width, height| draw(&Figure { width, height, ..figure(&signals, &[]) }, Target::Svg).unwrap_err();
+    let low = problem(1200, Some(300)).to_string();
+    assert!(
+        low.starts_with("3 panels and 2 lanes need a height of ") && low.ends_with(" px or more, not 300 px"),
+        "{low}"
+    );
+    assert_eq!(problem(1200, Some(90)).to_string(), "height 90 px is outside 200 to 20000 px");
+    assert_eq!(problem(100, None).to_string(), "width 100 px is outside 500 to 8000 px");
+    let lanes: Vec<Series> =
+        (0..1000).map(|n| sampled(&format!("b{n}"), "", Kind::Bit, 10, |time| f64::from(time > 0.005))).collect();
+    let high = draw(&figure(&lanes, &[]), Target::Svg).unwrap_err().to_string();
+    assert!(high.starts_with("0 panels and 1000 lanes would need a height of 26"), "{high}");
 }

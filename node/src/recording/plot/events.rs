@@ -1,8 +1,7 @@
-//! Events in a figure: which of them are shown, and where their numbers stand.
+//! Events of a figure: which of them are shown, and the places of their numbers.
 //!
 //! Law      Errors come before warnings, warnings before limits, latches and ends of goals. Answers, states and parameters
-//!          are never drawn, only counted, as is what is expected of objects without a signal in the figure: they would
-//!          hide the rest.
+//!          are never drawn, only counted. Expected events of objects without a signal in the figure are only counted as well.
 
 use super::text::clean;
 use crate::recording::series::Mark;
@@ -114,26 +113,19 @@ fn rest(marks: &[&Mark]) -> String {
     if counts.is_empty() { String::new() } else { format!("events not listed: {}", counts.join(", ")) }
 }
 
-/// Places for labels of a width, as near as possible to where they want to be, side by side and between two edges.
-///
-/// Where labels meet they share the way: each group of them stands around the mean of its wishes.
-pub(super) fn spread(wishes: &[f64], width: f64, low: f64, high: f64) -> Vec<f64> {
-    // Without their widths, labels side by side stand in one place: groups are those with equal places.
-    let mut groups: Vec<(f64, usize)> = Vec::new();
-    for (place, wish) in wishes.iter().enumerate() {
-        groups.push((wish - place as f64 * width, 1));
-        while let [.., (left, many), (right, few)] = groups[..]
-            && left > right
-        {
-            groups.truncate(groups.len() - 2);
-            let count = many + few;
-            groups.push(((left * many as f64 + right * few as f64) / count as f64, count));
-        }
+/// Returns places for tags of a width near the wanted ones, in their order, side by side and between two edges.
+pub(super) fn spread(wanted: &[f64], width: f64, low: f64, high: f64) -> Vec<f64> {
+    let mut places: Vec<f64> = Vec::new();
+    for &wanted in wanted {
+        let least = places.last().map_or(low + width / 2.0, |last| last + width);
+        places.push(wanted.max(least));
     }
-    let room = high - low - width * wishes.len() as f64;
-    let (first, last) = (low + width / 2.0, low + width / 2.0 + room.max(0.0));
-    let places = groups.iter().flat_map(|&(at, count)| std::iter::repeat_n(at.clamp(first, last), count));
-    places.enumerate().map(|(place, at)| at + place as f64 * width).collect()
+    let mut most = high - width / 2.0;
+    for place in places.iter_mut().rev() {
+        *place = place.min(most);
+        most = *place - width;
+    }
+    places
 }
 
 #[cfg(test)]
@@ -181,15 +173,15 @@ mod tests {
     }
 
     #[test]
-    fn labels_that_meet_share_the_way() {
-        assert_eq!(spread(&[50.0, 50.0, 50.0], 10.0, 0.0, 100.0), [40.0, 50.0, 60.0]);
+    fn tags_that_meet_are_moved_apart() {
+        assert_eq!(spread(&[50.0, 50.0, 50.0], 10.0, 0.0, 100.0), [50.0, 60.0, 70.0]);
         assert_eq!(spread(&[2.0, 3.0, 80.0], 10.0, 0.0, 100.0), [5.0, 15.0, 80.0]);
         assert_eq!(spread(&[99.0, 99.0], 10.0, 0.0, 100.0), [85.0, 95.0]);
     }
 
     proptest! {
         #[test]
-        fn labels_never_overlap_and_stay_inside(mut wishes in prop::collection::vec(0.0..900.0, 0..12)) {
+        fn tags_never_overlap_and_stay_inside(mut wishes in prop::collection::vec(0.0..900.0, 0..12)) {
             wishes.sort_by(f64::total_cmp);
             let places = spread(&wishes, 20.0, 0.0, 900.0);
             prop_assert_eq!(places.len(), wishes.len());
