@@ -60,7 +60,7 @@ const DEAF: Duration = Duration::from_millis(100);
 const PID_ENDPOINT_GUID: u16 = 0x5a;
 const PID_USER_DATA: u16 = 0x2c;
 
-/// The announcements of our participant and its endpoints, as its library sends them, and the hashes of the endpoints' types.
+/// The announcements of our participant and its endpoints, as the library sends them, and the hashes of the endpoints' types.
 pub(super) struct Hashes {
     own: Prefix,
     /// Prefix of the simulated participant.
@@ -88,7 +88,7 @@ struct Announced {
     acknowledged: i32,
     /// Participants that were introduced, the newest last.
     known: VecDeque<Prefix>,
-    /// A successor replaces our participant: it is announced to nobody any more.
+    /// Whether a successor replaces our participant, which is then not announced any more.
     has_ended: bool,
 }
 
