@@ -5,6 +5,12 @@
 use std::{thread, time::Duration};
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
+use lineshaft_msgs::action::MoveAxis;
+use lineshaft_msgs::foreign::action_msgs::{msg::GoalStatusArray, srv::CancelGoal};
+use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
+use lineshaft_msgs::msg::AxisStates;
+use lineshaft_msgs::srv::AxesCommand;
+use lineshaft_msgs::{Action, GetResult, Message, SendGoal, Service};
 use serde_json::{Value, json};
 
 /// Far more than the program needs to end.
@@ -88,6 +94,30 @@ fn the_graph_shows_the_node_and_only_endpoints_that_exist() {
     }
     for topic in ["rq/lineshaft/enableRequest", "rq/lineshaft/move_axis/_action/send_goalRequest"] {
         assert!(has("reads", topic), "{topic} in {seen:?}");
+    }
+}
+
+/// As `ros2 topic info -v` of ROS 2 Jazzy, on a participant that starts after the node.
+#[test]
+fn a_new_participant_sees_the_type_hash_of_every_endpoint() {
+    let demo = Demo::start();
+    // A datagram may get lost; its endpoint is then announced without a hash.
+    let seen = (0..5)
+        .map(|_| Peer::cyclone(&demo.domain).run("type-hashes /lineshaft"))
+        .find(|seen| seen["missing"] == json!([]))
+        .expect("a participant that sees all hashes");
+    for (endpoint, hash) in [
+        ("writes rt/joint_states", JointState::HASH),
+        ("writes rt/lineshaft/axis_states", AxisStates::HASH),
+        ("reads rq/lineshaft/enableRequest", AxesCommand::REQUEST_HASH),
+        ("writes rr/lineshaft/enableReply", AxesCommand::RESPONSE_HASH),
+        ("reads rq/lineshaft/move_axis/_action/send_goalRequest", SendGoal::<MoveAxis>::REQUEST_HASH),
+        ("writes rr/lineshaft/move_axis/_action/get_resultReply", GetResult::<MoveAxis>::RESPONSE_HASH),
+        ("reads rq/lineshaft/move_axis/_action/cancel_goalRequest", CancelGoal::REQUEST_HASH),
+        ("writes rt/lineshaft/move_axis/_action/feedback", MoveAxis::FEEDBACK_MESSAGE_HASH),
+        ("writes rt/lineshaft/move_axis/_action/status", GoalStatusArray::HASH),
+    ] {
+        assert_eq!(seen["hashes"][endpoint], format!("typehash={hash};"), "{endpoint}");
     }
 }
 

@@ -279,6 +279,7 @@ fn other_dds_implementations_bear_what_the_node_sends() {
     assert_eq!(visitors.answer().1, None, "{}", program.log());
     let seen = sniffer.run("rtps-check");
     assert!(seen["fragmented"].as_u64() >= Some(25) && seen["others"].as_u64() > Some(30), "{seen:?}");
+    assert!(seen["with_hash"].as_u64() > Some(100), "the endpoints are announced with their type hashes: {seen:?}");
 }
 
 /// The logs of two nodes of one name, whose endpoints come and go for a while; none where a ROS side was started again: a new side is

@@ -3,24 +3,22 @@
 use std::fmt::Write as _;
 
 use crate::files::OWN;
-use crate::interface::{Constant, Element, Field, Interface, Kind, Section, Shape};
+use crate::hash::Hashes;
+use crate::interface::{Constant, DUMMY_FIELD, Element, Field, Interface, Kind, Section, Shape};
 use crate::schema::schema;
 
-/// The field that ROS 2 gives a struct without fields: one byte on the wire.
-const DUMMY_FIELD: &str = "structure_needs_at_least_one_member";
-
 /// The source of all modules: `msg`, `srv`, `action` of this package and `foreign` with those of the others.
-pub(crate) fn generate(interfaces: &[Interface]) -> String {
-    let mut out = package(interfaces, OWN);
+pub(crate) fn generate(interfaces: &[Interface], hashes: &Hashes) -> String {
+    let mut out = package(interfaces, hashes, OWN);
     out += "/// Interfaces of other packages that the node speaks, one module per package.\npub mod foreign {\n";
     let mut packages: Vec<&str> = interfaces.iter().map(|interface| interface.package.as_str()).collect();
     packages.dedup();
     for name in packages.into_iter().filter(|name| *name != OWN) {
-        out +=
-            &format!("/// Interfaces of the package `{name}`.\npub mod {name} {{\n{}}}\n", package(interfaces, name));
+        let package = package(interfaces, hashes, name);
+        out += &format!("/// Interfaces of the package `{name}`.\npub mod {name} {{\n{package}}}\n");
     }
     out += "}\n";
-    out + &about(interfaces) + &list(interfaces)
+    out + &about(interfaces) + &list(interfaces) + &all_hashes(hashes)
 }
 
 /// The interfaces of this package as data for people, with their comments.
@@ -66,7 +64,22 @@ fn list(interfaces: &[Interface]) -> String {
     out + "} }\n"
 }
 
-fn package(interfaces: &[Interface], package: &str) -> String {
+/// The hashes of all types, for the tests that compare them with those of ROS 2.
+fn all_hashes(hashes: &Hashes) -> String {
+    let mut out = "#[cfg(test)]\nconst TYPE_HASHES: &[(&str, &str)] = &[\n".to_owned();
+    for (name, hash) in hashes {
+        out += &format!("({name:?}, {hash:?}),\n");
+    }
+    out + "];\n"
+}
+
+/// A constant with the hash of the type `name`.
+fn hash_constant(hashes: &Hashes, constant: &str, name: &str) -> String {
+    let hash = hashes.get(name).expect("every type of the files has a hash");
+    format!("const {constant}: &'static str = {hash:?};\n")
+}
+
+fn package(interfaces: &[Interface], hashes: &Hashes, package: &str) -> String {
     let mut out = String::new();
     for kind in Kind::ALL {
         let mut members = interfaces.iter().filter(|i| i.package == package && i.kind == kind).peekable();
@@ -79,25 +92,31 @@ fn package(interfaces: &[Interface], package: &str) -> String {
             Kind::Action => "Actions",
         };
         out += &format!("/// {what} of the package `{package}`.\npub mod {} {{\n", kind.name());
-        members.for_each(|interface| out += &self::interface(interfaces, interface));
+        members.for_each(|interface| out += &self::interface(interfaces, hashes, interface));
         out += "}\n";
     }
     out
 }
 
-fn interface(interfaces: &[Interface], interface: &Interface) -> String {
+fn interface(interfaces: &[Interface], hashes: &Hashes, interface: &Interface) -> String {
     let mut out = match interface.kind {
         Kind::Msg => String::new(),
-        Kind::Srv => service(interface),
-        Kind::Action => action(interface),
+        Kind::Srv => service(hashes, interface),
+        Kind::Action => action(hashes, interface),
     };
     for (section, suffix) in interface.sections.iter().zip(interface.kind.sections()) {
-        out += &structure(interfaces, interface, section, suffix);
+        out += &structure(interfaces, hashes, interface, section, suffix);
     }
     out
 }
 
-fn structure(interfaces: &[Interface], interface: &Interface, section: &Section, suffix: &str) -> String {
+fn structure(
+    interfaces: &[Interface],
+    hashes: &Hashes,
+    interface: &Interface,
+    section: &Section,
+    suffix: &str,
+) -> String {
     let Interface { package, kind, name, .. } = interface;
     let kind = kind.name();
     let separator = if suffix.is_empty() { "" } else { "_" };
@@ -127,6 +146,7 @@ fn structure(interfaces: &[Interface], interface: &Interface, section: &Section,
         out += "}\n";
     }
     out += &format!("impl crate::Message for {name}{suffix} {{\nconst NAME: &'static str = \"{ros_name}\";\n");
+    out += &hash_constant(hashes, "HASH", &ros_name);
     out += &format!(
         "const DDS_NAME: &'static str = \"{package}::{kind}::dds_::{name}{separator}{suffix}_\";\n\
          const SCHEMA: &'static str = {:?};\n}}\n",
@@ -135,7 +155,7 @@ fn structure(interfaces: &[Interface], interface: &Interface, section: &Section,
     out
 }
 
-fn service(interface: &Interface) -> String {
+fn service(hashes: &Hashes, interface: &Interface) -> String {
     let Interface { package, name, sections, .. } = interface;
     let mut out = doc(sections.first().map_or(&[], |section| &section.doc), &format!("Service {name}."));
     out += &format!(
@@ -143,14 +163,17 @@ fn service(interface: &Interface) -> String {
          type Request = {name}Request;\ntype Response = {name}Response;\n\
          const NAME: &'static str = \"{package}/srv/{name}\";\n"
     );
+    let ros_name = format!("{package}/srv/{name}");
+    out += &hash_constant(hashes, "HASH", &ros_name);
     for part in ["Request", "Response"] {
         let constant = part.to_uppercase();
         out += &format!("const {constant}_DDS_NAME: &'static str = \"{package}::srv::dds_::{name}_{part}_\";\n");
+        out += &hash_constant(hashes, &format!("{constant}_HASH"), &format!("{ros_name}_{part}"));
     }
     out + "}\n"
 }
 
-fn action(interface: &Interface) -> String {
+fn action(hashes: &Hashes, interface: &Interface) -> String {
     let Interface { package, name, sections, .. } = interface;
     let mut out = doc(sections.first().map_or(&[], |section| &section.doc), &format!("Action {name}."));
     out += &format!(
@@ -158,17 +181,23 @@ fn action(interface: &Interface) -> String {
          type Goal = {name}Goal;\ntype Result = {name}Result;\ntype Feedback = {name}Feedback;\n\
          const NAME: &'static str = \"{package}/action/{name}\";\n"
     );
+    let ros_name = format!("{package}/action/{name}");
+    out += &hash_constant(hashes, "HASH", &ros_name);
     for service in ["SendGoal", "GetResult"] {
         let constant = if service == "SendGoal" { "SEND_GOAL" } else { "GET_RESULT" };
         out += &format!("const {constant}_NAME: &'static str = \"{package}/action/{name}_{service}\";\n");
+        out += &hash_constant(hashes, &format!("{constant}_HASH"), &format!("{ros_name}_{service}"));
         for part in ["Request", "Response"] {
-            let dds = format!("{package}::action::dds_::{name}_{service}_{part}_");
-            out += &format!("const {constant}_{}_DDS_NAME: &'static str = \"{dds}\";\n", part.to_uppercase());
+            let (dds, upper) = (format!("{package}::action::dds_::{name}_{service}_{part}_"), part.to_uppercase());
+            out += &format!("const {constant}_{upper}_DDS_NAME: &'static str = \"{dds}\";\n");
+            let hashed = format!("{ros_name}_{service}_{part}");
+            out += &hash_constant(hashes, &format!("{constant}_{upper}_HASH"), &hashed);
         }
     }
     out += &format!(
         "const FEEDBACK_MESSAGE_DDS_NAME: &'static str = \"{package}::action::dds_::{name}_FeedbackMessage_\";\n"
     );
+    out += &hash_constant(hashes, "FEEDBACK_MESSAGE_HASH", &format!("{ros_name}_FeedbackMessage"));
     out + "}\n"
 }
 

@@ -93,38 +93,43 @@ pub(crate) enum Shape {
     Bounded(usize),
 }
 
-/// A type of fixed size: its name in the files, its Rust type, and the whole numbers that it holds.
+/// The field that ROS 2 gives a struct without fields: one byte on the wire.
+pub(crate) const DUMMY_FIELD: &str = "structure_needs_at_least_one_member";
+
+/// A type of fixed size: its name in the files, its number in type descriptions, its Rust type, and the whole numbers that it holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Primitive {
     pub(crate) name: &'static str,
+    /// Its constant in type_description_interfaces/msg/FieldType. `char` has that of `uint8`.
+    pub(crate) description_id: u8,
     pub(crate) rust: &'static str,
     /// None: no integer, so there are no constants of it.
     pub(crate) range: Option<(i128, i128)>,
 }
 
 impl Primitive {
-    const fn integer(name: &'static str, rust: &'static str, low: i128, high: i128) -> Self {
-        Self { name, rust, range: Some((low, high)) }
+    const fn integer(name: &'static str, description_id: u8, rust: &'static str, low: i128, high: i128) -> Self {
+        Self { name, description_id, rust, range: Some((low, high)) }
     }
 
-    const fn other(name: &'static str, rust: &'static str) -> Self {
-        Self { name, rust, range: None }
+    const fn other(name: &'static str, description_id: u8, rust: &'static str) -> Self {
+        Self { name, description_id, rust, range: None }
     }
 
     pub(crate) const ALL: [Self; 13] = [
-        Self::other("bool", "bool"),
-        Self::integer("byte", "u8", 0, u8::MAX as i128),
-        Self::integer("char", "u8", 0, u8::MAX as i128),
-        Self::integer("int8", "i8", i8::MIN as i128, i8::MAX as i128),
-        Self::integer("uint8", "u8", 0, u8::MAX as i128),
-        Self::integer("int16", "i16", i16::MIN as i128, i16::MAX as i128),
-        Self::integer("uint16", "u16", 0, u16::MAX as i128),
-        Self::integer("int32", "i32", i32::MIN as i128, i32::MAX as i128),
-        Self::integer("uint32", "u32", 0, u32::MAX as i128),
-        Self::integer("int64", "i64", i64::MIN as i128, i64::MAX as i128),
-        Self::integer("uint64", "u64", 0, u64::MAX as i128),
-        Self::other("float32", "f32"),
-        Self::other("float64", "f64"),
+        Self::other("bool", 15, "bool"),
+        Self::integer("byte", 16, "u8", 0, u8::MAX as i128),
+        Self::integer("char", 3, "u8", 0, u8::MAX as i128),
+        Self::integer("int8", 2, "i8", i8::MIN as i128, i8::MAX as i128),
+        Self::integer("uint8", 3, "u8", 0, u8::MAX as i128),
+        Self::integer("int16", 4, "i16", i16::MIN as i128, i16::MAX as i128),
+        Self::integer("uint16", 5, "u16", 0, u16::MAX as i128),
+        Self::integer("int32", 6, "i32", i32::MIN as i128, i32::MAX as i128),
+        Self::integer("uint32", 7, "u32", 0, u32::MAX as i128),
+        Self::integer("int64", 8, "i64", i64::MIN as i128, i64::MAX as i128),
+        Self::integer("uint64", 9, "u64", 0, u64::MAX as i128),
+        Self::other("float32", 10, "f32"),
+        Self::other("float64", 11, "f64"),
     ];
 
     pub(crate) fn named(name: &str) -> Option<Self> {

@@ -2,6 +2,7 @@
 
 mod files;
 mod generate;
+mod hash;
 mod interface;
 mod parse;
 mod schema;
@@ -16,6 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("cargo::rerun-if-changed={watched}");
     }
     let interfaces = files::read_all(&root)?;
-    fs::write(Path::new(&out).join("interfaces.rs"), generate::generate(&interfaces))?;
+    let hashes = hash::hashes(&interfaces)?;
+    fs::write(Path::new(&out).join("interfaces.rs"), generate::generate(&interfaces, &hashes))?;
     Ok(())
 }

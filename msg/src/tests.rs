@@ -3,6 +3,7 @@
 mod any_value;
 mod contract;
 mod golden;
+mod hashes;
 mod hostile;
 mod names;
 mod package;

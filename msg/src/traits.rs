@@ -11,6 +11,8 @@ pub trait Message: Clone + Debug + Default + PartialEq + Serialize + Deserialize
     const NAME: &'static str;
     /// Name in DDS, for instance `lineshaft_msgs::msg::dds_::AxisState_`.
     const DDS_NAME: &'static str;
+    /// Type hash (RIHS01, REP 2016), for instance `RIHS01_` and 64 hex digits.
+    const HASH: &'static str;
     /// Text for bags in the schema encoding `ros2msg`: the struct's own lines, then those of each message that it
     /// needs, after a line of 80 `=` and a line `MSG: package/Type`.
     const SCHEMA: &'static str;
@@ -24,10 +26,16 @@ pub trait Service: 'static {
     type Response: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Name in ROS 2, for instance `lineshaft_msgs/srv/SetPosition`.
     const NAME: &'static str;
+    /// Type hash of the service as a whole, which includes its events. DDS endpoints have the hashes of its parts.
+    const HASH: &'static str;
     /// Name of the request in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Request_`.
     const REQUEST_DDS_NAME: &'static str;
+    /// Type hash of the request.
+    const REQUEST_HASH: &'static str;
     /// Name of the response in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Response_`.
     const RESPONSE_DDS_NAME: &'static str;
+    /// Type hash of the response.
+    const RESPONSE_HASH: &'static str;
 }
 
 /// A goal that takes time, its feedback and its result.
@@ -45,18 +53,34 @@ pub trait Action: 'static {
     type Feedback: Message;
     /// Name in ROS 2, for instance `lineshaft_msgs/action/MoveAxis`.
     const NAME: &'static str;
+    /// Type hash of the action as a whole.
+    const HASH: &'static str;
     /// Name of the service that takes goals, `.._SendGoal`.
     const SEND_GOAL_NAME: &'static str;
+    /// Type hash of that service.
+    const SEND_GOAL_HASH: &'static str;
     /// DDS name of [`SendGoalRequest`](crate::SendGoalRequest).
     const SEND_GOAL_REQUEST_DDS_NAME: &'static str;
+    /// Type hash of [`SendGoalRequest`](crate::SendGoalRequest).
+    const SEND_GOAL_REQUEST_HASH: &'static str;
     /// DDS name of [`SendGoalResponse`](crate::SendGoalResponse).
     const SEND_GOAL_RESPONSE_DDS_NAME: &'static str;
+    /// Type hash of [`SendGoalResponse`](crate::SendGoalResponse).
+    const SEND_GOAL_RESPONSE_HASH: &'static str;
     /// Name of the service that gives results, `.._GetResult`.
     const GET_RESULT_NAME: &'static str;
+    /// Type hash of that service.
+    const GET_RESULT_HASH: &'static str;
     /// DDS name of [`GetResultRequest`](crate::GetResultRequest).
     const GET_RESULT_REQUEST_DDS_NAME: &'static str;
+    /// Type hash of [`GetResultRequest`](crate::GetResultRequest).
+    const GET_RESULT_REQUEST_HASH: &'static str;
     /// DDS name of [`GetResultResponse`](crate::GetResultResponse).
     const GET_RESULT_RESPONSE_DDS_NAME: &'static str;
+    /// Type hash of [`GetResultResponse`](crate::GetResultResponse).
+    const GET_RESULT_RESPONSE_HASH: &'static str;
     /// DDS name of [`FeedbackMessage`](crate::FeedbackMessage).
     const FEEDBACK_MESSAGE_DDS_NAME: &'static str;
+    /// Type hash of [`FeedbackMessage`](crate::FeedbackMessage).
+    const FEEDBACK_MESSAGE_HASH: &'static str;
 }

@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
+from cyclonedds.core import Policy
 from cyclonedds.idl import IdlStruct, types as t
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
@@ -242,3 +243,18 @@ def graph(peer, a):
     show(node=a.node, writes=writes, reads=reads, unknown=strange_w + strange_r)
     if strange_w + strange_r:
         raise Failure(f"{strange_w + strange_r} announced endpoints do not exist")
+
+
+def type_hashes(peer, a):
+    """USER_DATA of the node's endpoints in discovery, which has the type hashes of ROS 2; and the endpoints without it."""
+    node = node_info(peer, a.node)
+    hashes = {}
+    for verb, kind, gids in (("writes", BuiltinTopicDcpsPublication, node.writer_gid_seq),
+                             ("reads", BuiltinTopicDcpsSubscription, node.reader_gid_seq)):
+        reader, own = BuiltinDataReader(peer.dp, kind), {bytes(g.data) for g in gids}
+        time.sleep(0.5)
+        for e in reader.read(10_000):
+            if e.sample_info.valid_data and e.key.bytes in own:
+                data = [bytes(policy.data) for policy in e.qos if isinstance(policy, Policy.Userdata)]
+                hashes[f"{verb} {e.topic_name}"] = b"".join(data).decode()
+    show(node=a.node, hashes=hashes, missing=sorted(endpoint for endpoint, data in hashes.items() if not data))

@@ -438,6 +438,7 @@ def parser():
     p = command("twins", checks.twins, axis="x")
     p.add_argument("--apart", action="store_true", help="each on a participant of its own")
     command("graph", checks.graph)
+    command("type-hashes", checks.type_hashes)
     command("talk", talk, node=False, seconds=3.0)
     return top
 

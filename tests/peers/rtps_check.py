@@ -4,6 +4,7 @@ gap        A GAP covers a sample of which some, but not all, fragments went to t
            loops for ever with its lock held.
 heartbeat  The count of a writer's HEARTBEATs to one reader and address does not rise: receivers ignore that HEARTBEAT.
 acknack    The same of ACKNACKs.
+announced  Two announcements of an endpoint have the same sequence number, and differ in more than USER_DATA.
 late       A HEARTBEAT to a reader of the node that announces samples is answered by no ACKNACK within some time.
 """
 import os
@@ -11,9 +12,11 @@ import struct
 import time
 
 from report import Failure, show
-from rtps import ACKNACK, DATA_FRAG, GAP, HEARTBEAT, INFO_DST, Sniffer, fragments, number, numbers, submessages
+from rtps import ACKNACK, DATA, DATA_FRAG, GAP, HEARTBEAT, INFO_DST, Sniffer, fragments, number, numbers, submessages
 
 RUSTDDS = b"\x01\x12"  # how GUIDs of the node begin
+ANNOUNCERS = (b"\0\0\3\xc2", b"\0\0\4\xc2")  # built-in writers that announce endpoints
+USER_DATA, SENTINEL = 0x2C, 0x01
 LATE_S = 0.3
 SHOWN = 10
 
@@ -21,7 +24,8 @@ SHOWN = 10
 class Check:
     def __init__(self):
         self.sent, self.whole, self.counts, self.asked = {}, {}, {}, {}
-        self.found = {"gap": [], "heartbeat": [], "acknack": []}
+        self.found = {"gap": [], "heartbeat": [], "acknack": [], "announced": []}
+        self.announced, self.with_hash = {}, set()
         self.seen, self.latest, self.late = set(), 0.0, 0
 
     def take(self, at, address, payload):
@@ -33,6 +37,8 @@ class Check:
                 key = (address, to, source + body[8:12], sample)
                 self.sent.setdefault(key, set()).update(range(first, first + count))
                 self.whole[key] = whole
+            elif ours and kind == DATA and body[8:12] in ANNOUNCERS and not flags & 0b1010:
+                self.announcement(source + body[8:20], *user_data(body[20:]))
             elif ours and kind == GAP:
                 self.gap(address, to, source + body[4:8], number(order, body[8:16]), *numbers(order, body[16:]))
             elif kind in (HEARTBEAT, ACKNACK) and ours and not to.startswith(RUSTDDS):
@@ -48,6 +54,13 @@ class Check:
                 self.found["gap"].append(f"sample {key[3]} of {writer.hex()} to {to.hex()} at {address}: "
                                          f"{len(have)} of {self.whole[key]} fragments were sent")
 
+    def announcement(self, sample, rest, data):
+        """`sample`: participant, writer and sequence number."""
+        if self.announced.setdefault(sample, rest) != rest:
+            self.found["announced"].append(f"{sample.hex()}: {rest.hex()} and {self.announced[sample].hex()}")
+        if b"typehash=RIHS01_" in data:
+            self.with_hash.add(sample)
+
     def count(self, kind, order, body, source, to, address, at):
         reader, writer = body[:4], body[4:8]
         count = struct.unpack(order + "I", body[-4:] if kind == ACKNACK else body[24:28])[0]
@@ -61,6 +74,21 @@ class Check:
         if since is not None:
             self.latest = max(self.latest, at - since)
             self.late += at - since > LATE_S
+
+
+def user_data(payload):
+    """The parameter list without USER_DATA, and USER_DATA."""
+    order, rest, data, i = "<" if payload[1:2] == b"\3" else ">", payload[:4], b"", 4
+    while i + 4 <= len(payload):
+        kind, length = struct.unpack(order + "HH", payload[i:i + 4])
+        if kind == USER_DATA:
+            data += payload[i + 4:i + 4 + length]
+        else:
+            rest += payload[i:i + 4 + length]
+        if kind == SENTINEL:
+            break
+        i += 4 + length
+    return rest, data
 
 
 def message(*parts):
@@ -85,10 +113,16 @@ def prove_itself():
     def acknack(count):
         return ACKNACK, writer + struct.pack("<iIIi", 0, 1, 0, count)
 
+    def announced(*parameters):
+        head = bytes([0, 0, 16, 0]) + bytes(4) + ANNOUNCERS[0] + struct.pack("<iI", 0, 7) + bytes([0, 3, 0, 0])
+        return DATA, head + b"".join(struct.pack("<HH4s", kind, 4, text) for kind, text in parameters) + b"\1\0\0\0"
+
+    topic, other, data = (0x05, b"rt/x"), (0x05, b"rt/y"), (USER_DATA, b"abc;")
     for parts, kind in [([fragment(1, 2), gap(5, 8)], "gap"), ([fragment(1, 2), gap(5, 7)], None),
                         ([fragment(1, 2), fragment(3, 1), gap(5, 8)], None), ([heartbeat(2), heartbeat(2)], "heartbeat"),
                         ([heartbeat(2), heartbeat(3)], None), ([acknack(3), acknack(1)], "acknack"),
-                        ([acknack(1), acknack(3)], None)]:
+                        ([acknack(1), acknack(3)], None), ([announced(topic, data), announced(topic)], None),
+                        ([announced(topic), announced(other)], "announced")]:
         check = Check()
         for part in parts:
             check.take(0.0, ("127.0.0.1", 7411), message(to, part))
@@ -110,7 +144,7 @@ def rtps_check(peer, a):
         check.take(*datagram)
     nodes = sum(prefix.startswith(RUSTDDS) for prefix in check.seen)
     show(nodes=nodes, others=len(check.seen) - nodes, late=check.late, latest_s=check.latest,
-         fragmented=len({key[2:] for key in check.sent}), **{kind: all[:SHOWN] for kind, all in check.found.items()})
+         with_hash=len(check.with_hash), fragmented=len({key[2:] for key in check.sent}), **{kind: all[:SHOWN] for kind, all in check.found.items()})
     if any(check.found.values()):
         raise Failure(f"found {({kind: len(all) for kind, all in check.found.items()})}")
 

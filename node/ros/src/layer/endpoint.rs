@@ -3,13 +3,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use lineshaft_msgs::{Action, Message, Service};
 use tokio::runtime::Handle;
 use tokio::sync::watch;
 
 use super::arguments::Names;
 use super::clock::Clock;
 use super::tap::Tap;
-use crate::link::protocol::monotonic_ns;
+use crate::link::protocol::{WireType, monotonic_ns};
 use crate::link::qos::Qos;
 use crate::link::{LinkError, Opener, Reader, Writer};
 
@@ -37,21 +38,43 @@ pub(super) struct Context {
 pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(bool, String, String, Qos)>>>;
 
 impl Context {
-    pub(super) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Writer {
+    pub(super) fn writer(&self, topic: &str, wire: WireType, qos: Qos) -> Writer {
         #[cfg(test)]
-        self.note(true, topic, type_name, qos);
-        self.opener.writer(topic, type_name, qos)
+        self.note(true, topic, wire, qos);
+        self.opener.writer(topic, wire, qos)
     }
 
-    pub(super) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Reader {
+    pub(super) fn reader(&self, topic: &str, wire: WireType, qos: Qos) -> Reader {
         #[cfg(test)]
-        self.note(false, topic, type_name, qos);
-        self.opener.reader(topic, type_name, qos)
+        self.note(false, topic, wire, qos);
+        self.opener.reader(topic, wire, qos)
     }
 
     #[cfg(test)]
-    fn note(&self, writes: bool, topic: &str, type_name: &str, qos: Qos) {
-        self.opened.lock().unwrap().push((writes, topic.to_owned(), type_name.to_owned(), qos));
+    fn note(&self, writes: bool, topic: &str, wire: WireType, qos: Qos) {
+        self.opened.lock().unwrap().push((writes, topic.to_owned(), wire.name.to_owned(), qos));
+    }
+}
+
+impl WireType {
+    /// Returns the type of a message.
+    pub(super) fn message<M: Message>() -> Self {
+        Self { name: M::DDS_NAME, hash: M::HASH }
+    }
+
+    /// Returns the type of the requests of a service.
+    pub(super) fn request<S: Service>() -> Self {
+        Self { name: S::REQUEST_DDS_NAME, hash: S::REQUEST_HASH }
+    }
+
+    /// Returns the type of the responses of a service.
+    pub(super) fn response<S: Service>() -> Self {
+        Self { name: S::RESPONSE_DDS_NAME, hash: S::RESPONSE_HASH }
+    }
+
+    /// Returns the type of the feedback messages of an action.
+    pub(super) fn feedback<A: Action>() -> Self {
+        Self { name: A::FEEDBACK_MESSAGE_DDS_NAME, hash: A::FEEDBACK_MESSAGE_HASH }
     }
 }
 

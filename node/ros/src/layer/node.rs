@@ -25,6 +25,7 @@ use super::service::ServiceServer;
 use super::subscription::Subscription;
 use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
+use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
 
@@ -275,7 +276,7 @@ impl NodeHandle {
         }
         let context = &self.context;
         let topic = context.names.topic("/rosout")?.topic();
-        let writer = self.given.has_rosout.then(|| context.writer(&topic, Log::DDS_NAME, Qos::ROSOUT));
+        let writer = self.given.has_rosout.then(|| context.writer(&topic, WireType::message::<Log>(), Qos::ROSOUT));
         let copies = self.tapped::<Log>("/rosout", Qos::ROSOUT);
         let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
         let rosout = Rosout::new(writer.map(|writer| (writer, copies)), self.name().logger(), clock, loggers);

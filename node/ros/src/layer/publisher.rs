@@ -9,6 +9,7 @@ use tokio::sync::watch;
 use super::endpoint::Context;
 use super::name::FullName;
 use super::tap::TappedPublisher;
+use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 use crate::link::{Unwritten, Writer};
 
@@ -37,7 +38,7 @@ pub struct Publisher<M> {
 
 impl<M: Message> Publisher<M> {
     pub(super) fn new(context: &Context, topic: FullName, qos: Qos, copies: Option<TappedPublisher>) -> Self {
-        let inner = Untyped { copies, ..Untyped::new(context, topic, M::DDS_NAME, qos) };
+        let inner = Untyped { copies, ..Untyped::new(context, topic, WireType::message::<M>(), qos) };
         Self { inner, message: PhantomData }
     }
 
@@ -67,8 +68,8 @@ pub(super) struct Untyped {
 }
 
 impl Untyped {
-    pub(super) fn new(context: &Context, topic: FullName, type_name: &str, qos: Qos) -> Self {
-        let writer = context.writer(&topic.topic(), type_name, qos);
+    pub(super) fn new(context: &Context, topic: FullName, wire: WireType, qos: Qos) -> Self {
+        let writer = context.writer(&topic.topic(), wire, qos);
         Self { writer, topic, closed: context.closed.clone(), copies: None }
     }
 

@@ -10,7 +10,7 @@ use super::endpoint::{Context, age};
 use super::name::FullName;
 use crate::line_limit::LineLimit;
 use crate::link::Reader;
-use crate::link::protocol::Sample;
+use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 
 /// Reads the messages of one topic; dropping it takes the topic from the node.
@@ -30,7 +30,7 @@ pub struct Subscription<M> {
 impl<M: Message> Subscription<M> {
     pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Self {
         Self {
-            samples: context.reader(&topic.topic(), M::DDS_NAME, qos),
+            samples: context.reader(&topic.topic(), WireType::message::<M>(), qos),
             topic,
             latched: qos.latched,
             timeout: context.request_timeout,

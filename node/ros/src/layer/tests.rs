@@ -14,6 +14,7 @@ use lineshaft_msgs::{GetResult, GetResultRequest, GetResultResponse, SendGoal, S
 use tokio::time::{sleep, timeout};
 
 use super::*;
+use crate::link::protocol::WireType;
 use crate::link::{Reader, Writer};
 
 /// Far more than anything here takes.
@@ -32,7 +33,7 @@ fn node(name: &str) -> Node {
 /// Writes requests, as soon as there is a server.
 async fn requests<S: Service>(node: &Node, name: &str) -> Writer {
     let topic = node.name().expand(name).unwrap().request();
-    let requests = node.context().writer(&topic, S::REQUEST_DDS_NAME, Qos::SERVICE);
+    let requests = node.context().writer(&topic, WireType::request::<S>(), Qos::SERVICE);
     let matched = async {
         while requests.matched() == 0 {
             sleep(Duration::from_millis(2)).await;
@@ -52,7 +53,7 @@ impl<S: Service> Client<S> {
     /// Returns when it sees the server.
     async fn new(node: &Node, name: &str) -> Self {
         let reply = node.name().expand(name).unwrap().reply();
-        let replies = node.context().reader(&reply, S::RESPONSE_DDS_NAME, Qos::SERVICE);
+        let replies = node.context().reader(&reply, WireType::response::<S>(), Qos::SERVICE);
         Self { replies, requests: requests::<S>(node, name).await, service: PhantomData }
     }
 

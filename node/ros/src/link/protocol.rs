@@ -53,6 +53,15 @@ pub(crate) struct Departed {
     pub(crate) networks: Option<Vec<Ipv4Addr>>,
 }
 
+/// Type of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WireType {
+    /// Name in DDS.
+    pub(crate) name: &'static str,
+    /// Type hash (RIHS01).
+    pub(crate) hash: &'static str,
+}
+
 /// Settings of an endpoint that the side creates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Spec {
@@ -60,6 +69,8 @@ pub(crate) struct Spec {
     /// Topic name in DDS.
     pub(crate) topic: String,
     pub(crate) type_name: String,
+    /// Type hash (RIHS01), which the side announces.
+    pub(crate) type_hash: String,
     pub(crate) qos: Qos,
 }
 

@@ -13,7 +13,9 @@ use bytes::Bytes;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::{oneshot, watch};
 
-use super::protocol::{Endpoint, Join, Kind, Order, Place, Reply, ReplyFailure, Report, Sample, SampleId, Spec};
+use super::protocol::{
+    Endpoint, Join, Kind, Order, Place, Reply, ReplyFailure, Report, Sample, SampleId, Spec, WireType,
+};
 
 /// Maximum number of samples of a reader that wait in this process. Others wait in the DDS library, which drops the oldest ones that
 /// exceed the reader's depth.
@@ -132,23 +134,24 @@ impl Registry {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn open_writer(self: &Arc<Self>, topic: &str, type_name: &str, qos: super::qos::Qos) -> Writer {
+    pub(super) fn open_writer(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Writer {
         let (readers, matched) = watch::channel(0);
         let more = More::Writer { readers, kept: VecDeque::new() };
-        let endpoint = self.open(Kind::Writer, topic, type_name, qos, more);
+        let endpoint = self.open(Kind::Writer, topic, wire, qos, more);
         Writer { endpoint, registry: Arc::clone(self), matched }
     }
 
-    pub(super) fn open_reader(self: &Arc<Self>, topic: &str, type_name: &str, qos: super::qos::Qos) -> Reader {
+    pub(super) fn open_reader(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Reader {
         let (samples, taken) = unbounded_channel();
         let waiting = Arc::new(AtomicU32::new(0));
         let more = More::Reader { samples, waiting: Arc::clone(&waiting) };
-        let endpoint = self.open(Kind::Reader(CREDIT), topic, type_name, qos, more);
+        let endpoint = self.open(Kind::Reader(CREDIT), topic, wire, qos, more);
         Reader { endpoint, registry: Arc::clone(self), samples: taken, waiting, owed: 0 }
     }
 
-    fn open(&self, kind: Kind, topic: &str, type_name: &str, qos: super::qos::Qos, more: More) -> Endpoint {
-        let spec = Spec { kind, topic: topic.to_owned(), type_name: type_name.to_owned(), qos };
+    fn open(&self, kind: Kind, topic: &str, wire: WireType, qos: super::qos::Qos, more: More) -> Endpoint {
+        let (type_name, type_hash) = (wire.name.to_owned(), wire.hash.to_owned());
+        let spec = Spec { kind, topic: topic.to_owned(), type_name, type_hash, qos };
         let mut state = self.state();
         let endpoint = state.endpoints_made;
         state.endpoints_made += 1;

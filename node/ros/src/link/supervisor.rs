@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use super::guid::Prefix;
 use super::participants::{self, Entry};
-use super::protocol::{Departed, Join, Order};
+use super::protocol::{Departed, Join, Order, WireType};
 use super::qos::Qos;
 use super::registry::{Orders, Reader, Registry, Writer};
 use super::running::{Running, SideEvent, SideLines, WATCH};
@@ -144,12 +144,12 @@ impl Drop for Link {
 pub(crate) struct Opener(Arc<Registry>);
 
 impl Opener {
-    pub(crate) fn writer(&self, topic: &str, type_name: &str, qos: Qos) -> Writer {
-        self.0.open_writer(topic, type_name, qos)
+    pub(crate) fn writer(&self, topic: &str, wire: WireType, qos: Qos) -> Writer {
+        self.0.open_writer(topic, wire, qos)
     }
 
-    pub(crate) fn reader(&self, topic: &str, type_name: &str, qos: Qos) -> Reader {
-        self.0.open_reader(topic, type_name, qos)
+    pub(crate) fn reader(&self, topic: &str, wire: WireType, qos: Qos) -> Reader {
+        self.0.open_reader(topic, wire, qos)
     }
 }
 
@@ -380,6 +380,8 @@ mod tests {
 
     use super::*;
 
+    const TYPE: WireType = WireType { name: "std_msgs::msg::dds_::UInt32_", hash: "RIHS01_1" };
+
     fn settings(side: Side) -> (Settings, Arc<Mutex<Vec<Loss>>>) {
         let losses = Arc::<Mutex<Vec<Loss>>>::default();
         let told = Arc::clone(&losses);
@@ -420,7 +422,7 @@ mod tests {
         let (mut settings, losses) = settings(Side::Thread);
         settings.domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
         let link = Link::start(settings).unwrap();
-        let writer = link.opener().writer("rt/supervised", "std_msgs::msg::dds_::Empty_", Qos::STREAM);
+        let writer = link.opener().writer("rt/supervised", TYPE, Qos::STREAM);
         writer.write(vec![0; 4]).unwrap();
         drop(link);
         assert!(writer.write(vec![0; 4]).is_err());
@@ -430,7 +432,6 @@ mod tests {
     /// A node whose sides hand over repeatedly, and another node that exchanges numbers with it.
     #[tokio::test]
     async fn a_side_that_hands_over_loses_nothing() {
-        const TYPE: &str = "std_msgs::msg::dds_::UInt32_";
         let domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
         let start = |memory| {
             let (mut settings, losses) = settings(Side::Thread);

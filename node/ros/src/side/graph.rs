@@ -43,6 +43,7 @@ impl Graph {
     /// Announces the node, which has no endpoints yet.
     pub(super) fn new(runtime: &Handle, shared: &Arc<Shared>, join: &Join) -> Result<Self, DdsError> {
         let writer = shared.participant.writer(TOPIC, ParticipantEntitiesInfo::DDS_NAME, Qos::STATUS)?;
+        shared.hashes.add(writer.guid(), ParticipantEntitiesInfo::HASH);
         let target = DirectedWriter { writer, shared: Arc::clone(shared) };
         let announcement = Latched::start(runtime, target, &shared.matches, Qos::STATUS, GATHER);
         let entities = Entities {
@@ -59,7 +60,9 @@ impl Graph {
     /// Returns a reader of the nodes of other participants.
     pub(super) fn others(shared: &Shared) -> Result<Reader, DdsError> {
         let qos = Qos { depth: 100, ..Qos::STATUS };
-        shared.participant.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos)
+        let reader = shared.participant.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos)?;
+        shared.hashes.add(reader.guid(), ParticipantEntitiesInfo::HASH);
+        Ok(reader)
     }
 
     pub(super) fn add(&mut self, endpoint: Guid) {

@@ -16,6 +16,7 @@ use tokio::task::JoinHandle;
 use super::age::{Known, is_stale};
 use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
 use super::graph::{Graph, watch_for_namesakes};
+use super::hashes::Hashes;
 use super::latched::{self, Latched};
 use super::matches::Matches;
 use super::preemptive::{self, Answers};
@@ -37,6 +38,7 @@ pub(super) struct Shared {
     pub(super) matches: Arc<Matches>,
     pub(super) socket: OwnSocket,
     pub(super) returning: Returning,
+    pub(super) hashes: Hashes,
     pub(super) answers: Answers,
     reports: Mutex<Sender<Report>>,
     /// Writers of the program, each with its reported number of readers.
@@ -162,11 +164,13 @@ impl Member {
         let own = dispose::of_host();
         let networks = join.networks.clone().unwrap_or_else(|| own.clone());
         let returning = Returning::new(prefix, networks).map_err(|error| format!("no socket: {error}"))?;
+        let hashes = Hashes::new(prefix).map_err(|error| format!("no socket: {error}"))?;
         let shared = Arc::new(Shared {
             participant: Arc::new(participant),
             matches,
             socket,
             returning,
+            hashes,
             answers: Answers::default(),
             reports: Mutex::new(reports),
             writers: Mutex::default(),
@@ -192,6 +196,7 @@ impl Member {
                 tracing::warn!("a client that was frozen or cut off for long will not be found again: {error}")
             }
         }
+        tasks.push(Hashes::start(&shared, &runtime).map_err(|error| format!("no socket: {error}"))?);
         shared.report(Report::Joined(prefix));
         drop(inside);
         let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
@@ -239,6 +244,7 @@ impl Member {
             }
             Order::Successor(participant) => {
                 self.is_replaced = true;
+                self.shared.hashes.end();
                 self.shared.own_participants.lock().unwrap_or_else(PoisonError::into_inner).push(participant);
             }
             Order::Probe(number) => {
@@ -254,7 +260,7 @@ impl Member {
     }
 
     fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), String> {
-        let Spec { kind, topic, type_name, qos } = spec;
+        let Spec { kind, topic, type_name, type_hash, qos } = spec;
         let participant = &self.shared.participant;
         let fail = |error: super::dds::DdsError| error.to_string();
         let (guid, open) = match kind {
@@ -284,6 +290,7 @@ impl Member {
                 (guid, Open::Reader { guid, is_subscription: topic.starts_with("rt/"), credit, task })
             }
         };
+        self.shared.hashes.add(guid, type_hash);
         self.graph.add(guid);
         self.endpoints.insert(endpoint, open);
         Ok(())
@@ -304,6 +311,7 @@ impl Member {
                 *guid
             }
         };
+        self.shared.hashes.remove(guid);
         self.graph.remove(guid);
         self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner).remove(&guid);
         self.shared.matches.forget(guid);

@@ -11,6 +11,7 @@ mod age;
 mod dds;
 mod dispose;
 mod graph;
+mod hashes;
 mod keeper;
 mod latched;
 mod library_lines;

@@ -26,12 +26,12 @@ use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
 use super::dds::Discovery;
-use super::listeners;
 use super::member::Shared;
 use super::presence::{Heard, Presence};
 use super::sedp::Endpoint;
 use super::socket::OwnSocket;
 use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, Played};
+use super::{hashes, listeners};
 use crate::link::guid::Prefix;
 
 /// Period of the rounds in which lost participants are asked.
@@ -52,7 +52,7 @@ const UNKNOWN: i64 = 1 << 40;
 const TOGETHER: usize = 32;
 const PAUSE: Duration = Duration::from_millis(5);
 /// Vendor ID of the library; its GUIDs start with it.
-const LIBRARY: [u8; 2] = [0x01, 0x12];
+pub(super) const LIBRARY: [u8; 2] = [0x01, 0x12];
 /// Maximum number of networks in a question; each one adds a datagram to the answer.
 const NETWORKS: usize = 4;
 /// Pause after an error of a listener.
@@ -165,6 +165,7 @@ async fn listen(listener: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
         if said.who == this.own {
             continue;
         }
+        hashes::introduce(&shared, &said, &runtime);
         let heard = this.presence().heard(&said, Instant::now());
         match heard {
             Heard::Known => {}

@@ -43,7 +43,7 @@ impl Message {
     /// GAP: samples `first` to `before - 1` are not for this reader.
     pub(super) fn gap(&mut self, reader: Entity, writer: Entity, first: i64, before: i64) -> &mut Self {
         let body = [reader.as_slice(), &writer, &number(first), &number(before), &[0; 4]].concat();
-        self.submessage(0x08, 0, &body)
+        self.submessage(GAP, 0, &body)
     }
 
     /// INFO_REPLY: the answers to the next submessages are sent to this address.
@@ -68,7 +68,12 @@ impl Message {
     /// DATA with this payload, including its encapsulation.
     pub(super) fn data(&mut self, reader: Entity, writer: Entity, sequence: i64, payload: &[u8]) -> &mut Self {
         let body = [&[0, 0, 16, 0], reader.as_slice(), &writer, &number(sequence), payload].concat();
-        self.submessage(0x15, 0b100, &body)
+        self.submessage(DATA, 0b100, &body)
+    }
+
+    /// Length of the message so far, in bytes.
+    pub(super) fn length(&self) -> usize {
+        self.0.len()
     }
 
     /// Returns the message as it is sent.
@@ -78,10 +83,12 @@ impl Message {
 }
 
 const INFO_DST: u8 = 0x0e;
-const ACKNACK: u8 = 0x06;
-const HEARTBEAT: u8 = 0x07;
+pub(super) const ACKNACK: u8 = 0x06;
+pub(super) const HEARTBEAT: u8 = 0x07;
+pub(super) const GAP: u8 = 0x08;
+pub(super) const DATA: u8 = 0x15;
 /// Flag of an ACKNACK that needs no answer.
-const FINAL: u8 = 0b10;
+pub(super) const FINAL: u8 = 0b10;
 
 /// An ACKNACK with an empty set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

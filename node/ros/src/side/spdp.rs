@@ -100,7 +100,7 @@ impl Announcement {
     }
 }
 
-fn u16_at(bytes: &[u8], at: usize, little: bool) -> Option<u16> {
+pub(super) fn u16_at(bytes: &[u8], at: usize, little: bool) -> Option<u16> {
     let two = bytes.get(at..at + 2)?.try_into().ok()?;
     Some(if little { u16::from_le_bytes(two) } else { u16::from_be_bytes(two) })
 }
@@ -111,10 +111,10 @@ fn u32_at(bytes: &[u8], at: usize, little: bool) -> Option<u32> {
 }
 
 /// IDs and values of a parameter list.
-type Parameters<'a> = Vec<(u16, &'a [u8])>;
+pub(super) type Parameters<'a> = Vec<(u16, &'a [u8])>;
 
 /// Returns a parameter list, and the bytes after it.
-fn parameters(bytes: &[u8], little: bool) -> Option<(Parameters<'_>, &[u8])> {
+pub(super) fn parameters(bytes: &[u8], little: bool) -> Option<(Parameters<'_>, &[u8])> {
     let (mut all, mut rest) = (Vec::new(), bytes);
     loop {
         let (id, length) = (u16_at(rest, 0, little)?, usize::from(u16_at(rest, 2, little)?));

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use lineshaft_msgs::foreign::action_msgs::msg::{GoalInfo, GoalStatus, GoalStatusArray};
 use lineshaft_msgs::foreign::action_msgs::srv::{CancelGoal, CancelGoalResponse};
 use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
-use lineshaft_msgs::{Action, FeedbackMessage, GetResult, GetResultResponse, Message, SendGoal, SendGoalResponse, cdr};
+use lineshaft_msgs::{Action, FeedbackMessage, GetResult, GetResultResponse, SendGoal, SendGoalResponse, cdr};
 use tokio::sync::mpsc::{self, Receiver, Sender};
 use tokio::task::JoinHandle;
 
@@ -20,6 +20,7 @@ use crate::layer::publisher::{PublishError, Untyped};
 use crate::layer::service::{Reply, Request, ServiceServer};
 use crate::line_limit::LineLimit;
 use crate::link::Writer;
+use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 
 /// Events that wait for the application; with more, goals and cancel requests are rejected.
@@ -81,9 +82,9 @@ impl<A: Action> ActionServer<A> {
             cancels: ServiceServer::new(context, service("cancel_goal"), Qos::SERVICE),
         };
         let feedback = context.names.remapped_topic(name.action_part("feedback"));
-        let feedback = Untyped::new(context, feedback, A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM);
+        let feedback = Untyped::new(context, feedback, WireType::feedback::<A>(), Qos::STREAM);
         let status = context.names.remapped_topic(name.action_part("status")).topic();
-        let status = context.writer(&status, GoalStatusArray::DDS_NAME, Qos::STATUS);
+        let status = context.writer(&status, WireType::message::<GoalStatusArray>(), Qos::STATUS);
         let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
         let shared = Arc::new(Shared { goals, status, feedback, name, clock: context.clock.clone() });
         let (sender, events) = mpsc::channel(WAITING);

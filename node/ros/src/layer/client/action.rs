@@ -14,6 +14,7 @@ use crate::layer::action::GoalId;
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
 use crate::link::Reader;
+use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 
 /// Sends goals of one action.
@@ -32,7 +33,7 @@ impl<A: Action> ActionClient<A> {
             goals: ServiceClient::new(context, part("send_goal"), Qos::SERVICE),
             results: ServiceClient::new(context, part("get_result"), Qos::SERVICE),
             cancels: ServiceClient::new(context, part("cancel_goal"), Qos::SERVICE),
-            feedback: context.reader(&part("feedback").topic(), A::FEEDBACK_MESSAGE_DDS_NAME, Qos::STREAM),
+            feedback: context.reader(&part("feedback").topic(), WireType::feedback::<A>(), Qos::STREAM),
             name,
         }
     }

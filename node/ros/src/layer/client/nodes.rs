@@ -3,13 +3,13 @@
 use std::collections::{BTreeSet, HashMap};
 
 use futures::FutureExt;
+use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::rmw_dds_common::msg::ParticipantEntitiesInfo;
-use lineshaft_msgs::{Message, cdr};
 
 use crate::layer::endpoint::Context;
 use crate::link::Reader;
 use crate::link::guid::Prefix;
-use crate::link::protocol::Sample;
+use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 
 /// The only ROS topic without a prefix: each participant publishes its nodes there.
@@ -26,7 +26,8 @@ pub struct NodeNames {
 impl NodeNames {
     pub(in crate::layer) fn new(context: &Context) -> Self {
         let qos = Qos { depth: 100, ..Qos::STATUS };
-        Self { infos: context.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos), known: HashMap::new() }
+        let wire = WireType::message::<ParticipantEntitiesInfo>();
+        Self { infos: context.reader(TOPIC, wire, qos), known: HashMap::new() }
     }
 
     /// Returns the full names that were received so far, in ascending order. Nodes that have left meanwhile are still among them.

@@ -12,7 +12,7 @@ use tokio::sync::watch;
 
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
-use crate::link::protocol::Sample;
+use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 use crate::link::{Reader, Writer};
 
@@ -62,8 +62,8 @@ pub struct ServiceClient<S: Service> {
 impl<S: Service> ServiceClient<S> {
     pub(in crate::layer) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
         Self {
-            replies: context.reader(&name.reply(), S::RESPONSE_DDS_NAME, qos),
-            requests: context.writer(&name.request(), S::REQUEST_DDS_NAME, qos),
+            replies: context.reader(&name.reply(), WireType::response::<S>(), qos),
+            requests: context.writer(&name.request(), WireType::request::<S>(), qos),
             name,
             sent: 0,
             early: HashMap::new(),

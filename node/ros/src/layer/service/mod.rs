@@ -25,7 +25,7 @@ use super::name::FullName;
 use crate::line_limit::LineLimit;
 use crate::link::Reader;
 use crate::link::guid::Prefix;
-use crate::link::protocol::Sample;
+use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 
 /// Requests that wait for the server, in the library and again in its line; more than the 10 of ROS, because clients of all kinds
@@ -160,8 +160,8 @@ pub struct Request<S: Service> {
 impl<S: Service> ServiceServer<S> {
     pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
         let requests = Qos { depth: WAITING, ..qos };
-        let requests = context.reader(&name.request(), S::REQUEST_DDS_NAME, requests);
-        let writer = context.writer(&name.reply(), S::RESPONSE_DDS_NAME, qos);
+        let requests = context.reader(&name.request(), WireType::request::<S>(), requests);
+        let writer = context.writer(&name.reply(), WireType::response::<S>(), qos);
         Self {
             requests,
             line: VecDeque::new(),

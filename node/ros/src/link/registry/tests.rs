@@ -4,6 +4,8 @@ use super::*;
 use crate::link::guid::Guid;
 use crate::link::qos::Qos;
 
+const T: WireType = WireType { name: "T", hash: "RIHS01_1" };
+
 fn join() -> Join {
     Join {
         domain: 7,
@@ -30,11 +32,11 @@ fn sample() -> Sample {
 async fn a_new_side_is_told_all_that_counts() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
-    let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
-    let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
-    let mut requests = registry.open_reader("rq/service", "T", Qos::SERVICE);
-    let gone = registry.open_writer("rt/gone", "T", Qos::STREAM);
+    let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
+    let latched = registry.open_writer("rt/latched", T, Qos::STATUS);
+    let service = registry.open_writer("rr/service", T, Qos::SERVICE);
+    let mut requests = registry.open_reader("rq/service", T, Qos::SERVICE);
+    let gone = registry.open_writer("rt/gone", T, Qos::STREAM);
     drop(gone);
     stream.write(vec![1]).unwrap();
     latched.write(vec![2]).unwrap();
@@ -73,7 +75,7 @@ async fn a_new_side_is_told_all_that_counts() {
 async fn samples_are_taken_as_fast_as_they_are_read() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
     all(&orders);
     for taken in 1..=CREDIT {
         registry.heard(1, Report::Taken(0, Ok(sample())));
@@ -88,7 +90,7 @@ fn what_a_side_does_not_take_is_bounded() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
     let (stream, latched) =
-        (registry.open_writer("rt/a", "T", Qos::STREAM), registry.open_writer("rt/b", "T", Qos::STATUS));
+        (registry.open_writer("rt/a", T, Qos::STREAM), registry.open_writer("rt/b", T, Qos::STATUS));
     let megabyte = Bytes::from(vec![0; 1 << 20]);
     let written = (0..100).take_while(|_| stream.write(megabyte.clone()).is_ok()).count();
     assert_eq!(written, 64);
@@ -110,9 +112,9 @@ fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
 async fn a_side_hands_over_all_that_is_open() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let stream = registry.open_writer("rt/stream", "T", Qos::STREAM);
-    let latched = registry.open_writer("rt/latched", "T", Qos::STATUS);
-    let service = registry.open_writer("rr/service", "T", Qos::SERVICE);
+    let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
+    let latched = registry.open_writer("rt/latched", T, Qos::STATUS);
+    let service = registry.open_writer("rr/service", T, Qos::SERVICE);
     latched.write(vec![1]).unwrap();
     registry.heard(1, Report::Matched(0, 2));
     all(&first);
@@ -127,7 +129,7 @@ async fn a_side_hands_over_all_that_is_open() {
     latched.write(vec![3]).unwrap();
     let answered = service.reply(Place::SameParticipant(Guid([9; 16])), None, vec![4].into());
     let unanswered = service.reply(Place::SameParticipant(Guid([9; 16])), None, vec![5].into());
-    let late = registry.open_writer("rt/late", "T", Qos::STREAM);
+    let late = registry.open_writer("rt/late", T, Qos::STREAM);
     registry.order_side(2, Order::Probe(5));
     assert_eq!(all(&first).len(), 5, "all but the probe");
     let told = all(&second);
@@ -167,7 +169,7 @@ async fn a_side_hands_over_all_that_is_open() {
 async fn both_sides_have_credit_for_what_is_taken() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
     let second = registry.begin_next(join());
     all(&first);
     all(&second);
@@ -184,7 +186,7 @@ async fn both_sides_have_credit_for_what_is_taken() {
 async fn a_next_side_that_fails_changes_nothing() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
     let second = registry.begin_next(join());
     registry.heard(2, Report::Taken(0, sample_of(1, true)));
     registry.heard(2, Report::Taken(0, Err("broken".to_owned())));
@@ -207,7 +209,7 @@ proptest! {
     ) {
         let registry = Arc::new(Registry::default());
         let _sides = (registry.begin(join()), registry.begin_next(join()));
-        let mut reader = registry.open_reader("rt/a", "T", Qos::STREAM);
+        let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
         let mut expected = Vec::new();
         for (place, (is_second, number)) in heard.iter().enumerate() {
             if place == handover {

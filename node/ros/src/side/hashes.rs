@@ -1,0 +1,497 @@
+//! Announces the type hashes of our endpoints to other participants.
+//!
+//! ROS 2 Jazzy and later read the hash of a type from the USER_DATA of its endpoint, which the DDS library (0.15.1) cannot send. So a
+//! new participant gets the announcements of the library from us first, with the hash.
+//!
+//! Law       a simulated participant, which only our library sees, reads the announcements of our endpoints (SEDP). A participant that
+//!           is heard for the first time is sent the announcement of our participant and those of our endpoints, with USER_DATA. The
+//!           library announces itself 10 ms after it has heard a participant, and its endpoints later, all under the same sequence
+//!           numbers: a receiver ignores what it has already. If a datagram is lost, the receiver gets that announcement from the
+//!           library, without a hash
+//! Refuses   participants that were there before our endpoints: the library has announced those to them at once. Participants of the
+//!           same library, which has no use for hashes
+//! Source    rmw_dds_common: `typehash=RIHS01_..;`. For a request or a response it is the hash of that part of the service
+
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
+use std::io;
+use std::net::{Ipv4Addr, SocketAddrV4};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
+
+use tokio::net::UdpSocket;
+use tokio::runtime::Handle;
+use tokio::task::{JoinHandle, yield_now};
+use tokio::time::sleep;
+
+use super::member::Shared;
+use super::returning::LIBRARY;
+use super::rtps::{ACKNACK, DATA, FINAL, GAP, HEARTBEAT, Message, SENTINEL, number, parameter};
+use super::socket::OwnSocket;
+use super::spdp::{Announcement, Played, parameters, u16_at};
+use crate::link::guid::{Guid, Prefix};
+
+/// Built-in endpoints of a participant that reads the announcements of participants, writers and readers.
+const READER: u32 = 0x2b;
+/// Lease of the simulated participant in seconds: it never ends.
+const LEASE_S: i32 = i32::MAX;
+/// Maximum length of a datagram to another participant in bytes: every network transmits it in one piece.
+const LONGEST: usize = 1200;
+/// Pauses before each round of datagrams: a participant needs a moment until it knows our participant, and ignores the announcements of
+/// endpoints before that.
+const PAUSES: [Duration; 4] =
+    [Duration::ZERO, Duration::from_millis(1), Duration::from_millis(2), Duration::from_millis(4)];
+/// Pause after the last round. It limits the load if many participants are forged.
+const REST: Duration = Duration::from_millis(200);
+/// Number of datagrams after which other tasks may run.
+const TOGETHER: usize = 8;
+/// Maximum number of participants that are introduced at the same time, and maximum number that are stored.
+const INTRODUCED: usize = 8;
+const MOST_PARTICIPANTS: usize = 256;
+/// Maximum number of announcements that are stored: the library keeps as many.
+const MOST_SAMPLES: usize = 8192;
+/// Number of samples that are requested at a time.
+const REQUESTED: i64 = 32;
+/// Maximum length of a datagram of the library in bytes.
+const DATAGRAM: usize = 1 << 16;
+/// Pause after an error of the socket.
+const DEAF: Duration = Duration::from_millis(100);
+/// Parameters of an announcement.
+const PID_ENDPOINT_GUID: u16 = 0x5a;
+const PID_USER_DATA: u16 = 0x2c;
+
+/// The announcements of our participant and its endpoints, as the library sends them, and the hashes of the endpoints' types.
+pub(super) struct Hashes {
+    own: Prefix,
+    /// Prefix of the simulated participant.
+    player: Prefix,
+    /// Socket of the simulated participant.
+    socket: OwnSocket,
+    announced: Mutex<Announced>,
+    /// Number of participants that are being introduced.
+    introduced: AtomicUsize,
+}
+
+/// Writer of announcements and sequence number. The writer is 3 for those of writers, 4 for those of readers.
+type Place = (u8, i64);
+
+#[derive(Default)]
+struct Announced {
+    /// Announcement of our participant; empty if the library has sent none yet.
+    participant: Vec<u8>,
+    /// Announcements of endpoints. `None`: a sample that announces no endpoint.
+    endpoints: BTreeMap<Place, Option<Vec<u8>>>,
+    types: HashMap<Guid, String>,
+    /// Endpoints that were closed.
+    closed: HashSet<Guid>,
+    /// Number of ACKNACKs so far.
+    acknowledged: i32,
+    /// Participants that were introduced, the newest last.
+    known: VecDeque<Prefix>,
+    /// Whether a successor replaces our participant, which is then not announced any more.
+    has_ended: bool,
+}
+
+impl Hashes {
+    /// Creates it for the participant `own`.
+    pub(super) fn new(own: Prefix) -> io::Result<Self> {
+        let mut player = own;
+        // The same vendor ID; no other participant has this prefix.
+        player.0[2..].iter_mut().for_each(|byte| *byte ^= 0x33);
+        let socket = OwnSocket::on(Ipv4Addr::LOCALHOST)?;
+        Ok(Self { own, player, socket, announced: Mutex::default(), introduced: AtomicUsize::new(0) })
+    }
+
+    /// Starts the task that reads the announcements of our library.
+    pub(super) fn start(shared: &Arc<Shared>, runtime: &Handle) -> io::Result<JoinHandle<()>> {
+        let this = &shared.hashes;
+        let listener = UdpSocket::from_std(this.socket.listener()?)?;
+        this.play(shared.participant.discovery_address());
+        Ok(runtime.spawn(listen(listener, Arc::downgrade(shared))))
+    }
+
+    /// Records the type hash of an endpoint.
+    pub(super) fn add(&self, endpoint: Guid, hash: &str) {
+        self.announced().types.insert(endpoint, hash.to_owned());
+    }
+
+    /// Records that an endpoint was closed. It is not announced any more.
+    pub(super) fn remove(&self, endpoint: Guid) {
+        let mut announced = self.announced();
+        announced.types.remove(&endpoint);
+        announced.closed.insert(endpoint);
+    }
+
+    /// Records that a successor replaces our participant.
+    pub(super) fn end(&self) {
+        self.announced().has_ended = true;
+    }
+
+    /// Locks the announcements. They are consistent even after a panic elsewhere, because each change is one step.
+    fn announced(&self) -> MutexGuard<'_, Announced> {
+        self.announced.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Announces the simulated participant to our library, which ignores a repetition.
+    fn play(&self, library: SocketAddrV4) {
+        let addresses = [self.socket.address()];
+        let player = Played { who: self.player, addresses: &addresses, builtin: READER, lease_s: LEASE_S };
+        self.socket.send(&player.announced(1), library);
+    }
+
+    /// Takes a datagram of our library. Returns the answers to it.
+    fn take(&self, datagram: &[u8]) -> Vec<Vec<u8>> {
+        if datagram.get(8..20) != Some(self.own.0.as_slice()) {
+            return Vec::new();
+        }
+        let mut announced = self.announced();
+        if Announcement::read(datagram).is_some_and(|said| !said.is_gone) {
+            announced.participant = datagram.to_vec();
+        }
+        let mut answers = Vec::new();
+        for (kind, flags, body) in submessages(datagram) {
+            // The library is on this host: it sends nothing that cannot be read.
+            match kind {
+                DATA => {
+                    announced.keep(flags, body);
+                }
+                GAP => {
+                    announced.skip(body);
+                }
+                HEARTBEAT => answers.extend(announced.answer(self.own, self.player, body)),
+                _ => {}
+            }
+        }
+        answers
+    }
+
+    /// Returns the datagrams that introduce us to the participant that has announced itself, or `None` if it gets none.
+    fn introduction(&self, said: &Announcement) -> Option<Vec<Vec<u8>>> {
+        let mut announced = self.announced();
+        if announced.has_ended || announced.known.contains(&said.who) {
+            return None;
+        }
+        if announced.known.len() >= MOST_PARTICIPANTS {
+            announced.known.pop_front();
+        }
+        announced.known.push_back(said.who);
+        Some(announced.datagrams(self.own, said.who))
+    }
+}
+
+impl Announced {
+    /// Keeps the announcement in a DATA submessage.
+    fn keep(&mut self, flags: u8, body: &[u8]) -> Option<()> {
+        let place = (announcer(body.get(8..12)?)?, number_at(body, 12)?);
+        let payload = body.get(4 + usize::from(u16_at(body, 2, true)?)..)?;
+        // Inline QoS, or a key alone, is in a sample that disposes an endpoint.
+        let list = (flags & 0b1110 == 0b100).then(|| payload.to_vec());
+        if self.endpoints.len() < MOST_SAMPLES {
+            self.endpoints.insert(place, list);
+        }
+        Some(())
+    }
+
+    /// Keeps in mind that the samples in a GAP are not sent any more.
+    fn skip(&mut self, body: &[u8]) -> Option<()> {
+        let announcer = announcer(body.get(4..8)?)?;
+        let (first, before) = (number_at(body, 8)?, number_at(body, 16)?);
+        let bits = i64::from(u32::from_le_bytes(body.get(24..28)?.try_into().ok()?).min(256));
+        let is_in_set = |bit: i64| {
+            let word = body.get(28 + 4 * (bit as usize / 32)..)?.first_chunk::<4>()?;
+            Some(u32::from_le_bytes(*word) & (1 << (31 - bit % 32)) != 0)
+        };
+        let most = MOST_SAMPLES as i64;
+        let range = first.max(1)..before.min(first.saturating_add(most));
+        let set = (0..bits).filter(|bit| is_in_set(*bit) == Some(true)).map(|bit| before.saturating_add(bit));
+        for number in range.chain(set) {
+            if self.endpoints.len() < MOST_SAMPLES {
+                self.endpoints.entry((announcer, number)).or_insert(None);
+            }
+        }
+        Some(())
+    }
+
+    /// Returns the ACKNACK that answers a HEARTBEAT: it requests what is missing.
+    fn answer(&mut self, own: Prefix, player: Prefix, body: &[u8]) -> Option<Vec<u8>> {
+        let announcer = announcer(body.get(4..8)?)?;
+        let (first, last) = (number_at(body, 8)?, number_at(body, 16)?);
+        let missing = (first.max(1)..=last).find(|number| !self.endpoints.contains_key(&(announcer, *number)));
+        self.acknowledged = self.acknowledged.wrapping_add(1);
+        let mut set = number(missing.unwrap_or(last.saturating_add(1))).to_vec();
+        match missing.map(|missing| (last - missing).min(REQUESTED - 1) as u32 + 1) {
+            Some(count) => {
+                set.extend(count.to_le_bytes());
+                set.extend((u32::MAX << (32 - count)).to_le_bytes());
+            }
+            None => set.extend([0; 4]),
+        }
+        let mut message = Message::from(player);
+        let ends = [[0, 0, announcer, 0xc7], [0, 0, announcer, 0xc2]].concat();
+        let acknack = [ends.as_slice(), set.as_slice(), &self.acknowledged.to_le_bytes()].concat();
+        message.to(own).submessage(ACKNACK, FINAL, &acknack);
+        Some(message.bytes())
+    }
+
+    /// Returns the datagrams that announce us to a participant.
+    fn datagrams(&self, own: Prefix, to: Prefix) -> Vec<Vec<u8>> {
+        let begun = || {
+            let mut message = Message::from(own);
+            message.to(to);
+            message
+        };
+        let mut datagrams = vec![self.participant.clone()];
+        let mut message = begun();
+        for ((announcer, number), list) in &self.endpoints {
+            let Some(list) = list.as_ref().and_then(|list| self.with_hash(list)) else { continue };
+            if message.length() + list.len() > LONGEST {
+                datagrams.push(std::mem::replace(&mut message, begun()).bytes());
+            }
+            message.data([0, 0, *announcer, 0xc7], [0, 0, *announcer, 0xc2], *number, &list);
+        }
+        datagrams.push(message.bytes());
+        datagrams
+    }
+
+    /// Returns the announcement of an endpoint with the hash of its type. An endpoint without a hash is announced as the library does
+    /// it. Returns `None` for an endpoint that was closed.
+    fn with_hash(&self, list: &[u8]) -> Option<Vec<u8>> {
+        let little_endian = list.starts_with(&[0, 3]);
+        let (all, _) = parameters(list.get(4..)?, little_endian)?;
+        let (_, guid) = all.iter().find(|(id, _)| *id == PID_ENDPOINT_GUID)?;
+        let guid = Guid(guid.get(..16)?.try_into().ok()?);
+        if self.closed.contains(&guid) {
+            return None;
+        }
+        let (Some(hash), Some(begin), true) = (self.types.get(&guid), list.strip_suffix(&SENTINEL), little_endian)
+        else {
+            return Some(list.to_vec());
+        };
+        let user_data = format!("typehash={hash};");
+        let mut list = begin.to_vec();
+        let length = (user_data.len() as u32).to_le_bytes();
+        parameter(&mut list, PID_USER_DATA, &[length.as_slice(), user_data.as_bytes()].concat());
+        list.extend(SENTINEL);
+        Some(list)
+    }
+}
+
+/// Returns the third byte of the entity ID of a built-in writer that announces writers (3) or readers (4).
+fn announcer(entity: &[u8]) -> Option<u8> {
+    match *entity {
+        [0, 0, announcer @ (3 | 4), 0xc2] => Some(announcer),
+        _ => None,
+    }
+}
+
+fn number_at(bytes: &[u8], at: usize) -> Option<i64> {
+    let bytes: [u8; 8] = bytes.get(at..at + 8)?.try_into().ok()?;
+    let [a, b, c, d, e, f, g, h] = bytes;
+    let (high, low) = (i32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
+    Some((i64::from(high) << 32) | i64::from(low))
+}
+
+/// Returns kind, flags and body of each submessage of a little-endian message.
+fn submessages(datagram: &[u8]) -> Vec<(u8, u8, &[u8])> {
+    let (mut all, mut rest) = (Vec::new(), datagram.get(20..).unwrap_or_default());
+    while let [kind, flags, low, high, ref after @ ..] = *rest {
+        let length = usize::from(u16::from_le_bytes([low, high]));
+        // The last submessage may have length 0: it extends to the end of the message.
+        let length = if length == 0 { after.len() } else { length };
+        let (Some(body), Some(next), 1) = (after.get(..length), after.get(length..), flags & 1) else { break };
+        all.push((kind, flags, body));
+        rest = next;
+    }
+    all
+}
+
+/// Reads the announcements of our library.
+async fn listen(listener: UdpSocket, shared: Weak<Shared>) {
+    let mut buffer = vec![0; DATAGRAM];
+    loop {
+        let Ok(length) = listener.recv(&mut buffer).await else {
+            // A datagram was sent to a closed port. The pause limits the load if the socket fails permanently.
+            sleep(DEAF).await;
+            continue;
+        };
+        let Some(shared) = shared.upgrade() else { return };
+        let (this, library) = (&shared.hashes, shared.participant.discovery_address());
+        for answer in this.take(&buffer[..length]) {
+            this.socket.send(&answer, library);
+        }
+    }
+}
+
+/// Introduces us to a participant that has announced itself, if it is new.
+pub(super) fn introduce(shared: &Arc<Shared>, said: &Announcement, runtime: &Handle) {
+    let this = &shared.hashes;
+    if said.is_gone || said.who.0.starts_with(&LIBRARY) {
+        return;
+    }
+    if this.announced().participant.is_empty() {
+        // The announcement of the simulated participant was lost, or is not handled yet.
+        return this.play(shared.participant.discovery_address());
+    }
+    let Some(datagrams) = this.introduction(said) else { return };
+    if this.introduced.fetch_add(1, Ordering::Relaxed) < INTRODUCED {
+        runtime.spawn(send(Arc::downgrade(shared), datagrams, said.addresses.clone()));
+    } else {
+        this.introduced.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Sends the datagrams, several times.
+async fn send(shared: Weak<Shared>, datagrams: Vec<Vec<u8>>, addresses: Vec<SocketAddrV4>) {
+    for pause in PAUSES {
+        if !pause.is_zero() {
+            sleep(pause).await;
+        }
+        for some in datagrams.chunks(TOGETHER) {
+            let Some(shared) = shared.upgrade() else { return };
+            for address in &addresses {
+                some.iter().for_each(|datagram| shared.socket.send(datagram, *address));
+            }
+            drop(shared);
+            yield_now().await;
+        }
+    }
+    sleep(REST).await;
+    if let Some(shared) = shared.upgrade() {
+        shared.hashes.introduced.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OWN: Prefix = Prefix([1; 12]);
+    const OTHER: Prefix = Prefix([2; 12]);
+
+    /// An announcement of a writer of our participant, as the library sends it: GUID and topic.
+    fn announcement(entity: [u8; 4]) -> Vec<u8> {
+        let mut list = vec![0, 3, 0, 0];
+        parameter(&mut list, PID_ENDPOINT_GUID, &OWN.endpoint(entity).0);
+        parameter(&mut list, 0x05, b"\x05\0\0\0rt/x\0");
+        list.extend(SENTINEL);
+        list
+    }
+
+    fn from_library(fill: impl FnOnce(&mut Message)) -> Vec<u8> {
+        let mut message = Message::from(OWN);
+        fill(&mut message);
+        message.bytes()
+    }
+
+    fn data(sequence: i64, list: &[u8]) -> Vec<u8> {
+        from_library(|message| {
+            message.data([0, 0, 3, 0xc7], [0, 0, 3, 0xc2], sequence, list);
+        })
+    }
+
+    fn heartbeat(first: i64, last: i64) -> Vec<u8> {
+        let body = [&[0, 0, 3, 0xc7, 0, 0, 3, 0xc2][..], &number(first), &number(last), &[1, 0, 0, 0]].concat();
+        from_library(|message| {
+            message.submessage(HEARTBEAT, 0, &body);
+        })
+    }
+
+    /// Base, number of bits and first word of the set in an ACKNACK of the simulated participant.
+    fn requested(answers: &[Vec<u8>]) -> (i64, u32, Option<u32>) {
+        let [answer] = answers else { panic!("{answers:?}") };
+        // Header, INFO_DST, header of the ACKNACK, its reader and writer.
+        let set = &answer[20 + 16 + 4 + 8..];
+        let word = |at: usize| u32::from_le_bytes(set[at..at + 4].try_into().unwrap());
+        (number_at(set, 0).unwrap(), word(8), (set.len() > 16).then(|| word(12)))
+    }
+
+    #[test]
+    fn simulated_participant_requests_missing_announcements_and_acknowledges_the_others() {
+        let hashes = Hashes::new(OWN).unwrap();
+        assert_eq!(requested(&hashes.take(&heartbeat(1, 2))), (1, 2, Some(0xc000_0000)));
+        for sequence in [1, 3] {
+            assert!(hashes.take(&data(sequence, &announcement([0, 0, sequence as u8, 3]))).is_empty());
+        }
+        assert_eq!(requested(&hashes.take(&heartbeat(1, 100))), (2, 32, Some(u32::MAX)));
+        // Sample 2 is not sent any more.
+        let gap = from_library(|message| {
+            message.gap([0, 0, 3, 0xc7], [0, 0, 3, 0xc2], 2, 3);
+        });
+        assert!(hashes.take(&gap).is_empty());
+        assert_eq!(requested(&hashes.take(&heartbeat(1, 3))), (4, 0, None));
+        let mut forged = heartbeat(1, 9);
+        forged[8..20].fill(7);
+        assert!(hashes.take(&forged).is_empty(), "only of our own participant");
+    }
+
+    #[test]
+    fn new_participant_gets_announcements_of_the_library_with_the_type_hash() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let with_hash = OWN.endpoint([0, 0, 1, 3]);
+        hashes.add(with_hash, "RIHS01_ab");
+        hashes.remove(OWN.endpoint([0, 0, 3, 3]));
+        for number in 1..=3 {
+            hashes.take(&data(number, &announcement([0, 0, number as u8, 3])));
+        }
+        let datagrams = hashes.announced().datagrams(OWN, OTHER);
+        let [_, endpoints] = datagrams.as_slice() else { panic!("{datagrams:?}") };
+        let all = submessages(endpoints);
+        let [_, first, second] = all.as_slice() else { panic!("the closed endpoint is left out: {all:?}") };
+        // Written by hand: USER_DATA (0x2c) of 24 bytes with 19 characters before the end of the list.
+        let mut expected = announcement([0, 0, 1, 3]);
+        expected.truncate(expected.len() - 4);
+        expected.extend(b"\x2c\0\x18\0\x13\0\0\0typehash=RIHS01_ab;\0");
+        expected.extend([1, 0, 0, 0]);
+        assert_eq!(first.2[12..20], number(1));
+        assert_eq!(first.2[20..], expected);
+        assert_eq!(second.2[12..20], number(2));
+        assert_eq!(second.2[20..], announcement([0, 0, 2, 3]), "as the library sends it");
+    }
+
+    #[test]
+    fn participant_is_introduced_once_and_not_after_a_successor_took_over() {
+        let announced = |who| {
+            let player = Played { who, addresses: &[], builtin: READER, lease_s: 1 };
+            Announcement::read(&player.announced(1)).unwrap()
+        };
+        let hashes = Hashes::new(OWN).unwrap();
+        assert!(hashes.introduction(&announced(OTHER)).is_some());
+        assert_eq!(hashes.introduction(&announced(OTHER)), None);
+        hashes.end();
+        assert_eq!(hashes.introduction(&announced(Prefix([3; 12]))), None);
+    }
+
+    #[test]
+    fn datagrams_are_as_short_as_every_network_allows() {
+        let hashes = Hashes::new(OWN).unwrap();
+        for number in 1..=100 {
+            hashes.add(OWN.endpoint([0, 0, number, 3]), &format!("RIHS01_{}", "a".repeat(64)));
+            hashes.take(&data(i64::from(number), &announcement([0, 0, number, 3])));
+        }
+        let datagrams = hashes.announced().datagrams(OWN, OTHER);
+        let announced: usize = datagrams.iter().map(|datagram| submessages(datagram).len().saturating_sub(1)).sum();
+        assert_eq!(announced, 100);
+        assert!(datagrams.iter().all(|datagram| datagram.len() <= LONGEST + 24), "{datagrams:?}");
+    }
+
+    #[test]
+    fn damaged_datagrams_are_ignored() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let gap = from_library(|message| {
+            message.gap([0, 0, 3, 0xc7], [0, 0, 3, 0xc2], 2, 3);
+        });
+        for whole in [data(1, &announcement([0, 0, 1, 3])), heartbeat(1, 2), gap] {
+            for length in 0..whole.len() {
+                hashes.take(&whole[..length]);
+            }
+            for at in 0..whole.len() {
+                for bit in 0..8 {
+                    let mut bent = whole.clone();
+                    bent[at] ^= 1 << bit;
+                    hashes.take(&bent);
+                }
+            }
+        }
+        hashes.announced().datagrams(OWN, OTHER);
+    }
+}
