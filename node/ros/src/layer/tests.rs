@@ -276,6 +276,22 @@ async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
     }
 }
 
+/// Cancel of all goals cancels those that run at once, and its answer waits for others: it lists what has ended meanwhile too.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn answer_to_a_cancel_of_all_goals_lists_a_goal_that_has_ended_before_it() {
+    let serving = node("quick_cancel");
+    let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
+    let mut client = Asking::new("quick_cancel").await;
+    client.send_goal(1);
+    let handle = goal(&mut server).await.accept();
+    handle.execute();
+    client.send_cancel(0);
+    timeout(LONG, handle.cancel_requested()).await.expect("it is canceled");
+    handle.canceled(HomeAxisResult::default());
+    let CancelGoalResponse { return_code, goals_canceling } = client.cancels.receive().await;
+    assert_eq!((return_code, goals_canceling.len()), (0, 1));
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn goals_are_stamped_by_the_clock_of_the_node() {
     let serving = node("stamps");

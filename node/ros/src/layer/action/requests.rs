@@ -6,7 +6,7 @@ use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
 use lineshaft_msgs::{Action, SendGoalResponse};
 use tokio::sync::watch;
 
-use super::goals::{End, GoalId, Selection, Stamp};
+use super::goals::{End, GoalId, Selection, Shown, Stamp};
 use super::server::{Shared, goal_info};
 use crate::layer::publisher::PublishError;
 use crate::layer::service::Reply;
@@ -154,13 +154,20 @@ impl<A: Action> Drop for GoalHandle<A> {
 pub struct CancelRequest<A: Action> {
     shared: Arc<Shared<A>>,
     selection: Selection,
+    /// Goals that the request has canceled before; some may have ended since.
+    begun: Vec<Shown>,
     /// `None` once it is decided.
     reply: Option<Reply<CancelGoalResponse>>,
 }
 
 impl<A: Action> CancelRequest<A> {
-    pub(super) fn new(shared: Arc<Shared<A>>, selection: Selection, reply: Reply<CancelGoalResponse>) -> Self {
-        Self { shared, selection, reply: Some(reply) }
+    pub(super) fn new(
+        shared: Arc<Shared<A>>,
+        selection: Selection,
+        begun: Vec<Shown>,
+        reply: Reply<CancelGoalResponse>,
+    ) -> Self {
+        Self { shared, selection, begun, reply: Some(reply) }
     }
 
     /// The goals in question. Those that are canceling already are not among them.
@@ -194,6 +201,7 @@ impl<A: Action> CancelRequest<A> {
             self.shared.show(&goals);
         }
         drop(goals);
+        let canceling = with_begun(canceling, &self.begun);
         let rejected = accepted.is_empty() && !self.selection.open.is_empty();
         // Accepted, but by now all have ended.
         let terminated = !accepted.is_empty() && canceling.is_empty();
@@ -210,10 +218,33 @@ impl<A: Action> CancelRequest<A> {
     }
 }
 
+/// All goals that a request cancels: also those that it has canceled before, and that have ended since.
+fn with_begun(mut canceling: Vec<Shown>, begun: &[Shown]) -> Vec<Shown> {
+    for goal in begun {
+        if canceling.iter().all(|other| other.id != goal.id) {
+            canceling.push(*goal);
+        }
+    }
+    canceling
+}
+
 impl<A: Action> Drop for CancelRequest<A> {
     fn drop(&mut self) {
         if self.decide(|_| false) {
             tracing::warn!("{}: a cancel request was dropped undecided, which refuses it", self.shared.name);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::goals::Status;
+    use super::*;
+
+    #[test]
+    fn answer_lists_each_goal_once_that_the_request_has_canceled() {
+        let goal = |id: u8| Shown { id: GoalId([id; 16]), stamp: Stamp::default(), status: Status::Canceling };
+        let listed = with_begun(vec![goal(1), goal(2)], &[goal(2), goal(3)]);
+        assert_eq!(listed, [goal(1), goal(2), goal(3)]);
     }
 }

@@ -37,8 +37,8 @@ pub enum Cancels {
     Ask,
 }
 
-/// How long a cancel request waits for goals that its client has sent before it: the services of an action are read side by
-/// side.
+/// How long the answer to a cancel request waits for goals that its client has sent before it: the services of an action are read
+/// side by side. Goals that are there already are canceled at once.
 const GRACE: Duration = Duration::from_millis(20);
 
 /// How an action is served.
@@ -169,6 +169,14 @@ struct Services<A: Action> {
     cancels: ServiceServer<CancelGoal>,
 }
 
+/// A cancel request that waits for goals which its client has sent before it.
+struct Held {
+    due: Instant,
+    request: Request<CancelGoal>,
+    /// Goals that it has canceled already.
+    begun: Vec<Shown>,
+}
+
 /// Ends at that time; without one, never.
 async fn until(due: Option<Instant>) {
     match due {
@@ -190,24 +198,28 @@ impl<A: Action> Dispatch<A> {
     async fn run(self, mut services: Services<A>) {
         let mut tidy = tokio::time::interval(TIDY);
         // Cancel requests that may mean goals which have not come yet.
-        let mut held: VecDeque<(Instant, Request<CancelGoal>)> = VecDeque::new();
+        let mut held: VecDeque<Held> = VecDeque::new();
         loop {
-            let due = held.front().map(|(due, _)| *due);
+            let due = held.front().map(|held| held.due);
             tokio::select! {
                 request = services.cancels.next() => match request {
-                    Some(request) if held.len() < WAITING && self.may_be_early(&request.message.goal_info) => {
-                        held.push_back((Instant::now() + GRACE, request));
-                    }
                     Some(request) => {
-                        self.take_goals(&mut services.goals);
-                        self.cancel(request);
+                        if self.may_be_early(&request.message.goal_info) {
+                            self.take_goals(&mut services.goals);
+                        }
+                        if held.len() < WAITING && self.may_be_early(&request.message.goal_info) {
+                            let begun = self.begin_cancel(&request);
+                            held.push_back(Held { due: Instant::now() + GRACE, request, begun });
+                        } else {
+                            self.cancel(request, Vec::new());
+                        }
                     }
                     None => return,
                 },
                 () = until(due) => {
                     self.take_goals(&mut services.goals);
-                    if let Some((_, request)) = held.pop_front() {
-                        self.cancel(request);
+                    if let Some(Held { request, begun, .. }) = held.pop_front() {
+                        self.cancel(request, begun);
                     }
                 }
                 request = services.goals.next() => match request {
@@ -226,9 +238,11 @@ impl<A: Action> Dispatch<A> {
         }
     }
 
-    /// Takes the goals that are there: what another request means may be among them.
+    /// Takes the goals that are there: what another request means may be among them. Not more than wait at a time, since clients
+    /// that send goals without end would hold up all other requests.
     fn take_goals(&self, goals: &mut ServiceServer<SendGoal<A>>) {
-        while let Some(request) = goals.waiting() {
+        for _ in 0..WAITING {
+            let Some(request) = goals.waiting() else { return };
             self.goal(request);
         }
     }
@@ -263,7 +277,25 @@ impl<A: Action> Dispatch<A> {
         }
     }
 
-    fn cancel(&self, Request { message, reply }: Request<CancelGoal>) {
+    /// Lets the goals that are there cancel at once, and returns them: a motion does not go on until the request is answered. If the
+    /// application decides about cancel requests, it is asked once, later.
+    fn begin_cancel(&self, Request { message, reply }: &Request<CancelGoal>) -> Vec<Shown> {
+        let origin = reply.origin();
+        if self.cancels == Cancels::Ask || origin.refused(None).is_some() {
+            return Vec::new();
+        }
+        let GoalInfo { goal_id, stamp } = &message.goal_info;
+        let mut goals = self.shared.goals();
+        let selection = goals.select(GoalId(goal_id.uuid), Stamp::from(stamp), origin, Instant::now());
+        let canceling = goals.cancel(&selection.open);
+        if !canceling.is_empty() {
+            self.shared.show(&goals);
+        }
+        canceling
+    }
+
+    /// Carries a cancel request out. `begun` are goals that it has canceled already.
+    fn cancel(&self, Request { message, reply }: Request<CancelGoal>, begun: Vec<Shown>) {
         // A cancel of all goals is meant for those of its time.
         if let Some(sentence) = reply.origin().refused(None) {
             self.tell(&format!("a cancel request was refused: {sentence}"));
@@ -278,7 +310,7 @@ impl<A: Action> Dispatch<A> {
         if selection.code != CancelGoalResponse::ERROR_NONE {
             return reply.send_soon(CancelGoalResponse { return_code: selection.code, ..Default::default() });
         }
-        let request = CancelRequest::new(self.shared.clone(), selection, reply);
+        let request = CancelRequest::new(self.shared.clone(), selection, begun, reply);
         match self.cancels {
             Cancels::Ask if !request.goals().is_empty() => self.pass_on(ActionEvent::Cancel(request)),
             Cancels::Ask | Cancels::Accept => request.accept(),
