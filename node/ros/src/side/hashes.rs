@@ -48,8 +48,9 @@ const TOGETHER: usize = 8;
 /// Maximum number of participants that are introduced at the same time, and maximum number that are stored.
 const INTRODUCED: usize = 8;
 const MOST_PARTICIPANTS: usize = 256;
-/// Maximum number of announcements that are stored: the library keeps as many.
-const MOST_SAMPLES: usize = 8192;
+/// Maximum number of samples that are stored: more than the library keeps, which is 8193 of writers and as many of readers, and some
+/// more for a while. With fewer, the library would repeat the others for ever.
+const MOST_SAMPLES: usize = 4 * 8192;
 /// Number of samples that are requested at a time.
 const REQUESTED: i64 = 32;
 /// Maximum length of a datagram of the library in bytes.
@@ -75,20 +76,39 @@ pub(super) struct Hashes {
 /// Writer of announcements and sequence number. The writer is 3 for those of writers, 4 for those of readers.
 type Place = (u8, i64);
 
+/// Announcement of an endpoint.
+struct Listed {
+    endpoint: Guid,
+    /// Parameter list with its encapsulation.
+    list: Vec<u8>,
+}
+
+impl Listed {
+    fn read(list: &[u8]) -> Option<Self> {
+        let (all, _) = parameters(list.get(4..)?, is_little_endian(list))?;
+        let (_, guid) = all.iter().find(|(id, _)| *id == PID_ENDPOINT_GUID)?;
+        Some(Self { endpoint: Guid(guid.get(..16)?.try_into().ok()?), list: list.to_vec() })
+    }
+}
+
+fn is_little_endian(list: &[u8]) -> bool {
+    list.starts_with(&[0, 3])
+}
+
 #[derive(Default)]
 struct Announced {
     /// Announcement of our participant; empty if the library has sent none yet.
     participant: Vec<u8>,
-    /// Announcements of endpoints. `None`: a sample that announces no endpoint.
-    endpoints: BTreeMap<Place, Option<Vec<u8>>>,
+    /// Announcements of endpoints. `None`: a sample that announces no endpoint, or one that was closed.
+    endpoints: BTreeMap<Place, Option<Listed>>,
     types: HashMap<Guid, String>,
-    /// Endpoints that were closed.
+    /// Endpoints that were closed before the library has sent us their announcements.
     closed: HashSet<Guid>,
     /// Number of ACKNACKs so far.
     acknowledged: i32,
     /// Participants that were introduced, the newest last.
     known: VecDeque<Prefix>,
-    /// Whether a successor replaces our participant, which is then not announced any more.
+    /// Whether a successor replaces our participant, or it has left. It is not announced any more then.
     has_ended: bool,
 }
 
@@ -117,9 +137,7 @@ impl Hashes {
 
     /// Records that an endpoint was closed. It is not announced any more.
     pub(super) fn remove(&self, endpoint: Guid) {
-        let mut announced = self.announced();
-        announced.types.remove(&endpoint);
-        announced.closed.insert(endpoint);
+        self.announced().close(endpoint);
     }
 
     /// Records that a successor replaces our participant.
@@ -145,8 +163,10 @@ impl Hashes {
             return Vec::new();
         }
         let mut announced = self.announced();
-        if Announcement::read(datagram).is_some_and(|said| !said.is_gone) {
-            announced.participant = datagram.to_vec();
+        match Announcement::read(datagram) {
+            Some(said) if said.is_gone => announced.has_ended = true,
+            Some(_) => announced.participant = datagram.to_vec(),
+            None => {}
         }
         let mut answers = Vec::new();
         for (kind, flags, body) in submessages(datagram) {
@@ -165,7 +185,8 @@ impl Hashes {
         answers
     }
 
-    /// Returns the datagrams that introduce us to the participant that has announced itself, or `None` if it gets none.
+    /// Returns the datagrams that introduce us to the participant that has announced itself, or `None` if it gets none. The sender
+    /// of the datagrams lowers the number of introductions afterwards.
     fn introduction(&self, said: &Announcement) -> Option<Vec<Vec<u8>>> {
         let mut announced = self.announced();
         if announced.has_ended || announced.known.contains(&said.who) {
@@ -175,6 +196,11 @@ impl Hashes {
             announced.known.pop_front();
         }
         announced.known.push_back(said.who);
+        // Before the datagrams are made, which costs much more than to forge a participant.
+        if self.introduced.fetch_add(1, Ordering::Relaxed) >= INTRODUCED {
+            self.introduced.fetch_sub(1, Ordering::Relaxed);
+            return None;
+        }
         Some(announced.datagrams(self.own, said.who))
     }
 }
@@ -185,11 +211,28 @@ impl Announced {
         let place = (announcer(body.get(8..12)?)?, number_at(body, 12)?);
         let payload = body.get(4 + usize::from(u16_at(body, 2, true)?)..)?;
         // Inline QoS, or a key alone, is in a sample that disposes an endpoint.
-        let list = (flags & 0b1110 == 0b100).then(|| payload.to_vec());
+        let listed = if flags & 0b1110 == 0b100 { Listed::read(payload) } else { None };
+        let listed = listed.filter(|listed| !self.closed.remove(&listed.endpoint));
         if self.endpoints.len() < MOST_SAMPLES {
-            self.endpoints.insert(place, list);
+            // A sample that the library repeats does not bring an endpoint back that was closed meanwhile.
+            self.endpoints.entry(place).or_insert(listed);
         }
         Some(())
+    }
+
+    /// Drops an endpoint.
+    fn close(&mut self, endpoint: Guid) {
+        self.types.remove(&endpoint);
+        let mut is_announced = false;
+        for listed in self.endpoints.values_mut() {
+            if listed.as_ref().is_some_and(|listed| listed.endpoint == endpoint) {
+                *listed = None;
+                is_announced = true;
+            }
+        }
+        if !is_announced && self.closed.len() < MOST_SAMPLES {
+            self.closed.insert(endpoint);
+        }
     }
 
     /// Keeps in mind that the samples in a GAP are not sent any more.
@@ -216,6 +259,8 @@ impl Announced {
     fn answer(&mut self, own: Prefix, player: Prefix, body: &[u8]) -> Option<Vec<u8>> {
         let announcer = announcer(body.get(4..8)?)?;
         let (first, last) = (number_at(body, 8)?, number_at(body, 16)?);
+        // The library has dropped what is older. Otherwise there would be no room for new samples some day.
+        self.endpoints.retain(|(writer, number), _| *writer != announcer || *number >= first);
         let missing = (first.max(1)..=last).find(|number| !self.endpoints.contains_key(&(announcer, *number)));
         self.acknowledged = self.acknowledged.wrapping_add(1);
         let mut set = number(missing.unwrap_or(last.saturating_add(1))).to_vec();
@@ -243,7 +288,7 @@ impl Announced {
         let mut datagrams = vec![self.participant.clone()];
         let mut message = begun();
         for ((announcer, number), list) in &self.endpoints {
-            let Some(list) = list.as_ref().and_then(|list| self.with_hash(list)) else { continue };
+            let Some(list) = list.as_ref().map(|listed| self.with_hash(listed)) else { continue };
             if message.length() + list.len() > LONGEST {
                 datagrams.push(std::mem::replace(&mut message, begun()).bytes());
             }
@@ -254,25 +299,19 @@ impl Announced {
     }
 
     /// Returns the announcement of an endpoint with the hash of its type. An endpoint without a hash is announced as the library does
-    /// it. Returns `None` for an endpoint that was closed.
-    fn with_hash(&self, list: &[u8]) -> Option<Vec<u8>> {
-        let little_endian = list.starts_with(&[0, 3]);
-        let (all, _) = parameters(list.get(4..)?, little_endian)?;
-        let (_, guid) = all.iter().find(|(id, _)| *id == PID_ENDPOINT_GUID)?;
-        let guid = Guid(guid.get(..16)?.try_into().ok()?);
-        if self.closed.contains(&guid) {
-            return None;
-        }
-        let (Some(hash), Some(begin), true) = (self.types.get(&guid), list.strip_suffix(&SENTINEL), little_endian)
+    /// it.
+    fn with_hash(&self, Listed { endpoint, list }: &Listed) -> Vec<u8> {
+        let (Some(hash), Some(begin), true) =
+            (self.types.get(endpoint), list.strip_suffix(&SENTINEL), is_little_endian(list))
         else {
-            return Some(list.to_vec());
+            return list.clone();
         };
         let user_data = format!("typehash={hash};");
         let mut list = begin.to_vec();
         let length = (user_data.len() as u32).to_le_bytes();
         parameter(&mut list, PID_USER_DATA, &[length.as_slice(), user_data.as_bytes()].concat());
         list.extend(SENTINEL);
-        Some(list)
+        list
     }
 }
 
@@ -332,11 +371,8 @@ pub(super) fn introduce(shared: &Arc<Shared>, said: &Announcement, runtime: &Han
         // The announcement of the simulated participant was lost, or is not handled yet.
         return this.play(shared.participant.discovery_address());
     }
-    let Some(datagrams) = this.introduction(said) else { return };
-    if this.introduced.fetch_add(1, Ordering::Relaxed) < INTRODUCED {
+    if let Some(datagrams) = this.introduction(said) {
         runtime.spawn(send(Arc::downgrade(shared), datagrams, said.addresses.clone()));
-    } else {
-        this.introduced.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -448,12 +484,67 @@ mod tests {
         assert_eq!(second.2[20..], announcement([0, 0, 2, 3]), "as the library sends it");
     }
 
+    /// Sequence numbers of the endpoints that are announced to a new participant.
+    fn told(hashes: &Hashes) -> Vec<i64> {
+        let datagrams = hashes.announced().datagrams(OWN, OTHER);
+        let all = datagrams.iter().flat_map(|datagram| submessages(datagram));
+        all.filter(|(kind, ..)| *kind == DATA).map(|(_, _, body)| number_at(body, 12).unwrap()).collect()
+    }
+
+    #[test]
+    fn closed_endpoint_is_not_announced_again_by_a_repetition_of_the_library() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let sample = |number: u8| data(number.into(), &announcement([0, 0, number, 3]));
+        hashes.take(&sample(1));
+        hashes.take(&sample(2));
+        hashes.remove(OWN.endpoint([0, 0, 1, 3]));
+        assert_eq!(told(&hashes), [2]);
+        assert!(hashes.announced().closed.is_empty(), "nothing is kept of it");
+        hashes.take(&sample(1));
+        assert_eq!(told(&hashes), [2]);
+        // This one is closed before its announcement comes.
+        hashes.remove(OWN.endpoint([0, 0, 3, 3]));
+        hashes.take(&sample(3));
+        hashes.take(&sample(3));
+        assert_eq!(told(&hashes), [2]);
+        assert!(hashes.announced().closed.is_empty());
+    }
+
+    /// A node whose endpoints come and go.
+    #[test]
+    fn samples_that_the_library_has_dropped_make_room_for_new_ones() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let newest = MOST_SAMPLES as i64 + 1;
+        for number in 1..=newest {
+            hashes.take(&data(number, &announcement([0, 0, 1, 3])));
+        }
+        assert_eq!(requested(&hashes.take(&heartbeat(2, newest))), (newest, 1, Some(1 << 31)));
+        hashes.take(&data(newest, &announcement([0, 0, 1, 3])));
+        assert_eq!(requested(&hashes.take(&heartbeat(2, newest))), (newest + 1, 0, None));
+        assert_eq!(hashes.announced().endpoints.len(), MOST_SAMPLES);
+    }
+
+    fn announced(who: Prefix) -> Announcement {
+        let player = Played { who, addresses: &[], builtin: READER, lease_s: 1 };
+        Announcement::read(&player.announced(1)).unwrap()
+    }
+
+    #[test]
+    fn flood_of_participants_gets_few_introductions() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let introduced = (0..200).filter(|who| hashes.introduction(&announced(Prefix([*who; 12]))).is_some()).count();
+        assert_eq!((introduced, hashes.introduced.load(Ordering::Relaxed)), (INTRODUCED, INTRODUCED));
+    }
+
+    #[test]
+    fn participant_that_has_left_is_not_announced() {
+        let hashes = Hashes::new(OWN).unwrap();
+        hashes.take(&crate::side::spdp::disposal(OWN, None, 2));
+        assert_eq!(hashes.introduction(&announced(OTHER)), None);
+    }
+
     #[test]
     fn participant_is_introduced_once_and_not_after_a_successor_took_over() {
-        let announced = |who| {
-            let player = Played { who, addresses: &[], builtin: READER, lease_s: 1 };
-            Announcement::read(&player.announced(1)).unwrap()
-        };
         let hashes = Hashes::new(OWN).unwrap();
         assert!(hashes.introduction(&announced(OTHER)).is_some());
         assert_eq!(hashes.introduction(&announced(OTHER)), None);
