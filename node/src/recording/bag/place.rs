@@ -80,7 +80,7 @@ impl Place {
             return Ok(kept(own));
         }
         if let Some(other) = self.other_bag(&text) {
-            fs::rename(&usual, kept(&other))?;
+            keep(&usual, &kept(&other))?;
         }
         Ok(usual)
     }
@@ -179,6 +179,31 @@ fn kept(bag: &Path) -> PathBuf {
     endings.map(|ending| bag.with_extension(ending)).find(is_free).unwrap_or_default()
 }
 
+/// Keeps a description under another name. Another recorder may have done it meanwhile.
+fn keep(description: &Path, path: &Path) -> io::Result<()> {
+    match fs::rename(description, path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        done => done,
+    }
+}
+
 fn exists(path: &Path, how: &str) -> BagError {
     BagError::Refused(format!("{} {how} already; a bag never replaces anything", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bags that end at the same time see the description of the same third one.
+    #[test]
+    fn description_that_another_recorder_has_kept_meanwhile_is_no_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let (usual, other) = (folder.path().join(metadata::FILE_NAME), folder.path().join("c.metadata.yaml"));
+        fs::write(&usual, ONE_FILE).unwrap();
+        keep(&usual, &other).unwrap();
+        keep(&usual, &other).unwrap();
+        assert_eq!(fs::read_to_string(&other).unwrap(), ONE_FILE);
+        keep(&other, folder.path()).unwrap_err();
+    }
 }
