@@ -100,14 +100,17 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
     // The cast saturates: 584 years. What is less than a nanosecond is one, not for ever.
     let ns = ((duration * 1e9).round() as u64).max(1);
     let duration = (duration > 0.0).then_some(ns);
-    for (name, velocity) in joint_names.iter().zip(&velocities) {
+    let pairs = joint_names.iter().zip(&velocities);
+    for (name, velocity) in pairs.clone() {
         joints.object(name, "joint_names", config)?;
         if !velocity.is_finite() || velocity.abs() >= LARGEST {
             return Err(format!("velocity of `{name}` is {velocity:?}; a finite number within +-1e38 is expected"));
         }
     }
-    let twice = |(place, name): &(usize, &String)| joint_names.iter().take(*place).any(|before| before == *name);
-    if let Some((_, name)) = joint_names.iter().enumerate().find(twice) {
+    // All of these are joints, so one of them is found twice before there are many.
+    let twice =
+        |(place, (name, _)): &(usize, (&String, &f64))| joint_names.iter().take(*place).any(|before| before == *name);
+    if let Some((_, (name, _))) = pairs.enumerate().find(twice) {
         return Err(format!("joint_names has the joint `{name}` twice; once is expected"));
     }
     for name in &mut joint_names {

@@ -82,6 +82,11 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
         (with(|m| m.velocities = vec![1.0]), "velocities has 1 entries; 2 are expected, one for each of joint_names"),
         (with(|m| *m = JointJog::default()), "no axis is named"),
         (with(|m| m.joint_names[1] = "x".into()), "joint_names has the joint `x` twice; once is expected"),
+        // Names without a velocity are counted, not compared with each other.
+        (
+            with(|m| *m = joint_jog(&["x", "x"], &[0.01])),
+            "velocities has 1 entries; 2 are expected, one for each of joint_names",
+        ),
         (with(|m| m.joint_names[1] = "w".into()), "joint_names has the joint `w`; there are x, y"),
         (with(|m| m.velocities[1] = f64::NAN), "velocity of `y` is NaN; a finite number within +-1e38 is expected"),
         (with(|m| m.velocities[0] = f64::INFINITY), "velocity of `x` is inf; a finite number"),
