@@ -176,7 +176,7 @@ impl Encoded {
     }
 
     /// What the node has published, each with the place of its topic in [`Subject`](bag::Subject).
-    fn published(&self) -> impl Iterator<Item = (usize, &[u8])> {
+    pub(crate) fn published(&self) -> impl Iterator<Item = (usize, &[u8])> {
         self.published.iter().map(|(topic, range)| (*topic, self.bytes.get(range.clone()).unwrap_or_default()))
     }
 

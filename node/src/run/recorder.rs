@@ -191,6 +191,9 @@ impl Recorder {
                 && !writer.push(&encoded)
             {
                 self.missing += 1;
+                if let Some(published) = &mut self.published {
+                    published.leave_out(&encoded);
+                }
             }
         } else if let Some(published) = &mut self.published {
             published.skip(head.time.stamp_ns);

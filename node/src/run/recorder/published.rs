@@ -26,7 +26,7 @@ pub struct Published {
     copies: Receiver<TappedMessage>,
     retained: Retained,
     waiting: VecDeque<TappedMessage>,
-    /// Messages that had no room here.
+    /// Messages that had no room, here or in the bag.
     left_out: u64,
     /// Missing messages that were told.
     told: u64,
@@ -91,6 +91,11 @@ impl Published {
         );
     }
 
+    /// Counts the messages of a cycle that found no room in its bag.
+    pub(super) fn leave_out(&mut self, cycle: &Encoded) {
+        self.left_out += cycle.published().count() as u64;
+    }
+
     /// Passes a cycle that is in no bag: the messages that came before it are in none either.
     pub(super) fn skip(&mut self, now_ns: u64) {
         self.take_waiting(|message| is_due(message, now_ns), |_| {});
@@ -153,6 +158,18 @@ mod tests {
         published.waiting.push_back(message(1));
         published.hear(false);
         assert!(published.waiting.is_empty(), "without a bag nothing waits");
+    }
+
+    #[test]
+    fn messages_of_a_cycle_without_room_count_as_missing() {
+        let (tap, copies) = Tap::new(|_| true);
+        let mut published = Published::new(tap, copies);
+        published.waiting.extend([message(5), message(6), message(20)]);
+        let mut cycle = cycle(10);
+        published.add_to(&mut cycle);
+        published.leave_out(&cycle);
+        published.hear(true);
+        assert_eq!((published.left_out, published.told), (2, 2));
     }
 
     #[test]
