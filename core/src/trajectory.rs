@@ -444,7 +444,7 @@ fn demand(times_ns: &[u64], track: &Track, ahead: usize) -> Demand {
     let (highest_point, highest) = places().max_by_key(|(_, place)| *place).unwrap_or_default();
     let stands = track.knots.get(first).map_or(Position::ZERO, |first| first.position);
     let mut way = Reach::at(stands);
-    let mut peaks = Peaks { lowest: lowest_point as u32, highest: highest_point as u32, ..Peaks::default() };
+    let mut peaks = Peaks { lowest: lowest_point as u32, highest: highest_point as u32, ..Peaks::at(first as u32) };
     let (mut step, mut velocity): (f64, Option<f64>) = (0.0, None);
     let segments = std::iter::zip(track.knots.windows(2), times_ns.windows(2)).enumerate();
     for (before, (knots, times)) in segments.skip(first) {

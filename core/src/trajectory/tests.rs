@@ -133,6 +133,14 @@ fn points_that_are_past_are_passed_over() {
     assert_eq!(all.end(0, Position::ZERO), Some(Position::whole(4000)));
 }
 
+/// It began 1.5 s ago: point 0 is past, point 1 alone is ahead.
+#[test]
+fn peaks_of_a_trajectory_that_began_in_the_past_are_ahead() {
+    let knots = vec![knot(9000, None, None), knot(2000, None, None)];
+    let all = trajectory(&[S, 2 * S], knots).unwrap().starting(-1_500_000_000);
+    assert_eq!(all.demand(0).map(|demand| (demand.highest, demand.peaks)), Some((Position::whole(2000), Peaks::at(1))));
+}
+
 fn rate() -> impl Strategy<Value = Option<f64>> {
     prop::option::of(-5e4..5e4_f64)
 }

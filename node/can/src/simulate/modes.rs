@@ -169,7 +169,7 @@ impl Modes {
                 let target = if now.has(HALT) { 0.0 } else { now.signed_per_second(objects::TARGET_VELOCITY) };
                 self.velocity = ramped(self.velocity, target, now.ramp(), now.cycle_s);
             }
-            _ if !now.has(RAMP_UNLOCKED) && now.has(BIT_4) => {}
+            _ if !now.has(RAMP_UNLOCKED) && now.has(BIT_4) && !now.has(HALT) => {}
             _ => {
                 let runs = now.has(BIT_4) && now.has(RAMP_INPUT) && !now.has(HALT);
                 let target = if runs { now.signed_per_second(objects::VL_TARGET_VELOCITY) } else { 0.0 };
@@ -344,6 +344,8 @@ mod tests {
         assert_eq!((rig.modes.vl_demand(VelocityFactor::default()), rig.bits()), (5, 0));
         assert_eq!([rig.step(0x3F).velocity, rig.step(0x6F).velocity], [3.0, 1.0]);
         assert_eq!(rig.step(0x0F).velocity, 0.0);
+        // Halt stops a locked ramp, too.
+        assert_eq!([rig.step(0x7F).velocity, rig.step(0x5F).velocity, rig.step(0x15F).velocity], [1.0, 1.0, 0.0]);
     }
 
     /// tq: 6087h 1000 per mille per second, 10 ms: 10 per mille per cycle.

@@ -256,7 +256,7 @@ mod tests {
         let way = run(&mut passes, 400, 0x21F, 100);
         let near: Vec<_> =
             way.windows(2).filter(|pair| (45..55).contains(&pair[0])).map(|pair| pair[1] - pair[0]).collect();
-        assert!(near.iter().all(|step| *step == 1), "{near:?}");
+        assert_eq!(near, [1; 10]);
         assert_eq!(way.last(), Some(&100));
     }
 

@@ -63,6 +63,8 @@ struct Long {
 pub(super) struct Table {
     numbers: BTreeMap<Object, Entry>,
     long: BTreeMap<Object, Long>,
+    /// 2000h has the levels of the touch probe inputs.
+    has_levels: bool,
 }
 
 const fn at(index: u16, sub: u8) -> Object {
@@ -82,7 +84,7 @@ const TEXTS: [(u16, &str); 3] =
 const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
 /// Objects of every drive: bytes, access, and the value after power-on.
-const OBJECTS: [(Object, u8, Access, u32); 53] = [
+const OBJECTS: [(Object, u8, Access, u32); 52] = [
     // A servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
     (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
@@ -97,7 +99,6 @@ const OBJECTS: [(Object, u8, Access, u32); 53] = [
     (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
     (at(0x1029, 0), 1, Access::Read, 1),
     (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
-    (simulated::PROBE_INPUTS, 1, Access::Write, 0),
     // Fault.
     (simulated::ABORT_CONNECTION, 2, Access::Write, 1),
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
@@ -159,6 +160,11 @@ impl Table {
         }
         for (object, bytes, access, value) in OBJECTS {
             table.add(object, bytes, access, value);
+        }
+        // Drives of other makers have something else there.
+        table.has_levels = device.startup.iter().all(|write| write.object.index != simulated::PROBE_INPUTS.index);
+        if table.has_levels {
+            table.add(simulated::PROBE_INPUTS, 1, Access::Write, 0);
         }
         let identity = device.identity;
         let numbers = [
@@ -224,6 +230,11 @@ impl Table {
             let unused = 32 - 8 * u32::from(entry.bytes.clamp(1, 4));
             (entry.value << unused).cast_signed() >> unused
         })
+    }
+
+    /// Levels of the touch probe inputs: bit 0 probe 1, bit 1 probe 2; 0 if the cell has another object in their place.
+    pub(super) fn probe_levels(&self) -> u32 {
+        if self.has_levels { self.get(simulated::PROBE_INPUTS) } else { 0 }
     }
 
     /// Sets an object from inside the drive; its upper bits are cut off. One that is missing stays so.
@@ -316,7 +327,7 @@ impl Table {
                 _ => Err(RANGE),
             },
             _ if object == simulated::ERROR_BEHAVIOUR && value > 2 => Err(RANGE),
-            _ if object == simulated::PROBE_INPUTS && value > 3 => Err(RANGE),
+            _ if object == simulated::PROBE_INPUTS && self.has_levels && value > 3 => Err(RANGE),
             _ if object == simulated::ABORT_CONNECTION && value > 3 => Err(RANGE),
             // Without a ramp the drive would not move.
             _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
@@ -448,6 +459,20 @@ mod tests {
         table.put(objects::TARGET_TORQUE, (-250_i32).cast_unsigned());
         assert_eq!((table.get(objects::TARGET_TORQUE), table.signed(objects::TARGET_TORQUE)), (0xFF06, -250));
         assert_eq!(table.signed(objects::INTERPOLATION_INDEX), -3);
+    }
+
+    /// 2000h of the cell is that of its drive: 4 bytes, any value. Without it 2000h has the levels of the touch probe inputs.
+    #[test]
+    fn object_2000h_of_the_cell_takes_the_place_of_the_probe_inputs() {
+        let object = at(0x2000, 0);
+        let mut levels = table();
+        assert_eq!([4, 3].map(|value| levels.write(object, value, Some(1))), [Err(RANGE), Ok(())]);
+        assert_eq!(levels.probe_levels(), 3);
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        device.startup.push(Write { object, data: vec![0; 4] });
+        let mut table = Table::new(&device, device.drive().unwrap());
+        assert_eq!(table.write(object, 100_001, Some(4)), Ok(()));
+        assert_eq!((table.read(object), table.probe_levels()), (Ok((100_001, 4)), 0));
     }
 
     /// Startup writes of other lengths than 1 to 4 bytes make objects of that length; power-on values are 0.

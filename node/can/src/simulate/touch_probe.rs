@@ -32,7 +32,7 @@ pub(super) struct TouchProbes {
 impl TouchProbes {
     /// One cycle.
     pub(super) fn step(&mut self, table: &mut Table, drive: &DriveInput) {
-        let levels = table.get(simulated::PROBE_INPUTS);
+        let levels = table.probe_levels();
         let changed = levels ^ std::mem::replace(&mut self.levels, levels);
         for number in 0..2_u8 {
             let input = |word: u32| word >> number & 1 == 1;

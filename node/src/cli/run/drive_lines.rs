@@ -22,7 +22,8 @@ impl DriveLines {
         if is_sim {
             let names: Vec<&str> = not_simulated.iter().map(|(_, backend)| backend.name.as_str()).collect();
             let all: Vec<usize> = (0..cell.backends.len()).collect();
-            let axes = Driven::of(cell, &all).axes.join(", ");
+            let axes = Driven::of(cell, &all).axes;
+            let axes = if axes.is_empty() { "none".to_owned() } else { axes.join(", ") };
             let line = format!("simulated drives: {axes}; nothing is sent on {} (--sim)", names.join(", "));
             return Self { real: Vec::new(), simulated: Some(line) };
         }
@@ -41,7 +42,7 @@ struct Driven<'a> {
 }
 
 impl<'a> Driven<'a> {
-    /// Those at the backends with these places; an axis with two drives is named once.
+    /// Those at the backends with these places; an axis with two drives is named once, and so is a node.
     fn of(cell: &'a Cell, backends: &[usize]) -> Self {
         let mut found = Self { axes: Vec::new(), nodes: Vec::new() };
         for (at, (_, axis, _)) in cell.drives().zip(cell.machine.drives()) {
@@ -53,7 +54,11 @@ impl<'a> Driven<'a> {
             }
             // The analog output of a drive that is given a voltage has the node in its upper byte.
             let node = if axis.analog.is_some() { at.number >> 8 } else { at.number };
-            found.nodes.push(node.to_string());
+            let node = node.to_string();
+            // Drives at analog outputs may share a module.
+            if !found.nodes.contains(&node) {
+                found.nodes.push(node);
+            }
         }
         found
     }
@@ -111,11 +116,32 @@ mod tests {
         let axes = [axis("x", "drive: {backend: bus0, node: 1}"), axis("z", "drive: {backend: plant, address: 0}")];
         let simulated = Some("simulated drives: x, z; nothing is sent on bus0, bus1 (--sim)".to_owned());
         assert_eq!(lines(&axes, true), DriveLines { real: Vec::new(), simulated });
+        let none = Some("simulated drives: none; nothing is sent on bus0, bus1 (--sim)".to_owned());
+        assert_eq!(lines(&[axis("v", "drive: virtual")], true).simulated, none);
         let cell = Cell::demo();
         assert_eq!(
             [false, true].map(|is_sim| DriveLines::of(&cell, is_sim)),
             [DriveLines::default(), DriveLines::default()]
         );
+    }
+
+    /// Two drives at the analog outputs of one module, with encoders of their own.
+    #[test]
+    fn node_of_several_drives_is_named_once() {
+        let parts = "io:\n  c: {type: ao, backend: bus0, node: 10, address: 0}\n  d: {type: ao, backend: bus0, node: 10, address: 1}\n  \
+                     ce: {type: do, backend: bus0, node: 10, address: 0}\n  de: {type: do, backend: bus0, node: 10, address: 1}\n  \
+                     ci: {type: di, backend: bus0, node: 10, address: 0}\n  di: {type: di, backend: bus0, node: 10, address: 1}\nencoders:\n  \
+                     m: {backend: bus0, node: 12, bits: 32, type: linear, scale: {increments: 1000, per: 1 mm}}\n  \
+                     n: {backend: bus0, node: 13, bits: 32, type: linear, scale: {increments: 1000, per: 1 mm}}\n";
+        let at = |name: &str, output: &str, encoder: &str| {
+            let keys = format!(
+                "reference: {output}, enable: {output}e, ready: {output}i, enable_time: 20 ms, interface: velocity, full_velocity: 2 m/s"
+            );
+            axis(name, &format!("drive: {{{keys}}}, feedback: {{encoder: {encoder}}}"))
+        };
+        let text = format!("{HEAD}{parts}axes:\n{}{}", at("x", "c", "m"), at("y", "d", "n"));
+        let cell = Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
+        assert_eq!(DriveLines::of(&cell, false).real[0], "REAL DRIVES on bus0 (socketcan:can0): x, y (node 10)");
     }
 
     #[test]
