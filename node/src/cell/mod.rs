@@ -54,7 +54,7 @@ mod wiring;
 
 #[cfg(test)]
 use crate::document::Observer;
-use crate::document::{Allowed, Document, Problems, Value};
+use crate::document::{Document, Problems, Value};
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, Hardware};
 pub(crate) use buses::{device_file, left_out_of, load_of, mode_by_sdo_of, passed_over};
@@ -69,7 +69,6 @@ use lineshaft_core::config::{AxisConfig, GlobalConfig, MachineConfig, ProgramCon
 use lineshaft_core::drive::{Objects, Terminal};
 use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
-use lineshaft_core::unit::Dimension;
 use lineshaft_ros::surface::{Group, JointNames};
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 pub use marks::CellMarks;
@@ -453,16 +452,7 @@ fn check_format(value: &Value<'_>) {
 }
 
 fn cycle(value: &Value<'_>) -> Option<u64> {
-    let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;
-    match time.nanoseconds() {
-        Ok(cycle_ns) if (125_000..=20_000_000).contains(&cycle_ns) => return u64::try_from(cycle_ns).ok(),
-        Ok(_) => {
-            let given = quote(value.peek().unwrap_or_default());
-            value.refuse(format!("cycle is {given}; 125 us..20 ms is allowed"), None);
-        }
-        Err(error) => value.refuse(format!("cycle: {error}"), error.hint()),
-    }
-    None
+    times::time_within(value, 125_000..=20_000_000, "125 us..20 ms")
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::names::quote;
 use super::record_topics::{self, RecordTopics};
-use crate::document::Value;
+use crate::document::{Value, unit_of_bare};
 use lineshaft_core::unit::Dimension;
 use lineshaft_ros::layer::NodeName;
 use std::ops::RangeInclusive;
@@ -128,12 +128,13 @@ fn on_loss(value: &Value<'_>) -> Option<OnLoss> {
 
 /// A time within a range (s).
 fn time(value: &Value<'_>, allowed: RangeInclusive<f64>) -> Option<Duration> {
-    let seconds = value.quantity(&[Dimension::Time], &crate::document::Allowed::Any)?.si();
-    if allowed.contains(&seconds) {
-        return Some(Duration::from_secs_f64(seconds));
+    let time = value.quantity(&[Dimension::Time], &crate::document::Allowed::Any)?;
+    if allowed.contains(&time.si()) {
+        return Some(Duration::from_secs_f64(time.si()));
     }
-    let (given, least, most) = (quote(value.peek().unwrap_or_default()), allowed.start(), allowed.end());
-    value.refuse(format!("{} is {given}; {least} s..{most} s is allowed", value.label()), None);
+    let (given, least, most) = (value.peek().unwrap_or_default(), allowed.start(), allowed.end());
+    let hint = unit_of_bare(given, time.unit());
+    value.refuse(format!("{} is {}; {least} s..{most} s is allowed", value.label(), quote(given)), hint);
     None
 }
 

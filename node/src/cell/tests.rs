@@ -160,7 +160,7 @@ groups: {arm: [x, y]}
          16:7: missing key `scale` in axis `X2`\n\
          16:14: type is `liner`; one of linear, rotary is allowed, did you mean `linear`?\n\
          18:13: slot is 256; 0..255 is allowed\n\
-         18:24: type is `apsff`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed\n\
+         18:24: type is `apsff`; dcopy, ecopy, sidiff, varsync, digdreh, imes, binea, cam, fipw, fipz, xfipw, dfkt, fgen, regl, epos, apsf is allowed, did you mean `apsf`?\n\
          19:19: arm[1] is `y`; no axis has that name, there are x, X2"
     );
 }

@@ -1,7 +1,7 @@
 //! Times of a cell.
 
 use super::names::quote;
-use crate::document::{Allowed, Value};
+use crate::document::{Allowed, Value, unit_of_bare};
 use lineshaft_core::unit::Dimension;
 use std::ops::RangeInclusive;
 
@@ -22,8 +22,9 @@ pub(super) fn time_within(value: &Value<'_>, range: RangeInclusive<u64>, allowed
         Ok(ns) => {
             let ns = u64::try_from(ns).ok().filter(|ns| range.contains(ns));
             if ns.is_none() {
-                let given = quote(value.peek().unwrap_or_default());
-                value.refuse(format!("{} is {given}; {allowed} is allowed", value.label()), None);
+                let given = value.peek().unwrap_or_default();
+                let hint = unit_of_bare(given, time.unit());
+                value.refuse(format!("{} is {}; {allowed} is allowed", value.label(), quote(given)), hint);
             }
             ns
         }

@@ -35,7 +35,7 @@ fn events_are_chosen_by_their_fields() {
     holds("{event: {kind: accepted, source: machine}, at: 0}");
     // Text is compared without regard to capitals.
     holds("{event: {kind: state, source: x, text: now standstill}, min: 2, max: 2}");
-    holds("{event: {kind: refused, text: 'TARGET 900 MM LIES ABOVE'}, count: 1}");
+    holds("{event: {kind: refused, text: 'TARGET 900 MM EXCEEDS'}, count: 1}");
 }
 
 #[test]

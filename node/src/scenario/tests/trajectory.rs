@@ -46,7 +46,7 @@ fn joints_have_joint_names_or_object_names() {
     recorded::plays_the_same_as_json(&cell, &by_joint);
     let said = |arguments: String| read(&arguments).unwrap_err().to_string();
     let twice = said(format!("{{joints: [left/arm_1, x], {points}}}"));
-    assert!(twice.contains("x twice"), "{twice}");
+    assert!(twice.contains("`x` twice"), "{twice}");
     let twice = said(format!("{{joints: [left/arm_1, J2], {points}, goal_tolerance: {{x: 1 mm, left/arm_1: 2 mm}}}}"));
     assert!(twice.contains("axis x has a tolerance already, by its other name"), "{twice}");
 }
