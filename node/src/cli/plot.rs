@@ -188,7 +188,7 @@ mod tests {
             points: vec![(0.0, 2.0)],
             gaps: Vec::new(),
         };
-        let mut series = vec![one("/left/signals"), one("/right/signals")];
+        let mut series = [one("/left/signals"), one("/right/signals")];
         set_unit(&mut series, "lag", "0.5 mm").unwrap();
         for series in &series {
             assert_eq!((series.unit.as_str(), series.points[0]), ("mm", (0.0, 1.0)), "{}", series.topic);
