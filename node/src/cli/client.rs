@@ -17,7 +17,8 @@ Exit codes: 0 done, 1 the node refused it or did not answer, 2 bad usage.";
 
 const MOVE_HELP: &str = "\
 POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. \
-The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is at rest. If the command is killed, the motion goes on.
+The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is at rest. \
+If the command is killed, the motion goes on.
 
 Examples:
   lineshaft enable x
