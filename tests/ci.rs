@@ -197,6 +197,11 @@ fn scenario_names_its_cell_and_the_command_line_goes_first() {
             "error: other.yaml is no scenario; `lineshaft sim other.yaml --scenario FILE` plays one, `lineshaft new FILE` writes an example\n"
         )
     );
+    let said = bench.run(&["sim", "a"]);
+    assert_eq!(
+        (said.code, said.errors.as_str()),
+        (2, "error: a is a folder; `lineshaft sim --all a` plays its scenarios\n")
+    );
     let object = bench.object(&["sim", "other.yaml"], 2);
     assert_eq!(object["errors"].as_array().map(Vec::len), Some(1));
     let said = bench.run(&["sim", "--scenario", "empty.scenario.yaml"]);

@@ -7,24 +7,35 @@ use std::fmt::Write;
 const INTRODUCTION: &str = "\
 # Codes
 
-This page is made of the tables that the program uses: `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors` regenerates it.
+The tables of this page are those of the program. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib errors`
+regenerates the page.
 
-A code is in `x.error`, in `error_code` of ~/axis_states, in events, in the result of an action. 0 is none. Below 1000 they are the
-error numbers of MACS, from 1000 on alarms of the WF modules (1000 + number), from 2000 on those of the SAIA module, from 3000 on those of function slots, from 10000 on
-our own, from 65536 (10000h) on what a drive reports (10000h + its object 603Fh).
+A code is in `x.error`, in `error_code` of ~/axis_states, in events, and in the result of an action:
+
+- 0: no error
+- below 1000: error numbers of MACS
+- from 1000: alarms of the WF modules (1000 + number)
+- from 2000: the SAIA module
+- from 3000: function slots
+- from 10000: Lineshaft
+- from 65536 (10000h): faults that a drive reports (10000h + its object 603Fh)
 
 ## What an error does
 
-Every axis is watched in every cycle; an error is reported and answered in the cycle in which it is found. The first error of an axis
-is in `x.error` until it is reset; the state of the axis at that time is in the signals `x.fault.code .cycle .command .velocity .actual
-.following_error`, until the next error. A further error before the reset is reported as an event. A drive that fails while its axis is
-off stops nothing: that is a warning with its code, at most once a second, and the next enable ends in the error. `~/errors` brings the last 32 errors
-and resets, with the remedy, also to who comes later; /diagnostics has cause, remedy and how the axis stood.
+Every axis is checked in every cycle. An error is reported in the cycle in which it is found, and the reaction
+begins in that cycle.
 
-A line of the log and of `/rosout` at ERROR or WARN about an event ends with the code and the remedy:
-`x: (message) (10205). (remedy)`.
+- `x.error` has the first error of an axis until the reset. The signals `x.fault.code`, `.cycle`, `.command`,
+  `.velocity`, `.actual` and `.following_error` have the state of the axis at that time, until the next error.
+- A further error before the reset is reported as an event.
+- A drive that fails while its axis is off stops nothing. A warning with its code is reported, at most once a
+  second, and the next enable ends in the error.
+- `~/errors` has the last 32 errors and resets, with the remedy; a client that subscribes later gets them too.
+  /diagnostics has the cause, the remedy and the state of the axis at that time.
+- A line of the log and of `/rosout` at ERROR or WARN about an event ends with the code and the remedy:
+  `x: (message) (10205). (remedy)`.
 
-The reaction is one of:
+Parameter `error_reaction` selects the reaction:
 
 | `error_reaction` (ERRCOND) | the axis |
 |-|-|
@@ -35,10 +46,12 @@ The reaction is one of:
 | 4 | is left to the quick stop of its drive |
 | 5 | goes on; the error is reported, a following error again every second while it lasts |
 
-A following error that 5 has reported, and that lasts or comes again after another value was set, is answered as that says. A brake that
-`o_brake` names closes with 1 and 3 also where a fault takes the power at once.
+If a following error was reported with 5, and it lasts or occurs again after another value was set, the
+reaction is that of the new value. With 1 and 3 the brake that `o_brake` names also closes where a fault
+removes the power at once.
 
-The reaction follows from column *reaction* of a code, which begins with the text given here, and from `error_reaction`, of a skew from `skew_reaction`:
+The reaction to a code follows from its text in column *reaction* of the tables below, which begins with the
+text given here, and from `error_reaction` (for a skew from `skew_reaction`):
 
 | reaction | where | 0 | 1 | 2 | 3 | 4 | 5 |
 |-|-|-|-|-|-|-|-|
@@ -56,7 +69,8 @@ The reaction follows from column *reaction* of a code, which begins with the tex
 | stop with `max_deceleration`, then drive off and brake closed | | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake | stop, off + brake |
 | none; with `saia.command_error` motor_off | | off | off + brake | off | off + brake | off | off |
 
-The words of that table, one by one; *brake* is that of `o_brake`, a brake of section `brake` closes wherever nothing else holds the axis:
+The next table explains the words of the last one. *Brake* is the brake of `o_brake`. A brake of section
+`brake` closes whenever nothing else holds the axis.
 
 | word | in the cycle of the error | once it stands | locked |
 |-|-|-|-|
@@ -71,44 +85,67 @@ The words of that table, one by one; *brake* is that of `o_brake`, a brake of se
 | end | stops | power | no |
 | go on | goes on | goes on | no |
 
-*stops* is with `max_deceleration`, at a software limit so that it ends there; with interface open_loop the speed is 0 and the axis
-coasts, under power. *Locked* is ERROR_STOP: enable and every motion are refused until the reset. A virtual axis, which has no power,
-stops instead of losing it, and a brake that it has closes once it stands. The error output `o_error` is on with every one of them until the reset.
+- *Stops*: with `max_deceleration`; at a software limit so that the axis ends there. With interface open_loop
+  the speed is 0, and the axis coasts under power.
+- *Locked*: the state is ERROR_STOP. Enable and every motion are refused until the reset.
+- A virtual axis has no power: it stops instead of losing it, and a brake that it has closes at standstill.
+- The error output `o_error` is on with all of them until the reset.
 
-Column *reaction* of the tables below says what applies to a code; where it is empty, the code is no error of an axis, but a refusal, the
-end of a goal, a warning or a notice. (With `saia.command_error` motor_off whatever refuses a command of `saia` switches the drive
-off as an error, also where the code is one of ours.) Where an axis says `following_error_stops_all: 1`, its following error
-stops all axes with a drive, each by its own `error_reaction`, as MACS does (MACS-ERR-05).
+If column *reaction* of a code is empty, the code is no error of an axis, but a refusal, the end of a goal, a
+warning or a notice. One exception: with `saia.command_error` motor_off every refusal of a command of `saia`
+switches the drive off as an error, also with a code of Lineshaft.
 
-`~/reset_errors` waits until the axis rests, resets the fault of the drive and takes the error back. Bit 7 of the control word is high and low in turn then, each for 50 ms
-and five cycles at least, as some drives look at it seldom. An error whose cause persists
-comes back, and the reset ends with its code: an open contact or a following error at once, a drive that does not leave its fault after
-5 s. Without power the axis rests once its encoder has gone no further than 2 counts, or than 0.1 % of `max_velocity`, for 5 ms; one that
-does not come to rest is waited for 5 s, one whose drive is lost not at all.
-In the same way an axis that stops first and loses its power or closes its brake then is waited for: until it rests, and not only its
-command; for 5 s at most; and not where it goes away from its command, further than `max_following_error`.
-A brake that the error has closed under power opens with it: the reset ends once the axis takes goals. If it held a following error,
-the axis begins where it stands.
+With `following_error_stops_all: 1` a following error of the axis stops all axes with a drive, each by its own
+`error_reaction`, as in MACS (MACS-ERR-05).
+
+## Reset
+
+`~/reset_errors` waits until the axis is at rest, resets the fault of the drive and clears the error.
+
+- Bit 7 of the control word is 1 and 0 in turn, each for at least 50 ms and five cycles, because some drives
+  read it seldom.
+- An error whose cause persists returns, and the reset ends with its code: at once with an open contact or a
+  following error, after 5 s with a drive that does not leave its fault.
+- Without power the axis is at rest when its encoder has moved by at most 2 counts, or at most 0.1 % of
+  `max_velocity`, for 5 ms. The reset waits up to 5 s for that, and not at all if the drive is lost.
+- A brake that the error has closed under power opens with the reset, which ends when the axis accepts goals.
+  If the brake held a following error, the axis begins at its actual position.
+
+A reaction that first stops the axis and then removes its power or closes its brake waits in the same way:
+until the axis itself is at rest, not only its command. It waits up to 5 s, and not if the axis moves away
+from its command by more than `max_following_error`.
 
 ## Limit switches
 
-A switch is a bit of the drive (60FDh) or the input that `i_poslimitsw`, `i_neglimitsw` assign; the positive one is at the end of
-rising counts. Its edge stops the axis, also one at rest; not one that moves away from it. Its level blocks every motion towards
-it, also after power-on: a motion known beforehand is refused with 98, a coupling that leads there is stopped with it. After the
-reset the way back is open. `endswmod` 1 stops with `max_deceleration` and holds; with 0 `error_reaction` decides, of which 5 stops as
-2 does. With `endswmod` 0 (the default) and `error_reaction` 0 or 1 the axis coasts past the switch: set `endswmod: 1` or
-`error_reaction: 2`. While an axis homes its switches belong to homing.
+A limit switch is a bit of the drive (60FDh) or the input that `i_poslimitsw` or `i_neglimitsw` assigns. The
+positive one is at the end of rising counts.
+
+- Its edge stops the axis, also an axis at rest, but not one that moves away from the switch.
+- Its level blocks every motion towards the switch, also after power-on. A motion known beforehand is refused
+  with 98; a coupling that leads there is stopped with 98. After the reset the axis can move away.
+- With `endswmod` 1 the axis stops with `max_deceleration` and holds. With 0 the reaction is that of
+  `error_reaction`, where 5 stops as 2 does.
+- With `endswmod` 0 (the default) and `error_reaction` 0 or 1 the axis coasts past the switch: set
+  `endswmod: 1` or `error_reaction: 2`.
+- While an axis homes, its switches belong to homing.
 
 ## Contacts of the cell
 
 ```yaml
-safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 while all is well
+safety: {estop: estop_ok, interlock: door_closed} # entries of io, type di, that read 1 in the good state
 ```
 
-One that reads 0, also because its wire is broken, stops all axes in that cycle. `estop`: they stop with `max_deceleration`, then
-their brakes close and their power goes, that of an axis with a section `brake` its `engage_delay` later. `interlock`: they stop and
-hold. While one is open nothing can be enabled or moved: a start of `saia`, which would switch the drive on, is a command error, and
-the reference selector of a virtual axis at rest, which has no error by it, is set back to 0. Closing it resets nothing. This is no safety function: the contacts must act on the power of the drives as well (safe torque off).
+A contact that reads 0, also because its wire is broken, stops all axes in that cycle.
+
+- `estop`: the axes stop with `max_deceleration`. Then their brakes close and their power is removed, on an
+  axis with a section `brake` after its `engage_delay`.
+- `interlock`: the axes stop and hold.
+
+While a contact is open nothing can be enabled or moved. A start of `saia`, which would switch the drive on,
+is a command error. The reference selector of a virtual axis at rest, which gets no error by it, is set back
+to 0. Closing the contact resets nothing.
+
+**This is no safety function:** the contacts must act on the power of the drives as well (safe torque off).
 ";
 
 /// The ranges with their headings.

@@ -124,9 +124,12 @@ def box(name, folder):
     top, middle = ROWS[row], (left + right) / 2
     # Lines of a narrow box are below its name, the line of a wide one too.
     first = top + (30 if len(lines) == 1 else 24)
+    # A letter of the folder is 0.61 of its size wide.
+    size = min(11.5, (right - left - 8) / (0.61 * (len(folder) + 1)))
+    smaller = "" if size == 11.5 else f' style="font-size:{size:.1f}px"'
     text = [
         f'<text x="{middle:g}" y="{first}" class="name">{html.escape(name)}</text>',
-        f'<text x="{middle:g}" y="{first + 17}" class="folder quiet">{html.escape(folder)}/</text>',
+        f'<text x="{middle:g}" y="{first + 17}" class="folder quiet"{smaller}>{html.escape(folder)}/</text>',
     ]
     text += [
         f'<text x="{middle:g}" y="{first + 37 + 16 * at}" class="line">{html.escape(line)}</text>'

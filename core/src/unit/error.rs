@@ -146,6 +146,17 @@ impl UnitError {
         self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
     }
 
+    /// The error with its hint. For a text that is no number, it has an example of what is expected instead, in this unit, which is that of
+    /// the axis.
+    pub fn sentence_for(self, expected: Dimension, unit: Unit) -> String {
+        match self {
+            Self::NotANumber { .. } if self.hint().is_none() => {
+                format!("{self}; {} is expected", expected.such_as(Some(unit)))
+            }
+            error => error.in_unit(unit).sentence(),
+        }
+    }
+
     /// How to write it instead, where that is known.
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -1,12 +1,12 @@
 //! `lineshaft state`, `enable`, `disable`, `halt`, `reset`, `move`, `home`, `jog`: commands to a node that runs.
 
 use super::logging::Logging;
+use super::times::within;
 use super::{Exit, complain};
 use crate::client::{
     AxesService, Failure, Given, Jog, Motion, Options, StateForm, command_axes, home, jog, move_axis, state,
 };
 use clap::{Args, Subcommand};
-use lineshaft_core::unit::{Dimension, Quantity};
 use std::time::Duration;
 
 const AXES_HELP: &str = "\
@@ -16,8 +16,9 @@ and ROS_AUTOMATIC_DISCOVERY_RANGE.
 Exit codes: 0 done, 1 the node refused it or did not answer, 2 bad usage.";
 
 const MOVE_HELP: &str = "\
-POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is \
-at rest. If the command is killed, the motion goes on.
+POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. \
+The command waits for the end of the motion. Ctrl-C cancels the motion: the axis stops, and the command ends when it is at rest. \
+If the command is killed, the motion goes on.
 
 Examples:
   lineshaft enable x
@@ -205,19 +206,11 @@ impl JogArgs {
 }
 
 fn timeout(text: &str) -> Result<Duration, String> {
-    time(text, (0.1, 600.0), "100 ms to 600 s")
+    within(text, (0.1, 600.0), "100 ms to 600 s")
 }
 
 fn jog_time(text: &str) -> Result<Duration, String> {
-    time(text, (0.02, 86_400.0), "20 ms to 86400 s")
-}
-
-fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
-    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?.si();
-    match (least..=most).contains(&time) {
-        true => Ok(Duration::from_secs_f64(time)),
-        false => Err(format!("{text} is not allowed; {range} is")),
-    }
+    within(text, (0.02, 86_400.0), "20 ms to 86400 s")
 }
 
 pub(super) fn client(command: &ClientCommand, logging: &Logging) -> Exit {

@@ -1,7 +1,7 @@
 //! A hint for a command line that names a file instead of a command, as `lineshaft demo.yaml`.
 
 use crate::recording::clean::clean;
-use crate::scenario::SUFFIX;
+use crate::scenario::cell_next_to;
 use clap::error::{ContextKind, ContextValue};
 use std::path::Path;
 
@@ -23,7 +23,7 @@ pub(super) fn file_hint(error: &clap::Error, first: Option<&str>) -> Option<Stri
     if !ends(&["yaml", "yml"]) && !path.is_file() {
         return None;
     }
-    if path.to_str().is_some_and(|path| path.ends_with(SUFFIX)) {
+    if cell_next_to(path).is_some() {
         return Some(format!("`lineshaft sim {file}` plays a scenario"));
     }
     if is_scenario(path) {
@@ -32,9 +32,9 @@ pub(super) fn file_hint(error: &clap::Error, first: Option<&str>) -> Option<Stri
     Some(format!("`lineshaft run {file}` runs a cell"))
 }
 
-/// Returns whether a file is called as a scenario, or has the key that only scenarios have.
+/// Returns true if the name of a file is that of a scenario, or if it has the key that only scenarios have.
 pub(super) fn is_scenario(path: &Path) -> bool {
-    if path.to_str().is_some_and(|path| path.ends_with(SUFFIX)) {
+    if cell_next_to(path).is_some() {
         return true;
     }
     // A named pipe would wait for a writer.

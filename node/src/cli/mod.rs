@@ -26,6 +26,7 @@ mod signals;
 mod sim;
 mod store;
 mod table;
+mod times;
 mod tune;
 mod usage;
 mod validate;
@@ -269,7 +270,7 @@ struct TuneArgs {
     #[arg(long, value_name = "PART")]
     effort: Option<f64>,
     /// Time of the motion to and fro, as `6 s` (1 s to 60 s); left out: 6 s
-    #[arg(long, value_name = "TIME", value_parser = plot::time)]
+    #[arg(long, value_name = "TIME", value_parser = times::seconds)]
     duration: Option<f64>,
     /// Inertia of the load in parts of the motor's (0 to 1000), for interface torque with the encoder on the motor: gains that keep their margins within play, too; left out, or 0: an axis with play gets no gains
     #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
@@ -303,10 +304,10 @@ struct PlotArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Begin here, as `1.2 s`, from the start of the run; left out: with the first value
-    #[arg(long, value_name = "TIME", value_parser = plot::time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = times::seconds, allow_hyphen_values = true)]
     from: Option<f64>,
     /// End here
-    #[arg(long, value_name = "TIME", value_parser = plot::time, allow_hyphen_values = true)]
+    #[arg(long, value_name = "TIME", value_parser = times::seconds, allow_hyphen_values = true)]
     to: Option<f64>,
     /// Width (px, 500 to 8000)
     #[arg(long, value_name = "N", default_value_t = 1200, value_parser = pixels(WIDTHS))]

@@ -5,8 +5,7 @@ use super::{Exit, PlotArgs, complain, say};
 use crate::recording::bag::SCENARIO;
 use crate::recording::plot::{Across, Chosen, Figure, Problem, Target, write};
 use crate::recording::run::{Run, RunError};
-use crate::recording::series::{Kind, Recorded, SeriesError, alias, load};
-use lineshaft_core::unit::{Dimension, Quantity};
+use crate::recording::series::{Kind, Recorded, Series, SeriesError, alias, load};
 use std::path::Path;
 
 /// Why nothing was drawn.
@@ -49,7 +48,7 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
     let mut recorded = load(&mut run, &args.signals)?;
     run.end_progress();
     for (name, unit) in &args.unit {
-        set_unit(&mut recorded, name, unit)?;
+        set_unit(&mut recorded.series, name, unit)?;
     }
     let is_named =
         |name: &String| args.signals.contains(name) || alias(name).is_some_and(|alias| args.signals.contains(&alias));
@@ -69,23 +68,27 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
     Ok(recorded)
 }
 
-/// Gives a signal the unit of its numbers; a factor before the unit multiplies them.
-fn set_unit(recorded: &mut Recorded, name: &str, unit: &str) -> Result<(), PlotError> {
-    let refused = |reason: String| PlotError::Unit { name: name.to_owned(), unit: unit.to_owned(), reason };
-    let Some(series) = recorded.series.iter_mut().find(|series| series.name == name) else {
-        return Err(refused(format!("{name} is not one of the chosen signals")));
-    };
-    let (factor, unit) = match unit.split_once(' ').map(|(factor, unit)| (factor.parse::<f64>(), unit)) {
+/// Gives the signals of a name the unit of their numbers; a factor before the unit multiplies them.
+fn set_unit(series: &mut [Series], name: &str, text: &str) -> Result<(), PlotError> {
+    let (factor, unit) = match text.split_once(' ').map(|(factor, unit)| (factor.parse::<f64>(), unit)) {
         Some((Ok(factor), unit)) if factor.is_normal() => (factor, unit),
-        _ => (1.0, unit),
+        _ => (1.0, text),
     };
-    unit.clone_into(&mut series.unit);
-    // Numbers in another unit are not whole any more.
-    if factor != 1.0 {
-        series.kind = Kind::Real;
-        series.points.iter_mut().for_each(|point| point.1 *= factor);
+    let mut is_found = false;
+    for series in series.iter_mut().filter(|series| series.name == name) {
+        is_found = true;
+        unit.clone_into(&mut series.unit);
+        // Numbers in another unit are not whole any more.
+        if factor != 1.0 {
+            series.kind = Kind::Real;
+            series.points.iter_mut().for_each(|point| point.1 *= factor);
+        }
     }
-    Ok(())
+    if is_found {
+        return Ok(());
+    }
+    let reason = format!("{name} is not one of the chosen signals");
+    Err(PlotError::Unit { name: name.to_owned(), unit: text.to_owned(), reason })
 }
 
 /// A signal and its unit on the command line.
@@ -104,11 +107,6 @@ fn scenario(run: &Run) -> Option<String> {
 /// The last part of a path: where it is is of no interest in a figure.
 fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-}
-
-/// A time on the command line (s).
-pub(super) fn time(text: &str) -> Result<f64, String> {
-    Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.sentence())
 }
 
 #[cfg(test)]
@@ -179,12 +177,23 @@ mod tests {
         assert!(svg.contains("\nx moves to 5 mm\n") && !svg.contains("a.mcap"));
     }
 
+    /// Two topics may have a signal of one name.
     #[test]
-    fn times_are_seconds_or_have_a_unit() {
-        assert_eq!(time("1.2 s"), Ok(1.2));
-        assert_eq!(time("250 ms"), Ok(0.25));
-        assert_eq!(time("3"), Ok(3.0));
-        assert!(time("3 mm").is_err());
+    fn unit_is_that_of_all_signals_with_the_name() {
+        let one = |topic: &str| Series {
+            name: "lag".to_owned(),
+            unit: String::new(),
+            kind: Kind::Int,
+            topic: topic.to_owned(),
+            points: vec![(0.0, 2.0)],
+            gaps: Vec::new(),
+        };
+        let mut series = [one("/left/signals"), one("/right/signals")];
+        set_unit(&mut series, "lag", "0.5 mm").unwrap();
+        for series in &series {
+            assert_eq!((series.unit.as_str(), series.points[0]), ("mm", (0.0, 1.0)), "{}", series.topic);
+            assert_eq!(series.kind, Kind::Real);
+        }
     }
 
     #[test]

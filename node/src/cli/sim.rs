@@ -85,6 +85,10 @@ fn without_scenario(cell: &Path) -> String {
     if !cell.exists() {
         return format!("there is no file {}", cell.display());
     }
+    if cell.is_dir() {
+        let folder = cell.display();
+        return format!("{folder} is a folder; `lineshaft sim --all {folder}` plays its scenarios");
+    }
     let cell = cell.display();
     if next_to.is_file() {
         let scenario = next_to.display();

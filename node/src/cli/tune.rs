@@ -11,7 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::recording::plot::{Problem, Target};
 use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_until, write_plot};
 use lineshaft_core::config::MachineConfig;
-use lineshaft_core::unit::{Quantity, Scale, UnitError, parse_decimal};
+use lineshaft_core::unit::{Quantity, Scale, parse_decimal};
 use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
 
@@ -140,12 +140,8 @@ fn bounds(args: &TuneArgs, config: &MachineConfig) -> Result<Bounds, TuneError> 
 
 fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
     let unit = scale.unit().unit();
-    let quantity = Quantity::parse(text, &scale.dimensions(order)).map_err(|error| match error {
-        UnitError::NotANumber { .. } if error.hint().is_none() => {
-            format!("{error}; {} is expected", scale.kind().dimension(order).such_as(Some(unit)))
-        }
-        error => error.in_unit(unit).sentence(),
-    })?;
+    let quantity = Quantity::parse(text, &scale.dimensions(order))
+        .map_err(|error| error.sentence_for(scale.kind().dimension(order), unit))?;
     scale.rate(&quantity, order).map_err(|error| error.sentence())
 }
 

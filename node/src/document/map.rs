@@ -143,7 +143,7 @@ impl<'d> Map<'d> {
     }
 }
 
-/// What stands before the first blank or colon of a key.
+/// The part of a key before its first blank or colon.
 fn before_blank(key: &str) -> Option<&str> {
     key.split_once([' ', ':']).map(|(name, _)| name)
 }

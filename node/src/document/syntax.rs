@@ -1,6 +1,6 @@
 //! Errors of the YAML parser in plain words, at the line that is probably meant.
 //!
-//! Law      the place is that of the parser, but for a missing colon and for a tab, which it notices behind their line
+//! Law      the place is that of the parser, except for a missing colon and for a tab, which it notices after their line
 //! Reads    the text, the sentence of the parser, and where it stopped
 
 use super::Place;
@@ -91,13 +91,12 @@ fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
     (!has_colon(there)).then(|| (begin(before, line(text, before)), there))
 }
 
-/// How a line is written with its colon.
+/// How a line is written with its colon, which is missing at its first blank, or has no blank after it.
 fn with_colon(line: &str) -> String {
     let line = line.trim_start_matches("- ");
-    let with = match (line.split_once(':'), line.split_once(' ')) {
-        (Some((key, value)), _) => format!("{key}: {value}"),
-        (None, Some((key, value))) => format!("{key}: {}", value.trim_start()),
-        (None, None) => format!("{line}: .."),
+    let with = match line.split_once([':', ' ']) {
+        Some((key, value)) => format!("{key}: {}", value.trim_start()),
+        None => format!("{line}: .."),
     };
     format!("write `{}`", excerpt(&with))
 }
@@ -130,6 +129,10 @@ mod tests {
         let missing = "this is not YAML: a colon and a blank are missing between key and value, write";
         said("a:\n  b: 1\n  max_velocity 1200 mm/s\n  c: 2\n", &format!("3:3: {missing} `max_velocity: 1200 mm/s`"));
         said("a:\n  b: 1\n  max_velocity:1200 mm/s\n  c: 2\n", &format!("3:3: {missing} `max_velocity: 1200 mm/s`"));
+        said(
+            "a:\n  b: 1\n  bus udp:239.74.163.45:43145\n  c: 2\n",
+            &format!("3:3: {missing} `bus: udp:239.74.163.45:43145`"),
+        );
         said("for 2 s\n\n# what is traced\ntrace: []\n", &format!("1:1: {missing} `for: 2 s`"));
     }
 

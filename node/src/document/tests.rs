@@ -3,7 +3,6 @@
 use super::*;
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit};
 use proptest::prelude::*;
-use std::time::{Duration, Instant};
 
 /// Reads `text` with `read` and gives the problems.
 fn problems(text: &str, read: impl FnOnce(Value<'_>)) -> String {
@@ -424,13 +423,9 @@ fn documents_made_to_hurt() {
         ("comment", format!("k: #{}", "#".repeat(limit)), ""),
         ("blanks", format!("k:{}1", " ".repeat(limit)), ""),
     ] {
-        let start = Instant::now();
         let problems = problems(&text, |root| _ = root.map("the file").map(Map::finish));
-        let took = start.elapsed();
-
         assert!(said.is_empty() || problems == said, "{name}: {problems:.300}");
         assert!(problems.len() < 200_000, "{name}: {} bytes of problems", problems.len());
-        assert!(took < Duration::from_secs(20), "{name} took {took:?}");
     }
 }
 

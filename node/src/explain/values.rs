@@ -7,8 +7,8 @@ use crate::reference::{File, Key, Shape};
 use lineshaft_core::parameter::{Measure, ROWS};
 use lineshaft_msgs::INTERFACES;
 
-/// Modes of operation: names in lower case with `_`, object 6060h, and key `interface` of the drive.
-const MODES: [(&[&str], &str, &str); 5] = [
+/// Modes of operation: names in lower case with `_`, object 6060h, and keys of the drive.
+const MODES: [(&[&str], &str, &str); 8] = [
     (
         &["csp", "cyclic_position", "cyclic_synchronous_position", "cyclic_synchronous_position_mode"],
         "mode 8",
@@ -27,12 +27,23 @@ const MODES: [(&[&str], &str, &str); 5] = [
     (
         &["pp", "profile_position", "profile_position_mode"],
         "mode 1",
-        "none: the controller computes each setpoint, and commands the drive by interface position, velocity or torque",
+        "drive: {interface: position, mode: pp}, with a drive on CAN",
     ),
     (
         &["pv", "profile_velocity", "profile_velocity_mode"],
         "mode 3",
-        "none: the controller computes each setpoint, and commands the drive by interface position, velocity or torque",
+        "drive: {interface: velocity, mode: pv}, with a drive on CAN",
+    ),
+    (&["vl", "velocity_mode"], "mode 2", "drive: {interface: open_loop}, with a drive on CAN"),
+    (
+        &["tq", "profile_torque", "profile_torque_mode"],
+        "mode 4",
+        "drive: {interface: torque, mode: tq}, with a drive on CAN",
+    ),
+    (
+        &["ip", "interpolated_position", "interpolated_position_mode"],
+        "mode 7",
+        "drive: {interface: position, mode: ip}, with a drive on CAN",
     ),
 ];
 
@@ -108,4 +119,22 @@ fn choices(name: &str, width: usize) -> Option<String> {
     }
     let facts: [(&str, &str); 2] = [("keys", keys.as_str()), ("parameters", rows.as_str())];
     Some(section(&format!("{name}: a value that keys take"), &facts, width))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_can::drive::DriveMode;
+
+    /// Each mode that key `mode` takes, with its number, and with the interface that it serves.
+    #[test]
+    fn each_mode_of_a_drive_on_can_has_its_number_and_key() {
+        for (name, mode) in DriveMode::NAMES {
+            let (_, object, here) = MODES.iter().find(|(names, ..)| names[0] == name).expect(name);
+            assert_eq!(*object, format!("mode {}", mode.number()));
+            let is_usual = DriveMode::usual(mode.interface()) == Some(mode);
+            assert_eq!(here.contains(&format!("mode: {name}")), !is_usual, "{name}: {here}");
+        }
+        assert_eq!(MODES.len(), DriveMode::NAMES.len());
+    }
 }

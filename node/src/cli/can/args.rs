@@ -1,12 +1,12 @@
 //! The words of `lineshaft can`, what each may be, and their help.
 
+use crate::cli::times::within;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
 use lineshaft_can::commission::kind;
 use lineshaft_can::eds::DataType;
 use lineshaft_can::transport::{Address, BAUD_RATES};
 use lineshaft_can::{NmtCommand, NodeId, lss};
-use lineshaft_core::unit::{Dimension, Quantity};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -410,20 +410,11 @@ fn number(text: &str) -> Result<u32, String> {
 }
 
 fn timeout(text: &str) -> Result<Duration, String> {
-    time(text, (0.01, 60.0), "10 ms to 60 s")
+    within(text, (0.01, 60.0), "10 ms to 60 s")
 }
 
 fn for_time(text: &str) -> Result<Duration, String> {
-    time(text, (0.001, 86_400.0), "1 ms to 86400 s")
-}
-
-fn time(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
-    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?.si();
-    // What a person writes as 0.01 may be a little less.
-    match (least - 1e-12..=most).contains(&time) {
-        true => Ok(Duration::from_secs_f64(time)),
-        false => Err(format!("{text} is not allowed; {range} is")),
-    }
+    within(text, (0.001, 86_400.0), "1 ms to 86400 s")
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ use super::curve::reduced;
 use super::events::{Events, Listed, spread};
 use super::lane::{Content, Stay};
 use super::pen::{
-    BIT, Drawn, Entry, FRAME, INK, LABEL, Look, MARGIN, Mark, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG, severity_colour,
+    BIT, Drawn, Entry, EntryMark, FRAME, INK, LABEL, Look, MARGIN, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG,
+    severity_colour,
 };
 use super::text::{clean, shorten, use_bundled_font, width, wrap};
 use super::{HEIGHTS, Problem, Target, WIDTHS, pixels};
@@ -119,12 +120,16 @@ const TICKS: (f64, f64) = (85.0, 28.0);
 /// # Errors
 /// [`Problem::Width`], [`Problem::High`], [`Problem::Pixels`], [`Problem::Drawing`]
 pub fn draw_chart(chart: &Chart, target: Target) -> Result<Vec<u8>, Problem> {
-    if !(WIDTHS.0..=WIDTHS.1).contains(&chart.width) {
-        return Err(Problem::Width { given: chart.width });
-    }
+    check_width(chart.width)?;
     let across = Axis { label: String::new(), low: 0.0, high: 1.0, spacing: Spacing::Even };
     let page = Page { chart, lanes: &[], across: &across, events: &Events::default(), notes: &[] };
     page.draw(target)
+}
+
+/// # Errors
+/// [`Problem::Width`]
+pub(super) fn check_width(given: u32) -> Result<(), Problem> {
+    if (WIDTHS.0..=WIDTHS.1).contains(&given) { Ok(()) } else { Err(Problem::Width { given }) }
 }
 
 /// Part of SVG pixels that are told apart: plotters counts whole pixels.
@@ -212,9 +217,9 @@ impl Page<'_> {
     /// Rows of entries: a mark and a text, or a text alone.
     fn legend(&self, panel: &Panel) -> Vec<Vec<Entry>> {
         let named = panel.curves.iter().filter(|curve| !curve.name.is_empty());
-        let entry = |curve: &Curve| Entry { mark: Mark::Line(curve.look.line()), text: clean(&curve.name) };
+        let entry = |curve: &Curve| Entry { mark: EntryMark::Line(curve.look.line()), text: clean(&curve.name) };
         let mut rows = self.entry_rows(named.map(entry).collect());
-        let line = |text: &String| Entry { mark: Mark::None, text: clean(text) };
+        let line = |text: &String| Entry { mark: EntryMark::None, text: clean(text) };
         rows.extend(self.entry_rows(panel.lines.iter().map(line).collect()));
         rows
     }
@@ -236,7 +241,7 @@ impl Page<'_> {
                 Content::Value(_) if written.contains(&(text, colour)) => continue,
                 Content::Value(_) => text.clone(),
             };
-            let entry = Entry { mark: Mark::Box(*colour), text };
+            let entry = Entry { mark: EntryMark::Box(*colour), text };
             if !entries.contains(&entry) {
                 entries.push(entry);
             }
@@ -340,11 +345,9 @@ impl Page<'_> {
         for pin in &panel.pins {
             let [from, to] = [pin.from, pin.to].map(|(x, y)| (across.place(x), up.place(y)));
             chart.draw_series([PathElement::new(vec![from, to], pen.style(INK, 1.0))])?;
-            let (x, y) = chart.backend_coord(&to);
-            let (x, y) = (f64::from(x) / pen.factor, f64::from(y) / pen.factor);
+            let (x, y) = pen.place(&chart, to);
             pen.fill((x - 3.0, y - 3.0), (x + 3.0, y + 3.0), INK)?;
-            let middle = f64::from(chart.backend_coord(&from).1) / pen.factor;
-            let middle = if pin.from == pin.to { y - 11.0 } else { f64::midpoint(middle, y) };
+            let middle = if pin.from == pin.to { y - 11.0 } else { f64::midpoint(pen.place(&chart, from).1, y) };
             let is_right = x + 10.0 + width(&pin.text, SMALL) < left + self.plot_width();
             let (x, side) = if is_right { (x + 7.0, HPos::Left) } else { (x - 7.0, HPos::Right) };
             pen.text(&pin.text, (x, middle), SMALL, INK, side)?;
@@ -379,8 +382,7 @@ impl Page<'_> {
                 } else if stay.content != Content::Busy {
                     chart.draw_series([Rectangle::new([(from, high), (to, low)], pen.style(FRAME, 0.6))])?;
                     if is_written(stay, text, self.plot_width() / self.full_width()) {
-                        let (x, y) = chart.backend_coord(&(f64::midpoint(from, to), f64::midpoint(low, high)));
-                        let at = (f64::from(x) / pen.factor, f64::from(y) / pen.factor);
+                        let at = pen.place(&chart, (f64::midpoint(from, to), f64::midpoint(low, high)));
                         pen.text(text, at, SMALL, INK, HPos::Center)?;
                     }
                 }

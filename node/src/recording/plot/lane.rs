@@ -30,7 +30,7 @@ pub(super) enum Content {
 pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
     let scale = width / (window.to - window.from);
     let x = |time: f64| ((time - window.from) * scale).clamp(0.0, width);
-    let mut lane = Lane::default();
+    let mut lane = LaneBuilder::default();
     let mut open: Option<(f64, i64)> = None;
     for (time, value) in window.broken(window.steps()) {
         let (x, value) = (x(time), value.is_finite().then_some(value as i64));
@@ -50,13 +50,13 @@ pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
 }
 
 #[derive(Debug, Default)]
-struct Lane {
+struct LaneBuilder {
     done: Vec<Stay>,
     /// Narrow stays side by side: from, to, how many, the value of the last one.
     narrow: Option<(f64, f64, usize, i64)>,
 }
 
-impl Lane {
+impl LaneBuilder {
     fn push(&mut self, from: f64, to: f64, value: i64) {
         if to - from >= NARROW {
             self.flush();

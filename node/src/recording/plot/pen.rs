@@ -88,12 +88,12 @@ pub(super) fn severity_colour(severity: u8) -> RGBColor {
 /// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
-    pub(super) mark: Mark,
+    pub(super) mark: EntryMark,
     pub(super) text: String,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Mark {
+pub(super) enum EntryMark {
     Line(Line),
     Box(RGBColor),
     None,
@@ -101,7 +101,7 @@ pub(super) enum Mark {
 
 impl Entry {
     pub(super) fn width(&self) -> f64 {
-        let (swatch, em) = if self.mark == Mark::None { (0.0, SMALL) } else { (SWATCH + 6.0, LABEL) };
+        let (swatch, em) = if self.mark == EntryMark::None { (0.0, SMALL) } else { (SWATCH + 6.0, LABEL) };
         swatch + width(&self.text, em) + 18.0
     }
 }
@@ -119,6 +119,12 @@ pub(super) struct Pen<DB: DrawingBackend> {
 impl<DB: DrawingBackend> Pen<DB> {
     pub(super) fn px(&self, (x, y): (f64, f64)) -> (i32, i32) {
         ((x * self.factor).round() as i32, (y * self.factor).round() as i32)
+    }
+
+    /// The place (px) of a point of a plot.
+    pub(super) fn place(&self, chart: &Plot<'_, DB>, point: (f64, f64)) -> (f64, f64) {
+        let (x, y) = chart.backend_coord(&point);
+        (f64::from(x) / self.factor, f64::from(y) / self.factor)
     }
 
     fn length(&self, length: f64) -> i32 {
@@ -153,13 +159,13 @@ impl<DB: DrawingBackend> Pen<DB> {
     pub(super) fn entries(&self, row: &[Entry], (mut x, y): (f64, f64)) -> Drawn<DB> {
         for entry in row {
             let (em, colour, indent) = match &entry.mark {
-                Mark::None => (SMALL, PALE_INK, 0.0),
-                Mark::Line((colour, width, dash)) => {
+                EntryMark::None => (SMALL, PALE_INK, 0.0),
+                EntryMark::Line((colour, width, dash)) => {
                     let ends = [self.px((x, y)), self.px((x + SWATCH, y))];
                     self.line(&self.area, ends.to_vec(), (*colour, *width, *dash))?;
                     (LABEL, INK, SWATCH + 6.0)
                 }
-                Mark::Box(colour) => {
+                EntryMark::Box(colour) => {
                     self.fill((x, y - 6.0), (x + SWATCH, y + 6.0), *colour)?;
                     (LABEL, INK, SWATCH + 6.0)
                 }
@@ -187,9 +193,8 @@ impl<DB: DrawingBackend> Pen<DB> {
         scale: (f64, f64),
     ) -> Drawn<DB> {
         let (colour, width, dash) = line;
-        if let [(x, y)] = points {
-            let (x, y) = chart.backend_coord(&(*x, *y));
-            let (x, y) = (f64::from(x) / self.factor, f64::from(y) / self.factor);
+        if let [point] = points {
+            let (x, y) = self.place(chart, *point);
             return self.fill((x - width, y - width), (x + width, y + width), colour);
         }
         let length = |pair: &[(f64, f64)]| ((pair[1].0 - pair[0].0) * scale.0).hypot((pair[1].1 - pair[0].1) * scale.1);

@@ -1,14 +1,14 @@
 //! The rows of a figure of signals: panels of curves, lanes of states, and lines of text.
 
 use super::axis::{Axis, Spacing};
-use super::chart::{Chart, Curve, Lane, Page, Panel};
+use super::chart::{Chart, Curve, Lane, Page, Panel, check_width};
 use super::curve::{LARGEST, Window, curve};
 use super::events::Events;
 use super::lane::{Content, Stay, stays, value_text};
 use super::pen::{BIT_FILL, BUSY, Look, MARGIN, SMALL};
 use super::quantity::{ShownUnit, SignalQuantity, unified, with_prefix};
 use super::text::{clean, number, use_bundled_font, wrap};
-use super::{Chosen, Figure, HEIGHTS, Problem, Target, WIDTHS};
+use super::{Chosen, Figure, HEIGHTS, Problem, Target};
 use crate::recording::series::{Kind, Series};
 use plotters::style::RGBColor;
 use std::collections::HashMap;
@@ -69,9 +69,7 @@ struct Signals<'a> {
 pub(super) fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
     use_bundled_font();
     let signals = Signals::new(figure)?;
-    if !(WIDTHS.0..=WIDTHS.1).contains(&figure.width) {
-        return Err(Problem::Width { given: figure.width });
-    }
+    check_width(figure.width)?;
     let (name, unit) = figure.across.words();
     let (low, high) = (signals.from, signals.to);
     let across = Axis { label: format!("{name} ({unit})"), low, high, spacing: Spacing::Even };

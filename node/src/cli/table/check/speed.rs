@@ -4,7 +4,7 @@
 //! Refuses  a speed that is not above 0, a unit that does not fit the leader
 
 use super::Master;
-use lineshaft_core::unit::{Dimension, Quantity, Unit, UnitError, excerpt, parse_decimal};
+use lineshaft_core::unit::{Dimension, Quantity, Unit, excerpt, parse_decimal};
 
 /// Largest speed (inc/s).
 const MOST: f64 = 1e12;
@@ -30,7 +30,7 @@ fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
     }
     let Some(scale) = leader.and_then(|leader| leader.scale) else {
         let all = [increments, Dimension::Length(1), Dimension::Angle(1)];
-        let speed = Quantity::parse(text, &all).map_err(|error| sentence(error, increments, Unit::INCREMENT))?;
+        let speed = Quantity::parse(text, &all).map_err(|error| error.sentence_for(increments, Unit::INCREMENT))?;
         if speed.unit().dimension() == increments {
             return Ok(speed.si());
         }
@@ -41,18 +41,8 @@ fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
         return Err(format!("`{}` {why}", excerpt(text)));
     };
     let (expected, unit) = (scale.kind().dimension(1), scale.unit().unit());
-    let speed = Quantity::parse(text, &[expected, increments]).map_err(|error| sentence(error, expected, unit))?;
+    let speed = Quantity::parse(text, &[expected, increments]).map_err(|error| error.sentence_for(expected, unit))?;
     scale.rate(&speed, 1).map_err(|error| error.sentence())
-}
-
-/// The error, with an example where it has none.
-fn sentence(error: UnitError, expected: Dimension, unit: Unit) -> String {
-    match error {
-        UnitError::NotANumber { .. } if error.hint().is_none() => {
-            format!("{error}; {} is expected", expected.such_as(Some(unit)))
-        }
-        error => error.in_unit(unit).sentence(),
-    }
 }
 
 #[cfg(test)]
