@@ -157,7 +157,7 @@ fn the_verbs_of_old_controllers_are_accepted_or_refused_with_their_place() {
             "move /lineshaft --axis x --mode relative --position 0.001 --velocity 0.5 --wait --expect ABORTED";
         let seen = peer.run(too_fast);
         let message = seen["result"]["message"].as_str().unwrap();
-        assert!(message.contains(&format!("above max_velocity {} mm/s", velocity * 1000.0)), "{message}");
+        assert!(message.contains(&format!("exceeds max_velocity {} mm/s", velocity * 1000.0)), "{message}");
 
         for (request, sentence) in [
             (format!("{set} {{max_velocity: 0}}"), "x: max_velocity is 0"),

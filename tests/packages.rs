@@ -71,7 +71,8 @@ fn what_the_documentation_uses_is_a_dependency() {
         let verb: String = rest.chars().take_while(|&c| is_of_name(c)).collect();
         let is_command = [format!("`ros2 {verb}"), format!("    ros2 {verb} ")].iter().any(|text| pages.contains(text));
         if !verb.is_empty() && is_command {
-            needed.insert(format!("ros2{verb}"));
+            // It has no package of its own.
+            needed.insert(if verb == "daemon" { "ros2cli".to_owned() } else { format!("ros2{verb}") });
         }
     }
     for (before, after) in pages.match_indices('/').map(|(place, _)| pages.split_at(place)) {

@@ -226,7 +226,7 @@ fn speed_of_a_master_has_units_and_without_one_is_max_velocity_of_the_leader() {
     );
     let head = "axis knife of cell.yaml at a master speed of 20000 inc/s (20 mm/s), max_velocity of belt\n";
     assert!(said.contains(head), "{said}");
-    assert!(said.contains("  fastest master speed: 14886.3 inc/s (14.8863"), "{said}");
+    assert!(said.contains("  fastest master speed: 14886.3 inc/s (14.8862"), "{said}");
     let (code, said, problems) = at_speed(&["--leader", "belt", "--master-speed", "10 mm/s"]);
     assert_eq!((code, problems.as_str()), (Some(0), ""), "{said}");
     assert!(said.contains("axis knife of cell.yaml at a master speed of 10000 inc/s (10 mm/s)\n"), "{said}");
