@@ -210,5 +210,8 @@ fn plan_is_played_recorded_replayed_and_drawn() {
     bench.write("plan.yaml", &wrong);
     let (code, _, complaints) = bench.run("sim arm6.yaml --scenario arm6.scenario.yaml");
     assert_eq!(code, Some(2));
-    assert!(complaints.starts_with("plan.yaml:10:14: joint_names has the joint `joint9`; there are joint1, "), "{complaints}");
+    assert!(
+        complaints.starts_with("plan.yaml:10:14: joint_names has the joint `joint9`; there are joint1, "),
+        "{complaints}"
+    );
 }

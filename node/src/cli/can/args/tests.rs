@@ -96,7 +96,8 @@ fn every_help_has_an_example() {
         can.get_subcommands().filter(|command| command.get_name() != "help").partition(|one| one.has_subcommands());
     for command in single.into_iter().chain(groups.into_iter().flat_map(|group| group.get_subcommands())) {
         let help = command.clone().render_long_help().to_string();
-        let has_example = ["Example:", "Examples:"].iter().any(|head| help.contains(&format!("{head}\n  lineshaft can ")));
+        let has_example =
+            ["Example:", "Examples:"].iter().any(|head| help.contains(&format!("{head}\n  lineshaft can ")));
         assert!(has_example && help.contains("Exit codes: 0 "), "{help}");
     }
 }
