@@ -144,7 +144,10 @@ fn simulated_drives_are_reached_by_an_slcan_pseudo_terminal() {
     let link = folder.path().join("bus0");
     let path = link.to_str().expect("a path of text");
     let address = format!("slcan:{path}");
-    let cell = cell(&address);
+    // On a busy machine the bytes of a terminal wait longer than datagrams.
+    let patient = |axis: &str| axis.replace("node: ", "missed_cycles: 100, node: ");
+    let axes = axis("x", 1, "", "") + &axis("y", 2, "", ", homing: {method: 35, in_drive: true}");
+    let cell = CanCell::new(&address, "10 ms", &patient(&axes));
     let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml"), "--pty", path], &Domain::take());
     drives.until_log(&format!("{address}: node 1 (x), node 2 (y) simulated"));
     let (code, said) = run(&["can", "scan", "--bus", &address, "--bitrate", "1000000", "--from", "1", "--to", "3"]);

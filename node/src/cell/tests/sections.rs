@@ -132,9 +132,12 @@ fn ros_options() {
         ("shaft_rate: ^1001", "shaft_rate is `1001`; 0, or 1 Hz..1000 Hz, is allowed"),
         ("on_loss: ^stop", "on_loss is `stop`; halt or none is allowed"),
         ("loss_timeout: ^0.4 s", "loss_timeout is `0.4 s`; 0.5 s..5 s is allowed"),
-        ("loss_timeout: ^6", "loss_timeout is `6`; 0.5 s..5 s is allowed"),
+        ("loss_timeout: ^6", "loss_timeout is `6`; 0.5 s..5 s is allowed, a number without a unit is in s"),
         ("request_timeout: ^99 ms", "request_timeout is `99 ms`; 0.1 s..3600 s is allowed"),
-        ("request_timeout: ^3601", "request_timeout is `3601`; 0.1 s..3600 s is allowed"),
+        (
+            "request_timeout: ^3601",
+            "request_timeout is `3601`; 0.1 s..3600 s is allowed, a number without a unit is in s",
+        ),
         ("autostart: ^yes", "autostart is `yes`; true or false is allowed, write `true`"),
         ("robot_description: ^''", "robot_description is ``; the name of a URDF file is expected"),
         (
