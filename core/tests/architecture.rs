@@ -50,7 +50,7 @@ fn value<'t>(line: &'t str, key: &str) -> Option<&'t str> {
 /// Returns the name of a crate, and the keys of its sections of dependencies, each with its kind.
 fn manifest(text: &str) -> (String, Vec<(String, &'static str)>) {
     let (mut name, mut keys, mut section) = (String::new(), Vec::new(), "");
-    for line in text.lines().map(str::trim) {
+    for line in text.lines().map(str::trim).filter(|line| !line.is_empty()) {
         if line.starts_with('[') {
             section = line;
             continue;

@@ -321,7 +321,7 @@ fn amounts_are_made_increments_of_each_scale_that_leads() {
     assert_eq!(own.side, PhaseSide::Slave(amount(Length::whole(1_500), 20.0, 250_000.0)));
     let refused = |request: PhaseRequest| config.resolve_phase(&request).expect_err("refused").to_string();
     let angle = quantity("90 deg", Dimension::Angle(0));
-    let sentence = "shift: `90 deg` is an angle; a length such as `90 m` is expected";
+    let sentence = "shift: `90 deg` is an angle; a length such as `90 mm` is expected";
     assert_eq!(refused(PhaseRequest { shift: angle, ..request.clone() }), sentence);
     assert_eq!(refused(PhaseRequest { shift: angle, side: 0, ..request.clone() }), sentence);
     assert_eq!(refused(PhaseRequest { side: 2, ..request.clone() }), "side is 2; 0 SLAVE, 1 MASTER are allowed");

@@ -139,7 +139,7 @@ fn goals_and_superimposed_motion_together_keep_the_limits_of_position() {
     rig.give(Action::Move(to(X, 10_000)));
     rig.give(Action::Move(Move { velocity: 5_000.0, ..over(3_000) }));
     let refused = rig.give(after(BufferMode::Buffered, to(X, 17_001)));
-    assert!(rig.refusal(refused).contains("above max_position 20 mm"), "{}", rig.refusal(refused));
+    assert!(rig.refusal(refused).contains("exceeds max_position 20 mm"), "{}", rig.refusal(refused));
     let good = rig.give(after(BufferMode::BlendingHigh, to(X, 17_000)));
     assert!(rig.was_accepted(good));
     rig.run(2_000);
