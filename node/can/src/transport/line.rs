@@ -1,5 +1,6 @@
 //! slcan over a stream of bytes that never waits: a serial line, a pseudo terminal, TCP.
 
+use super::piece::Piece;
 use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, Said};
 use super::waiting::Waiting;
 use super::way::{Loss, Way};
@@ -16,9 +17,6 @@ const SILENCE: Duration = Duration::from_millis(250);
 const TALK: Duration = Duration::from_secs(2);
 /// How long the answer to a command may take. Some adapters answer nothing.
 const PATIENCE: Duration = Duration::from_millis(100);
-
-/// Bytes that are read at once.
-const PIECE: usize = 512;
 
 /// Why the channel of an adapter does not open.
 #[derive(Debug, thiserror::Error)]
@@ -43,10 +41,7 @@ pub struct SlcanLine<S> {
     /// Lines that wait, and how much of the first one has gone.
     waiting: Waiting<Line>,
     gone: usize,
-    /// Bytes that were read: those from `at` to `end` have not been looked at.
-    piece: [u8; PIECE],
-    at: usize,
-    end: usize,
+    piece: Piece,
     refused: u64,
 }
 
@@ -59,9 +54,7 @@ impl<S: Read + Write> SlcanLine<S> {
             decoder: Decoder::default(),
             waiting: Waiting::new(),
             gone: 0,
-            piece: [0; PIECE],
-            at: 0,
-            end: 0,
+            piece: Piece::new(),
             refused: 0,
         }
     }
@@ -123,8 +116,7 @@ impl<S: Read + Write> SlcanLine<S> {
 
     /// Looks at what was read, up to the end of a frame.
     fn next_frame(&mut self) -> Option<Frame> {
-        while let Some(&byte) = self.piece.get(self.at..self.end)?.first() {
-            self.at += 1;
+        while let Some(byte) = self.piece.next() {
             match self.decoder.take(byte) {
                 Some(Said::Frame(frame)) => return Some(frame),
                 Some(Said::Refused) => self.refused = self.refused.saturating_add(1),
@@ -165,13 +157,8 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
                 return Ok(Some(frame));
             }
             self.way.check()?;
-            match self.way.unless_later(self.stream.read(&mut self.piece))? {
-                Some(0) => return Err(self.way.lose(Loss::Ended)),
-                Some(count) => (self.at, self.end) = (0, count),
-                None => {
-                    (self.at, self.end) = (0, 0);
-                    return Ok(None);
-                }
+            if !self.piece.read(&mut self.stream, &mut self.way)? {
+                return Ok(None);
             }
         }
     }

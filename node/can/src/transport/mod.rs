@@ -9,6 +9,7 @@ mod can_frame;
 mod datagram;
 mod line;
 mod open;
+mod piece;
 mod pty;
 pub mod slcan;
 mod socket_can;

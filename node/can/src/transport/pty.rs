@@ -2,9 +2,10 @@
 //!
 //! Law      S sets the bit rate, O opens the channel, C closes it; frames pass only while it is open. CR is consent, BEL a refusal, `z` with CR
 //!          the answer to a frame
-//! Refuses  a path that exists; commands that an adapter has not, or not in its present state
+//! Refuses  a path that exists; commands that no adapter knows, or that its present state does not allow
 //! Source   CANUSB manual (Lawicel), pty(7)
 
+use super::piece::Piece;
 use super::slcan::{BEL, CR, Line, bit_rates, frame_of};
 use super::way::{Loss, Way};
 use super::{Transport, TransportError};
@@ -29,8 +30,6 @@ const REFUSED: &[u8] = &[BEL];
 const ROOM: usize = 8 * 1024;
 /// Longest line of a command that is looked at.
 const LONGEST: usize = 64;
-/// Bytes that are read at once.
-const PIECE: usize = 512;
 
 /// Why there is no pseudo terminal.
 #[derive(Debug, thiserror::Error)]
@@ -126,10 +125,7 @@ struct SlcanAdapter<S> {
     is_open: bool,
     /// The line that comes, up to its CR.
     line: Vec<u8>,
-    /// Bytes that were read and are not looked at yet: those from `at` to `end`.
-    piece: [u8; PIECE],
-    at: usize,
-    end: usize,
+    piece: Piece,
     /// Bytes for the master.
     waiting: VecDeque<u8>,
 }
@@ -141,17 +137,14 @@ impl<S: MasterStream> SlcanAdapter<S> {
             way: Way::default(),
             is_open: false,
             line: Vec::with_capacity(LONGEST),
-            piece: [0; PIECE],
-            at: 0,
-            end: 0,
+            piece: Piece::new(),
             waiting: VecDeque::with_capacity(ROOM),
         }
     }
 
     /// The rest of what was read, up to the end of a frame.
     fn next_frame(&mut self) -> Option<Frame> {
-        while let Some(&byte) = self.piece.get(self.at..self.end)?.first() {
-            self.at += 1;
+        while let Some(byte) = self.piece.next() {
             if byte != CR {
                 // A line that is too long is none of a command: its first bytes are refused.
                 if self.line.len() < LONGEST {
@@ -233,13 +226,8 @@ impl<S: MasterStream + Send> Transport for SlcanAdapter<S> {
                 return Ok(Some(frame));
             }
             self.flush()?;
-            match self.way.unless_later(self.stream.read(&mut self.piece))? {
-                Some(0) => return Err(self.way.lose(Loss::Ended)),
-                Some(count) => (self.at, self.end) = (0, count),
-                None => {
-                    (self.at, self.end) = (0, 0);
-                    return Ok(None);
-                }
+            if !self.piece.read(&mut self.stream, &mut self.way)? {
+                return Ok(None);
             }
         }
     }

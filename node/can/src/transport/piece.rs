@@ -1,0 +1,46 @@
+//! Bytes that were read from a stream at once.
+
+use super::TransportError;
+use super::way::{Loss, Way};
+use std::io::Read;
+
+/// Maximum number of bytes that are read at once.
+const ROOM: usize = 512;
+
+/// A piece of a stream.
+#[derive(Debug)]
+pub(super) struct Piece {
+    bytes: [u8; ROOM],
+    /// The bytes from `at` to `end` were not taken yet.
+    at: usize,
+    end: usize,
+}
+
+impl Piece {
+    pub(super) fn new() -> Self {
+        Self { bytes: [0; ROOM], at: 0, end: 0 }
+    }
+
+    /// Takes the next byte; `None` at the end of the piece.
+    pub(super) fn next(&mut self) -> Option<u8> {
+        let byte = *self.bytes.get(self.at..self.end)?.first()?;
+        self.at += 1;
+        Some(byte)
+    }
+
+    /// Reads the next piece. Returns false if no byte has arrived.
+    ///
+    /// # Errors
+    /// The stream has ended or failed.
+    pub(super) fn read(&mut self, stream: &mut impl Read, way: &mut Way) -> Result<bool, TransportError> {
+        (self.at, self.end) = (0, 0);
+        match way.unless_later(stream.read(&mut self.bytes))? {
+            Some(0) => Err(way.lose(Loss::Ended)),
+            Some(count) => {
+                self.end = count;
+                Ok(true)
+            }
+            None => Ok(false),
+        }
+    }
+}
