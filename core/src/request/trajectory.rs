@@ -58,7 +58,7 @@ impl<N> Default for ToleranceRequest<N> {
 pub struct TrajectoryRequest<N = f64> {
     /// Names of the axes; each once.
     pub axes: Vec<String>,
-    /// What errors call them, such as joint names: one for each axis, or empty for the names of the axes.
+    /// Names of the axes in errors, such as joint names: one for each axis, or empty for the names of the axes.
     pub joints: Vec<String>,
     /// What the numbers mean.
     pub units: Units,
@@ -265,7 +265,7 @@ fn seconds(time_ns: u64) -> String {
     if digits.is_empty() { whole.to_string() } else { format!("{whole}.{digits}") }
 }
 
-/// What is allowed of a time.
+/// The allowed range of a time, as text.
 fn longest() -> String {
     format!("at most {} s is allowed", seconds(i64::MAX.unsigned_abs()))
 }
@@ -283,7 +283,7 @@ fn each_of(joints: usize, may_lack: bool) -> String {
 /// Values of one axis.
 struct Field<'a> {
     axis: &'a AxisConfig,
-    /// What errors call it.
+    /// Its name in errors.
     name: &'a str,
     units: Units,
 }

@@ -281,7 +281,7 @@ mod tests {
         crate::page::check("from-plc.md", "plcopen", |page| replaced(page, "blocks", &markdown()).unwrap());
     }
 
-    /// What stands in backticks.
+    /// The parts in backticks.
     fn quoted(text: &str) -> impl Iterator<Item = &str> {
         text.split('`').skip(1).step_by(2)
     }

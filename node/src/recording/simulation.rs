@@ -19,7 +19,7 @@ pub struct SimulationRecorder {
 }
 
 impl SimulationRecorder {
-    /// Begins a bag for a machine of `cell` that has not run yet and plays the scenario of that name, if any.
+    /// Begins a bag for a machine of `cell` before its first cycle. `scenario` is the name of the scenario that it plays, if any.
     ///
     /// # Errors
     /// The bag cannot be begun.

@@ -207,7 +207,7 @@ impl Axis {
     /// Checks a homing of an axis whose drive shows no digital inputs: each switch that the method looks for needs an input of its own.
     ///
     /// # Errors
-    /// A method that there is not, or one whose switch is not read.
+    /// An unknown method, or one whose switch is not read.
     pub fn check_homing_switches(&self, method: HomingMethod) -> Result<(), Refusal> {
         let method = self.homing_method(method)?;
         let p = &self.parameters;

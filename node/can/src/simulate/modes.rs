@@ -98,7 +98,7 @@ fn per_second(factor: VelocityFactor, units: f64) -> f64 {
 }
 
 impl Modes {
-    /// One cycle of the mechanics: what is asked of them.
+    /// One cycle of the mechanics. Returns the setpoint for them.
     pub(super) fn step(
         &mut self,
         table: &Table,

@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(run(&mut positioner, 50, 0x1F, 90).last(), Some(&0));
     }
 
-    /// Without bit 5 the second set-point waits: both are reached, bit 12 stays 1 until the first one is over. With bit 5 it replaces the first.
+    /// Without bit 5 the second set-point waits: both are reached, bit 12 stays 1 until the first one ends. With bit 5 it replaces the first.
     #[test]
     fn second_set_point_waits_or_replaces_the_first() {
         let mut waits = at(0);

@@ -204,7 +204,7 @@ mod tests {
         assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x10ft simu");
         assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), *b"\x00lated d");
         assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x17rive\0\0\0");
-        // It is over: the command is not known. The same toggle bit twice.
+        // The transfer has ended: the command is unknown. The same toggle bit twice.
         assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), [0x80, 0, 0, 0, 0x01, 0, 0x04, 0x05]);
         ask([0x40, 0x08, 0x10, 0, 0, 0, 0, 0]);
         ask([0x60, 0, 0, 0, 0, 0, 0, 0]);

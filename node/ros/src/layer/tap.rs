@@ -196,7 +196,7 @@ mod tests {
         for _ in 0..=ROOM {
             shaft.copy(&[7]);
         }
-        assert_eq!(tap.lost(), 0, "what is not copied is not lost");
+        assert_eq!(tap.lost(), 0, "a message that is not copied does not count as lost");
         tap.set_open(true);
         assert_eq!(publish(), [0, 1, 2, 3]);
     }

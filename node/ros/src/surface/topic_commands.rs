@@ -46,7 +46,7 @@ impl TopicCommands {
     }
 }
 
-/// What is said of a message that is refused.
+/// The text about a message that is refused.
 pub(super) fn message_refused(topic: &str, sentence: &str) -> String {
     format!("{topic}: message refused: {sentence}")
 }

@@ -539,7 +539,7 @@ fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
     assert_eq!(warned(&[], &odd, &["node: 3"]), [sentence]);
 }
 
-/// What is not read of the drives of a cell: the warnings, or the problems.
+/// The warnings about inputs of drives that are not read, or the problems of the cell.
 fn unread(cell: &Cell) -> Result<Vec<String>, String> {
     let named = |text: &str| text.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned();
     let buses = cell.buses(Some(&file())).unwrap_or_else(|problems| panic!("{problems}"));

@@ -165,7 +165,7 @@ impl Hardware {
 /// read.
 ///
 /// # Errors
-/// What is wrong with the files, and what homing needs and is not read.
+/// The problems of the files, and the inputs that homing needs and that are not read.
 fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
     let sentences = |problems: Problems| problems.to_string().trim_end().to_owned();
     let (buses, warnings) = cell.buses_and_warnings(file).map_err(sentences)?;

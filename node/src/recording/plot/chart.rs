@@ -132,7 +132,7 @@ pub(super) fn check_width(given: u32) -> Result<(), Problem> {
     if (WIDTHS.0..=WIDTHS.1).contains(&given) { Ok(()) } else { Err(Problem::Width { given }) }
 }
 
-/// Part of SVG pixels that are told apart: plotters counts whole pixels.
+/// Factor by which an SVG is drawn larger than it is shown: plotters counts whole pixels.
 const SVG_FACTOR: u32 = 10;
 
 impl Page<'_> {

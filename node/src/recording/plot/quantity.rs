@@ -18,7 +18,7 @@ pub(super) enum SignalQuantity {
 }
 
 impl SignalQuantity {
-    /// Returns the quantity that the name and the unit of a signal tell.
+    /// Returns the quantity of a signal by its name and unit.
     pub(super) fn of(name: &str, unit: &str) -> Self {
         let mut parts = name.rsplit(['.', '/']);
         let (last, before) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());

@@ -384,7 +384,7 @@ fn times(figure: &Figure<'_>) -> Result<(f64, f64), Problem> {
     {
         return Err(Problem::Backwards { from, to });
     }
-    // The run is over before, or begins behind, the time that was asked for.
+    // The run ends before, or begins after, the requested time.
     if !is_time(from) || !is_time(to) || from > run.1 || to < run.0 {
         return Err(no_value(figure, Some(run)));
     }

@@ -193,7 +193,7 @@ fn what_a_recording_of_ours_lacks_is_a_difference() {
     assert!(sentence.ends_with(&expected), "{sentence}");
 }
 
-/// Another version may word the text of an event in another way; its code tells what it is.
+/// Another version may word the text of an event differently; its code identifies it.
 #[test]
 fn text_of_an_event_is_not_compared_and_its_code_is() {
     let folder = tempfile::tempdir().unwrap();

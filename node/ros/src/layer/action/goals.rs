@@ -1,7 +1,7 @@
 //! The goals of one action: their states, who waits for their results, what a cancel request means. Knows no DDS.
 //!
 //! Law      accepted -> executing -> succeeded | aborted; accepted or executing -> canceling -> canceled | succeeded |
-//!          aborted. An ended goal answers everybody who asks, until its time is over. A goal that
+//!          aborted. Every client gets the result of an ended goal, until its time has passed. A goal that
 //!          is canceled while it is being decided begins with canceling. A cancel request for all goals means those that
 //!          were sent before it
 //! Refuses  an id that is known, also one that is still being decided or has ended
@@ -121,7 +121,7 @@ pub(super) struct Goals<R, W> {
     most: usize,
 }
 
-/// A goal that the application has not accepted or rejected yet.
+/// A goal before the application accepts or rejects it.
 #[derive(Debug)]
 struct Deciding {
     id: GoalId,

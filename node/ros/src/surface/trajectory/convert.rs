@@ -254,7 +254,7 @@ fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
 /// How long the goal tolerances may be waited for; none: for ever.
 fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, Wrong> {
     match time_ns {
-        // Rounded to a nanosecond; what is longer than 292 years ends there.
+        // Rounded to a nanosecond, at most 292 years.
         0 => Ok(positive(settings.goal_time).map(|seconds| ((seconds * 1e9).round() as u64).min(i64::MAX as u64))),
         FOR_EVER => Ok(None),
         time_ns => u64::try_from(time_ns).map(Some).map_err(|_| Wrong::GoalTime { time_ns }),

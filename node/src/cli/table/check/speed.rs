@@ -12,7 +12,7 @@ const MOST: f64 = 1e12;
 /// The speed of the master (inc/s): as given, else the largest one of the leader, if that is known.
 ///
 /// # Errors
-/// What is wrong with the text.
+/// The text is no speed, or its unit needs a leader.
 pub(super) fn master_speed(text: Option<&str>, leader: Option<&Master>) -> Result<Option<f64>, String> {
     let Some(text) = text else { return Ok(leader.and_then(|leader| leader.max_velocity)) };
     let speed = read(text, leader).map_err(|sentence| format!("--master-speed: {sentence}"))?;
