@@ -10,12 +10,10 @@ pub struct Code(pub u32);
 
 mod class;
 mod ended;
-mod missing;
 mod refused;
 mod sources;
 
 pub use class::Class;
-pub use missing::not_built_here;
 
 /// All that is to be said of a code.
 #[derive(Clone, Copy, Debug)]
@@ -33,17 +31,25 @@ pub struct Row {
     pub cause: &'static str,
     /// What to do.
     pub remedy: &'static str,
+    /// What is wrong with a refused value of a parameter, after the key and the value; empty where no value is refused with it.
+    refusal: &'static str,
 }
 
-/// Codes with their rows: `NAME = number, Class { says, cause, remedy }`.
+impl Row {
+    /// Whether its only sentence is that of a refused value.
+    pub(crate) fn refuses_a_value(&self) -> bool {
+        self.says.is_empty() && !self.refusal.is_empty()
+    }
+}
+
+/// Codes with their rows: `NAME = number, Class, "says", "cause" => "remedy";`, before the semicolon `, refusal: ".."` if there is one.
+///
+/// The cause is the doc comment of the code; a doc comment before the row is added to it.
 macro_rules! codes {
-    ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $class:ident {
-        says: $says:literal,
-        cause: $cause:literal,
-        remedy: $remedy:literal,
-    })*) => {
+    ($($(#[doc = $doc:literal])* $name:ident = $number:literal, $class:ident, $says:literal, $cause:literal => $remedy:literal
+        $(, refusal: $refusal:literal)?;)*) => {
         impl super::Code {
-            $($(#[doc = $doc])+ pub const $name: super::Code = super::Code($number);)*
+            $(#[doc = $cause] $(#[doc = $doc])* pub const $name: super::Code = super::Code($number);)*
         }
 
         /// In their order.
@@ -54,6 +60,7 @@ macro_rules! codes {
             says: $says,
             cause: $cause,
             remedy: $remedy,
+            refusal: concat!($($refusal)?),
         }),*];
     };
 }
@@ -67,7 +74,16 @@ pub const DRIVE_FAULT: Row = Row {
     says: "",
     cause: "The drive reports a fault; the last four hexadecimal digits are its object 603Fh.",
     remedy: "Look the code up in the manual of the drive, remove the cause, then reset_errors, which resets the drive too.",
+    refusal: "",
 };
+
+/// What is wrong with a value that is refused with that code, after its name.
+pub fn not_built_here(code: Code) -> &'static str {
+    match code.row() {
+        Some(row) if !row.refusal.is_empty() => row.refusal,
+        _ => "does not exist yet",
+    }
+}
 
 impl Code {
     /// What the recorder has to say: cycles that are missing, the number of the system's error (0 where it is not known); what a backend
