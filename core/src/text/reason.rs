@@ -4,7 +4,7 @@ use super::set::{contradict, given_twice, key, not_built, not_disabled, out_of_r
 use super::{function, number_text, plain, row, scale_of, trajectory};
 use crate::axis::homing_methods::SWITCHES;
 use crate::axis::{COORDINATE_USES, Fallback, fallback};
-use crate::code::{Code, not_built_here};
+use crate::code::{Code, Row, not_built_here};
 use crate::config::{MachineConfig, names_no_io};
 use crate::drive::{DriveState, ForeignEmergency, NodeNotice, NotEnabled, error_text, register_texts};
 use crate::event::{Event, Kind, Number};
@@ -28,6 +28,11 @@ fn bad_ratio(event: &Event) -> Option<String> {
     let (name, value) = parts.find(|(_, part)| Ratio::new(*part, 1).is_none())?;
     let rule = "both parts must not be 0 and stay below 2^62";
     Some(format!("ratio {slave} : {master} is none, as {name} is {value}; {rule}"))
+}
+
+/// What is wrong with a refused value, by the row of its code.
+fn refused_value(event: &Event) -> String {
+    format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
 }
 
 /// Why something was refused, ended or failed.
@@ -117,36 +122,11 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             "vmenctyp {} names an axis that follows the virtual master itself; one that does not is allowed",
             plain(event.asked)
         ),
-        Code::LEADER_LOOP | Code::NO_MASTER if event.parameter.is_some() => {
-            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
-        }
+        Code::LEADER_LOOP | Code::NO_MASTER | Code::ANALOG_COASTS if event.parameter.is_some() => refused_value(event),
         Code::NOT_BUILT => not_built(event, config),
         Code::READ_ONLY => read_only(event, config),
         Code::NOT_DISABLED => not_disabled(event, config),
         Code::REVERSE_FORBIDDEN => reverse_forbidden(event, config),
-        Code::LOOP_IN_DRIVE
-        | Code::NO_VELOCITY_LOOP
-        | Code::VELOCITY_ENCODER_OTHER
-        | Code::VELOCITY_ENCODER_TURN
-        | Code::VELOCITY_ENCODER_TWO_DRIVES
-        | Code::ANALOG_SILENT
-        | Code::LOOP_PERIOD
-        | Code::ESTIMATOR_RANGE
-        | Code::GAIN_RANGE
-        | Code::SIMULATED_EFFORT
-        | Code::NO_POWER_STAGE
-        | Code::NO_DAMPING
-        | Code::CURRENT_UNKNOWN
-        | Code::COMMUTATION
-        | Code::NO_REVERSING_OUTPUTS
-        | Code::SYNC_OFFSET_RANGE
-        | Code::MARK_WINDOW
-        | Code::MARKS_INACTIVE => {
-            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
-        }
-        Code::ANALOG_COASTS if event.parameter.is_some() => {
-            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
-        }
         // What is missing has no value.
         Code::EFFORT_MISSING | Code::CURRENT_LOOP => format!("{} {}", key(event), not_built_here(event.code)),
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
@@ -160,7 +140,6 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             let (owner, asked) = (owner.unwrap_or("an axis"), plain(event.asked));
             format!("{asked} may not be set, nor any value: {owner} switches this output by itself")
         }
-        Code::REVERSING_BY_POSITION => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
         Code::PARAMETER_OUT_OF_RANGE => out_of_range(event, config),
         Code::PARAMETERS_CONTRADICT => contradict(event, config),
         Code::GIVEN_TWICE => given_twice(event, config),
@@ -192,9 +171,6 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::NOT_SQUARE if event.asked == Number::None => fixed(
             "the reference switch of one drive did not come with that of the other, so that nothing tells what is square",
         ),
-        Code::GANTRY_HOMING | Code::GANTRY_SOURCE | Code::GANTRY_IN_DRIVE | Code::GANTRY_ONE_SWITCH => {
-            format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code))
-        }
         Code::HOMING_NEEDS_DRIVE => match event.asked {
             Number::None => by_row(),
             asked => {
@@ -258,15 +234,6 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         Code::SOFTWARE_LIMIT_POSITIVE => format!("stopped at max_position {}", limit_of(event, config)),
         Code::SOFTWARE_LIMIT_NEGATIVE => format!("stopped at min_position {}", limit_of(event, config)),
         Code::ENCODER_JUMP if event.limit == Number::None => format!("the leader jumped by {} in one cycle", asked()),
-        Code::WF_NO_CAM_SIDE
-        | Code::ENCODER_UNKNOWN_TYPE
-        | Code::ENCODER_NEEDS_BUS
-        | Code::ENCODER_NO_TERMINAL
-        | Code::ENCODER_LOOP_IN_DRIVE
-        | Code::WF_LOOP_IN_DRIVE
-        | Code::ENCODER_NO_RATE
-        | Code::WF_NO_PARITY
-        | Code::ENCODER_CHOSEN_TWICE => format!("{} {} {}", key(event), plain(event.asked), not_built_here(event.code)),
         Code::ENCODER_NOT_SHARED => match event.asked {
             Number::Count(axis) => {
                 let other = u16::try_from(axis).map_or("another axis", |axis| config.name(Object::Axis(axis)));
@@ -283,6 +250,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         }
         Code::RECORD_FAILED => format!("recording stopped: {}", system_error(event.asked)),
         Code::FLIGHT_FAILED => format!("the flight recorder saved no bag: {}", system_error(event.asked)),
+        code if code.row().is_some_and(Row::refuses_a_value) => refused_value(event),
         Code(number) if number >= Code::DRIVE_FAULT => format!("drive fault {:04X}h", number - Code::DRIVE_FAULT),
         Code(number) => Some(by_row()).filter(|says| !says.is_empty()).unwrap_or_else(|| format!("code {number}")),
     }
