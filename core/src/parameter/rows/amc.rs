@@ -29,7 +29,7 @@ pub(super) const ROWS: &[Row] = rows! {
         bare: Bare::AxisUnitPerMs, default: Value::Real(0.0),
         description: "Velocity of reference 2, at most max_velocity either way.", source: "AMC-PAR-06" }
     "amc.reference_select": NUMBER, axis.vocabularies.amc.reference_select {
-        mnemonic: "Reference Select", number: "34.007", range: Range::Int(0, 7),
+        mnemonic: "Reference Select", number: "34.007", range: Range::Int(0, 7), by_axis: true,
         description: "What commands the axis: 0 stop, 1 absolute position, 2 speed, 3 cam, 4 gear, 5 home, 6 relative position, 7 the last \
             target position. The machine writes it back where it changes by itself: 0 when anything else takes the axis, and at any end of \
             homing; disable leaves others for the next enable.",

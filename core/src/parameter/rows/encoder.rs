@@ -5,7 +5,7 @@ use super::{Applies, BASE, Group, Measure, Range, Row, Storage, Value};
 pub(super) const ROWS: &[Row] = rows! {
     "master_simulation_velocity": BASE, axis.encoder.master_velocity {
         group: Group::Encoder, measure: Measure::Velocity, range: Range::Real(-1e9, 1e9), default: Value::Real(0.0),
-        storage: Storage::Volatile, applies: Applies::Drive,
+        storage: Storage::Volatile, applies: Applies::Drive, by_axis: true,
         description: "Velocity of the simulated master that mencodertype 6 asks for, in increments of the axis; i_break and abort stop it. \
             Where it is, x.master.position shows.",
         source: "MACS-ENC-16, MACS-ERR-09" }

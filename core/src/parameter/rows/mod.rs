@@ -148,6 +148,8 @@ const BASE: Row = Row {
     storage: Storage::User,
     effect: Effect::AtOnce,
     applies: Applies::Any,
+    by_axis: false,
+    full_cycles: None,
     missing: "",
     description: "",
     source: "",
@@ -160,6 +162,12 @@ const BASE: Row = Row {
 
 /// Every parameter: those of axes, of which each has the ones that apply to it, and those of the machine.
 pub const ROWS: &[Row] = &join::<{ count(PARTS) }>(PARTS);
+
+/// Rows with [`Row::by_axis`].
+pub(super) const BY_AXIS: [&Row; count_with(RowMark::ByAxis)] = rows_with(RowMark::ByAxis);
+
+/// Rows with [`Row::full_cycles`].
+pub(super) const FULL_CYCLES: [&Row; count_with(RowMark::FullCycles)] = rows_with(RowMark::FullCycles);
 
 /// Place of the sense of rotation, on which the meaning of others depends: [`PARTS`] begins with it.
 pub(super) const SENSE_ROW: u16 = 0;
@@ -208,6 +216,42 @@ const fn join<const N: usize>(parts: &[&[&[Row]]]) -> [Row; N] {
             group += 1;
         }
         part += 1;
+    }
+    rows
+}
+
+/// What a row has whose rows are listed, so that no cycle searches them.
+#[derive(Clone, Copy)]
+enum RowMark {
+    ByAxis,
+    FullCycles,
+}
+
+const fn has(row: &Row, mark: RowMark) -> bool {
+    match mark {
+        RowMark::ByAxis => row.by_axis,
+        RowMark::FullCycles => row.full_cycles.is_some(),
+    }
+}
+
+const fn count_with(mark: RowMark) -> usize {
+    let (mut place, mut count) = (0, 0);
+    while place < ROWS.len() {
+        count += has(&ROWS[place], mark) as usize;
+        place += 1;
+    }
+    count
+}
+
+const fn rows_with<const N: usize>(mark: RowMark) -> [&'static Row; N] {
+    let mut rows = [&ROWS[0]; N];
+    let (mut place, mut count) = (0, 0);
+    while place < ROWS.len() {
+        if has(&ROWS[place], mark) {
+            rows[count] = &ROWS[place];
+            count += 1;
+        }
+        place += 1;
     }
     rows
 }

@@ -11,11 +11,11 @@ const EFFORT: Row = Row { group: Group::Amplifier, applies: Applies::Torque, ..B
 
 pub(super) const ROWS: &[Row] = rows! {
     "min_position": BASE {
-        group: Group::Inputs, measure: Measure::Position, default_text: "no limit",
+        group: Group::Inputs, measure: Measure::Position, default_text: "no limit", by_axis: true,
         get: |p| p.min_position.map_or(Value::Unset, Value::Int), set: |p, v| { p.min_position = int(v); p.keep_limits(); },
         description: "Lowest position that a goal may ask for or pass; the axis stops before it.", source: "MACS-LIM-01, MACS-LIM-02" }
     "max_position": BASE {
-        group: Group::Inputs, measure: Measure::Position, default_text: "no limit",
+        group: Group::Inputs, measure: Measure::Position, default_text: "no limit", by_axis: true,
         get: |p| p.max_position.map_or(Value::Unset, Value::Int), set: |p, v| { p.max_position = int(v); p.keep_limits(); },
         description: "Highest position that a goal may ask for or pass; the axis stops before it.", source: "MACS-LIM-01, MACS-LIM-02" }
     "max_velocity": BASE, axis.max_velocity, clears macs.velmax {
@@ -90,7 +90,7 @@ pub(super) const ROWS: &[Row] = rows! {
         description: "Effort at the output 1 of the loops, and so the largest one that is asked for.", source: "MACS-AMP-02" }
     "torque_constant": EFFORT, axis.amplifier.torque_constant {
         measure: Measure::Number, unit: "unit of effort per A", range: Range::Real(0.0, 1e9), default: Value::Real(0.0),
-        effect: Effect::Disabled,
+        effect: Effect::Disabled, full_cycles: Some(|p| p.amplifier.torque_constant > 0.0),
         description: "Effort for each ampere of the motor: by it ampmaxcur caps the effort, and i2tftime watches it. 0: currents are not \
             known.",
         source: "MACS-AMP-08" }

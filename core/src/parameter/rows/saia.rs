@@ -17,6 +17,7 @@ const REGISTER: Row = Row {
     bare: Bare::AxisUnit,
     default: Value::Int(0),
     effect: Effect::NextSaiaCommand,
+    by_axis: true,
     ..BASE
 };
 /// A register that the module fills: a signal here.
@@ -24,6 +25,7 @@ const SHOWN: Row = Row {
     default: Value::Unset,
     default_text: "what the command reads",
     effect: Effect::AtOnce,
+    by_axis: false,
     ..REGISTER
 };
 /// An option that is off or on.
@@ -105,7 +107,7 @@ pub(super) const ROWS: &[Row] = rows! {
         mnemonic: "RSigB", number: "19", storage: Storage::Signal("saia.rsigb"),
         description: "Signal register, 16 bits, as frdsr last read it.", source: "SAIA-REG-19" }
     "saia.imode": REGISTER, axis.vocabularies.saia.imode {
-        range: Range::Int(5, 6), default: Value::Int(6),
+        range: Range::Int(5, 6), default: Value::Int(6), by_axis: false,
         description: "Output that axinit chooses: 6 analogue of 12 bit, 5 PWM of 8 bit.", source: "SAIA-INI-02" }
     "saia.legacy_scaling": OPTION, axis.vocabularies.saia.legacy_scaling {
         description: "Convert velocities and accelerations with the printed 22.348 and 7.6206e-3 instead of the exact sample time.",

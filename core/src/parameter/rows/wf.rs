@@ -121,6 +121,7 @@ pub(super) const ROWS: &[Row] = rows! {
         source: "WF-MD-16", note: "W04: it means another thing with each kind of encoder; the row is both." }
     "wf.md41": UNIT, axis.encoder.monitored {
         mnemonic: "MD41", number: "41", range: Range::Int(0, 1), default: Value::Int(0), applies: Applies::Drive,
+        full_cycles: Some(|p| p.encoder.monitored != 0 && p.encoder.pulses_or_step != 0),
         description: "1: encoder monitoring. Alarm 8 when pulses are missing or too many from index to index (wf.md34), alarm 7 instead of \
             error 10206 when the encoder gives no value.",
         source: "WF-MD-18" }

@@ -62,6 +62,7 @@ pub(in super::super) const ROWS: &[Row] = rows! {
         note: "D07: range and group are not given; 0 to MLONG ms in AXA is taken." }
     "ampencno": TORQUE_ROW, axis.amplifier.encoder.number {
         mnemonic: "AMPENCNO", number: "126", range: Range::Int(1, MLONG), default: Value::Int(-1), effect: Effect::Disabled,
+        full_cycles: Some(|p| p.has_velocity_encoder()),
         description: "Encoder of the velocity loop: -1 that of the position loop, else that in the drive of the axis of this number.",
         source: "MACS-AMP-06",
         note: "D01: the group is AXA in the overview and AXB in the detail; AXA is taken. The default is outside the range. The axis' own \
