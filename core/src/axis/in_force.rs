@@ -9,8 +9,7 @@ use super::{Axis, Context, judge};
 use crate::code::Code;
 use crate::encoder::source::{Feedback, Master};
 use crate::event::{Event, Kind, Number, Severity};
-use crate::parameter::vocabularies::Written;
-use crate::parameter::{AxisParameters, Change, ROWS, Reversing, Sense, Value};
+use crate::parameter::{AxisParameters, Change, ROWS, Reversing, Sense, Value, ValuesByAxis};
 use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
@@ -51,25 +50,6 @@ impl Derived {
     }
 }
 
-/// The parameters that an axis changes by itself: what a vocabulary writes, limits that keep their places, a simulated master
-/// that an abort stops.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Own {
-    vocabularies: Written,
-    limits: [Option<i64>; 2],
-    master_velocity: f64,
-}
-
-impl Own {
-    fn of(values: &AxisParameters) -> Self {
-        Self {
-            vocabularies: values.vocabularies.written(),
-            limits: [values.min_position, values.max_position],
-            master_velocity: values.encoder.master_velocity,
-        }
-    }
-}
-
 /// The parameters in force. A state image holds the values alone.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(from = "AxisParameters", into = "AxisParameters")]
@@ -79,14 +59,17 @@ pub struct InForce {
     values: AxisParameters,
     /// They were written since this was asked last.
     is_new: bool,
+    /// As [`AxisParameters::needs_full_cycles`].
+    needs_full_cycles: bool,
     /// What the axis changes by itself, before it did so in this cycle.
-    own_before: Option<Own>,
+    own_before: Option<ValuesByAxis>,
 }
 
 impl InForce {
     /// The one way to change them.
     fn write(&mut self, values: AxisParameters) {
         (self.values, self.derived, self.is_new) = (values, Derived::of(&values), true);
+        self.needs_full_cycles = values.needs_full_cycles();
     }
 
     /// A command puts others in force.
@@ -96,7 +79,7 @@ impl InForce {
 
     /// The axis itself changes some.
     pub(super) fn change(&mut self, change: impl FnOnce(&mut AxisParameters)) {
-        self.own_before.get_or_insert(Own::of(&self.values));
+        self.own_before.get_or_insert_with(|| self.values.values_by_axis());
         let mut values = self.values;
         change(&mut values);
         self.write(values);
@@ -107,6 +90,7 @@ impl InForce {
         self.change(|parameters| {
             for (row, value) in values {
                 if let Some(row) = ROWS.get(usize::from(row)) {
+                    debug_assert!(row.by_axis, "{} is changed by the axis, and its row lacks by_axis", row.key);
                     // A value that its row refuses changes nothing.
                     let _ = row.assign(parameters, value);
                 }
@@ -118,7 +102,7 @@ impl InForce {
     #[inline]
     pub(super) fn take_own_change(&mut self) -> bool {
         // A whole set is taken and compared only where something was written.
-        self.own_before.is_some() && self.own_before.take() != Some(Own::of(&self.values))
+        self.own_before.is_some() && self.own_before.take() != Some(self.values.values_by_axis())
     }
 
     /// Were they written since this was asked last?
@@ -143,10 +127,16 @@ impl InForce {
         self.derived.largest
     }
 
+    /// As [`AxisParameters::needs_full_cycles`].
+    #[inline]
+    pub(super) fn needs_full_cycles(&self) -> bool {
+        self.needs_full_cycles
+    }
+
     /// Does what is kept follow from the values?
     #[cfg(test)]
     pub(crate) fn agrees(&self) -> bool {
-        self.derived == Derived::of(&self.values)
+        self.derived == Derived::of(&self.values) && self.needs_full_cycles == self.values.needs_full_cycles()
     }
 }
 
@@ -179,7 +169,8 @@ impl Axis {
 
 impl From<AxisParameters> for InForce {
     fn from(values: AxisParameters) -> Self {
-        Self { values, derived: Derived::of(&values), is_new: true, own_before: None }
+        let (derived, needs_full_cycles) = (Derived::of(&values), values.needs_full_cycles());
+        Self { values, derived, is_new: true, needs_full_cycles, own_before: None }
     }
 }
 

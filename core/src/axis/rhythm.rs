@@ -171,14 +171,11 @@ impl Axis {
     /// Do the parts sleep that a cycle which is not full leaves out?
     fn sleeps(&self) -> bool {
         let p = &self.parameters;
-        let is_supervised = p.encoder.monitored != 0 && p.encoder.pulses_or_step != 0;
         let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
         has_source
-            && !is_supervised
+            && !p.needs_full_cycles()
             && !self.is_simulated()
             && !self.is_open_loop()
-            && !self.watches_current()
-            && !self.has_velocity_encoder()
             && self.alarm.is_none()
             && self.open_contact.is_none()
             && self.switches == Default::default()

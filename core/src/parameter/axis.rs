@@ -1,6 +1,6 @@
 //! The parameters of one axis, and what follows from them.
 
-use super::rows::ROWS;
+use super::rows::{BY_AXIS, FULL_CYCLES, ROWS};
 use super::vocabularies::{self, Vocabularies};
 use super::{
     Amplifier, Assigned, AssignedOutputs, Compensation, Encoders, GantryParameters, Homing, Macs, Marks, PositionLoop,
@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 
 /// Largest velocity, acceleration and jerk (inc/s, ..).
 const MOST: f64 = 1e15;
+
+/// Values of the rows that an axis changes by itself ([`Row::by_axis`]).
+pub(crate) type ValuesByAxis = [Value; BY_AXIS.len()];
 
 /// The parameters of one axis, in the core's units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,6 +140,16 @@ impl AxisParameters {
             (row.set)(&mut parameters, row.default);
         }
         parameters
+    }
+
+    /// Returns the values that the axis may have changed by itself.
+    pub(crate) fn values_by_axis(&self) -> ValuesByAxis {
+        BY_AXIS.map(|row| row.value(self))
+    }
+
+    /// Whether a function that they switch on needs every cycle of the axis in full ([`Row::full_cycles`]).
+    pub(crate) fn needs_full_cycles(&self) -> bool {
+        FULL_CYCLES.iter().any(|row| row.full_cycles.is_some_and(|needs| needs(self)))
     }
 
     /// (inc/s^2)

@@ -31,6 +31,7 @@ pub mod wf;
 mod words;
 
 pub use amplifier::{Amplifier, ESTIMATORS, VelocityEncoder};
+pub(crate) use axis::ValuesByAxis;
 pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use compensation::Compensation;

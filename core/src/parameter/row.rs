@@ -286,6 +286,10 @@ pub struct Row {
     pub effect: Effect,
     /// Who has it.
     pub applies: Applies,
+    /// Whether the axis, or a vocabulary on it, changes it by itself. Such a change counts in the version of the parameters.
+    pub by_axis: bool,
+    /// Returns true if the values are such that its function needs every cycle of the axis in full; none if it never does.
+    pub(super) full_cycles: Option<fn(&AxisParameters) -> bool>,
     /// What does not exist yet, so that only the default is taken; empty where all of it works.
     pub missing: &'static str,
     /// What it is for.

@@ -46,3 +46,33 @@ fn contradictions_are_named() {
     p.default_velocity = Some(1001.0);
     assert_eq!(p.check(), Err(Contradiction::Above("default_velocity", "max_velocity")));
 }
+
+/// What an axis changes by itself has a value in force of its own.
+#[test]
+fn rows_that_an_axis_changes_are_stored() {
+    let by_axis: Vec<_> = ROWS.iter().filter(|row| row.by_axis).collect();
+    assert_eq!(by_axis.len(), parameters().values_by_axis().len());
+    for row in by_axis {
+        assert!(row.is_stored(), "{}", row.key);
+    }
+}
+
+#[test]
+fn each_function_that_needs_full_cycles_switches_them_on() {
+    let switched_on: [fn(&mut AxisParameters); 3] = [
+        |p| p.amplifier.torque_constant = 0.5,
+        |p| (p.amplifier.encoder.number, p.amplifier.encoder.resolution) = (1, 4096),
+        |p| (p.encoder.monitored, p.encoder.pulses_or_step) = (1, 1000),
+    ];
+    assert_eq!(switched_on.len(), ROWS.iter().filter(|row| row.full_cycles.is_some()).count());
+    assert!(!parameters().needs_full_cycles());
+    for switch_on in switched_on {
+        let mut p = parameters();
+        switch_on(&mut p);
+        assert!(p.needs_full_cycles(), "{p:?}");
+    }
+    // Monitoring without pulses watches nothing.
+    let mut p = parameters();
+    p.encoder.monitored = 1;
+    assert!(!p.needs_full_cycles());
+}

@@ -24,13 +24,6 @@ pub struct Vocabularies {
     pub wf: wf::Parameters,
 }
 
-/// What vocabularies write by themselves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Written {
-    reference_select: i64,
-    registers: saia::Parameters,
-}
-
 impl Vocabularies {
     /// Do they agree with those of the axis, and with each other?
     ///
@@ -38,11 +31,6 @@ impl Vocabularies {
     /// The first one's key: its value is above that of the second, which it must not be.
     pub(super) fn check(&self, axis: &AxisParameters) -> Result<(), (&'static str, &'static str)> {
         self.wf.check(axis)
-    }
-
-    /// The part that vocabularies write by themselves.
-    pub fn written(&self) -> Written {
-        Written { reference_select: self.amc.reference_select, registers: self.saia }
     }
 
     /// Do these ask the same of the axis as those, which only change by being asked anew?
