@@ -8,6 +8,8 @@
 //!           library announces itself 10 ms after it has heard a participant, and its endpoints later, all under the same sequence
 //!           numbers: a receiver ignores what it has already. If a datagram is lost, the receiver gets that announcement from the
 //!           library, without a hash
+//! Waits     until the library knows the participant: a participant that knows us announces its endpoints at once, and the library
+//!           ignores announcements of an unknown participant. Fast DDS repeats them after 3 s, too late for a request
 //! Refuses   participants that were there before our endpoints: the library has announced those to them at once. Participants of the
 //!           same library, which has no use for hashes
 //! Source    rmw_dds_common: `typehash=RIHS01_..;`. For a request or a response it is the hash of that part of the service
@@ -37,11 +39,11 @@ const READER: u32 = 0x2b;
 const LEASE_S: i32 = i32::MAX;
 /// Maximum length of a datagram to another participant in bytes: every network transmits it in one piece.
 const LONGEST: usize = 1200;
-/// Pauses before each round of datagrams: a participant needs a moment until it knows our participant, and ignores the announcements of
-/// endpoints before that.
-const PAUSES: [Duration; 4] =
-    [Duration::ZERO, Duration::from_millis(1), Duration::from_millis(2), Duration::from_millis(4)];
-/// Pause after the last round. It limits the load if many participants are forged.
+/// Pauses before our participant is announced again and before its endpoints are: a participant needs a moment until it knows ours, and
+/// ignores announcements of endpoints before that.
+const AGAIN: Duration = Duration::from_millis(2);
+const ENDPOINTS: Duration = Duration::from_millis(2);
+/// Pause after the endpoints. It limits the load if many participants are forged.
 const REST: Duration = Duration::from_millis(200);
 /// Number of datagrams after which other tasks may run.
 const TOGETHER: usize = 8;
@@ -95,6 +97,16 @@ fn is_little_endian(list: &[u8]) -> bool {
     list.starts_with(&[0, 3])
 }
 
+/// A participant that we introduce ourselves to once.
+struct Newcomer {
+    who: Prefix,
+    /// Addresses in its announcement; `None`: it was not heard yet.
+    addresses: Option<Vec<SocketAddrV4>>,
+    /// Whether the library knows it.
+    is_found: bool,
+    is_introduced: bool,
+}
+
 #[derive(Default)]
 struct Announced {
     /// Announcement of our participant; empty if the library has sent none yet.
@@ -106,8 +118,8 @@ struct Announced {
     closed: HashSet<Guid>,
     /// Number of ACKNACKs so far.
     acknowledged: i32,
-    /// Participants that were introduced, the newest last.
-    known: VecDeque<Prefix>,
+    /// Participants that were heard or found, the newest last.
+    newcomers: VecDeque<Newcomer>,
     /// Whether a successor replaces our participant, or it has left. It is not announced any more then.
     has_ended: bool,
 }
@@ -185,27 +197,51 @@ impl Hashes {
         answers
     }
 
-    /// Returns the datagrams that introduce us to the participant that has announced itself, or `None` if it gets none. The sender
-    /// of the datagrams lowers the number of introductions afterwards.
-    fn introduction(&self, said: &Announcement) -> Option<Vec<Vec<u8>>> {
+    /// Returns the datagrams that introduce us to a participant, and its addresses, once it was heard and the library knows it. `None`
+    /// if it gets none. The sender of the datagrams lowers the number of introductions afterwards.
+    fn introduction(&self, who: Prefix, news: News<'_>) -> Option<(Vec<Vec<u8>>, Vec<SocketAddrV4>)> {
         let mut announced = self.announced();
-        if announced.has_ended || announced.known.contains(&said.who) {
+        let is_known = !announced.participant.is_empty() && !announced.has_ended;
+        let newcomer = announced.newcomer(who);
+        match news {
+            News::Heard(addresses) => newcomer.addresses = Some(addresses.to_vec()),
+            News::Found => newcomer.is_found = true,
+        }
+        if !is_known || !newcomer.is_found || newcomer.is_introduced {
             return None;
         }
-        if announced.known.len() >= MOST_PARTICIPANTS {
-            announced.known.pop_front();
-        }
-        announced.known.push_back(said.who);
+        let addresses = newcomer.addresses.clone()?;
+        newcomer.is_introduced = true;
         // Before the datagrams are made, which costs much more than to forge a participant.
         if self.introduced.fetch_add(1, Ordering::Relaxed) >= INTRODUCED {
             self.introduced.fetch_sub(1, Ordering::Relaxed);
             return None;
         }
-        Some(announced.datagrams(self.own, said.who))
+        Some((announced.datagrams(self.own, who), addresses))
     }
 }
 
+/// What is new about a participant.
+enum News<'a> {
+    /// It has announced itself, with these addresses.
+    Heard(&'a [SocketAddrV4]),
+    /// The library knows it.
+    Found,
+}
+
 impl Announced {
+    /// Returns what is stored of a participant. A new one replaces the oldest.
+    fn newcomer(&mut self, who: Prefix) -> &mut Newcomer {
+        let at = self.newcomers.iter().position(|newcomer| newcomer.who == who).unwrap_or_else(|| {
+            if self.newcomers.len() >= MOST_PARTICIPANTS {
+                self.newcomers.pop_front();
+            }
+            self.newcomers.push_back(Newcomer { who, addresses: None, is_found: false, is_introduced: false });
+            self.newcomers.len() - 1
+        });
+        &mut self.newcomers[at]
+    }
+
     /// Keeps the announcement in a DATA submessage.
     fn keep(&mut self, flags: u8, body: &[u8]) -> Option<()> {
         let place = (announcer(body.get(8..12)?)?, number_at(body, 12)?);
@@ -361,35 +397,54 @@ async fn listen(listener: UdpSocket, shared: Weak<Shared>) {
     }
 }
 
-/// Introduces us to a participant that has announced itself, if it is new.
-pub(super) fn introduce(shared: &Arc<Shared>, said: &Announcement, runtime: &Handle) {
+/// Records that a participant has announced itself.
+pub(super) fn heard(shared: &Arc<Shared>, said: &Announcement, runtime: &Handle) {
     let this = &shared.hashes;
-    if said.is_gone || said.who.0.starts_with(&LIBRARY) {
+    if said.is_gone {
         return;
     }
     if this.announced().participant.is_empty() {
         // The announcement of the simulated participant was lost, or is not handled yet.
-        return this.play(shared.participant.discovery_address());
+        this.play(shared.participant.discovery_address());
     }
-    if let Some(datagrams) = this.introduction(said) {
-        runtime.spawn(send(Arc::downgrade(shared), datagrams, said.addresses.clone()));
+    introduce(shared, said.who, News::Heard(&said.addresses), runtime);
+}
+
+/// Records that the library knows a participant and answers it.
+pub(super) fn found(shared: &Arc<Shared>, participant: Prefix, runtime: &Handle) {
+    introduce(shared, participant, News::Found, runtime);
+}
+
+/// Introduces us to a participant, if it is time for that.
+fn introduce(shared: &Arc<Shared>, who: Prefix, news: News<'_>, runtime: &Handle) {
+    if who.0.starts_with(&LIBRARY) {
+        return;
+    }
+    if let Some((datagrams, addresses)) = shared.hashes.introduction(who, news) {
+        runtime.spawn(send(Arc::downgrade(shared), datagrams, addresses));
     }
 }
 
-/// Sends the datagrams, several times.
+/// Sends the datagrams: the first one, of our participant, twice, then those of the endpoints.
+///
+/// These once: a socket has space for about 90 datagrams (Linux: 212,992 bytes, of which each takes 2,304). If a second round fills it,
+/// an acknowledgement of the library is lost, and Fast DDS repeats its own announcements after 1 s or 3 s only.
 async fn send(shared: Weak<Shared>, datagrams: Vec<Vec<u8>>, addresses: Vec<SocketAddrV4>) {
-    for pause in PAUSES {
-        if !pause.is_zero() {
-            sleep(pause).await;
+    let say = |some: &[Vec<u8>]| {
+        let shared = shared.upgrade()?;
+        addresses.iter().for_each(|address| some.iter().for_each(|datagram| shared.socket.send(datagram, *address)));
+        Some(())
+    };
+    let (participant, endpoints) = datagrams.split_at(1);
+    say(participant);
+    sleep(AGAIN).await;
+    say(participant);
+    sleep(ENDPOINTS).await;
+    for some in endpoints.chunks(TOGETHER) {
+        if say(some).is_none() {
+            return;
         }
-        for some in datagrams.chunks(TOGETHER) {
-            let Some(shared) = shared.upgrade() else { return };
-            for address in &addresses {
-                some.iter().for_each(|datagram| shared.socket.send(datagram, *address));
-            }
-            drop(shared);
-            yield_now().await;
-        }
+        yield_now().await;
     }
     sleep(REST).await;
     if let Some(shared) = shared.upgrade() {
@@ -524,32 +579,59 @@ mod tests {
         assert_eq!(hashes.announced().endpoints.len(), MOST_SAMPLES);
     }
 
-    fn announced(who: Prefix) -> Announcement {
-        let player = Played { who, addresses: &[], builtin: READER, lease_s: 1 };
-        Announcement::read(&player.announced(1)).unwrap()
+    /// Hashes of a participant that the library has announced.
+    fn hashes() -> Hashes {
+        let hashes = Hashes::new(OWN).unwrap();
+        let participant = Played { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
+        hashes.take(&participant.announced(1));
+        hashes
+    }
+
+    /// Whether a participant that is heard and found is introduced.
+    fn is_introduced(hashes: &Hashes, who: Prefix) -> bool {
+        let at_once = hashes.introduction(who, News::Found);
+        assert_eq!(at_once, None, "its addresses are unknown");
+        hashes.introduction(who, News::Heard(&[])).is_some()
+    }
+
+    #[test]
+    fn participant_is_introduced_once_the_library_knows_it() {
+        let (hashes, address) = (hashes(), SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7410));
+        assert_eq!(hashes.introduction(OTHER, News::Heard(&[address])), None);
+        assert_eq!(hashes.introduction(OTHER, News::Heard(&[address])), None, "heard again");
+        let (_, addresses) = hashes.introduction(OTHER, News::Found).unwrap();
+        assert_eq!(addresses, [address]);
+        assert_eq!(hashes.introduction(OTHER, News::Heard(&[address])), None, "once");
+    }
+
+    #[test]
+    fn nobody_is_introduced_before_the_library_has_announced_our_participant() {
+        let hashes = Hashes::new(OWN).unwrap();
+        assert!(!is_introduced(&hashes, OTHER));
+        let participant = Played { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
+        hashes.take(&participant.announced(1));
+        assert!(hashes.introduction(OTHER, News::Heard(&[])).is_some(), "when it is heard next");
     }
 
     #[test]
     fn flood_of_participants_gets_few_introductions() {
-        let hashes = Hashes::new(OWN).unwrap();
-        let introduced = (0..200).filter(|who| hashes.introduction(&announced(Prefix([*who; 12]))).is_some()).count();
+        let hashes = hashes();
+        let introduced = (3..203).filter(|who| is_introduced(&hashes, Prefix([*who; 12]))).count();
         assert_eq!((introduced, hashes.introduced.load(Ordering::Relaxed)), (INTRODUCED, INTRODUCED));
     }
 
     #[test]
     fn participant_that_has_left_is_not_announced() {
-        let hashes = Hashes::new(OWN).unwrap();
+        let hashes = hashes();
         hashes.take(&crate::side::spdp::disposal(OWN, None, 2));
-        assert_eq!(hashes.introduction(&announced(OTHER)), None);
+        assert!(!is_introduced(&hashes, OTHER));
     }
 
     #[test]
-    fn participant_is_introduced_once_and_not_after_a_successor_took_over() {
-        let hashes = Hashes::new(OWN).unwrap();
-        assert!(hashes.introduction(&announced(OTHER)).is_some());
-        assert_eq!(hashes.introduction(&announced(OTHER)), None);
+    fn participant_is_not_introduced_after_a_successor_took_over() {
+        let hashes = hashes();
         hashes.end();
-        assert_eq!(hashes.introduction(&announced(Prefix([3; 12]))), None);
+        assert!(!is_introduced(&hashes, OTHER));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use tokio::task::JoinHandle;
 use super::age::{Known, is_stale};
 use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
 use super::graph::{Graph, watch_for_namesakes};
-use super::hashes::Hashes;
+use super::hashes::{self, Hashes};
 use super::latched::{self, Latched};
 use super::matches::Matches;
 use super::preemptive::{self, Answers};
@@ -383,8 +383,13 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
                 Discovery::Lost { .. } => {}
             }
         }
-        if changes.iter().any(|change| matches!(change, Discovery::Matched { .. })) {
+        if changes.iter().any(|change| matches!(change, Discovery::Matched { .. } | Discovery::Found { .. })) {
             barrier.pass().await;
+        }
+        for change in &changes {
+            if let Discovery::Found { participant } = *change {
+                hashes::found(&shared, participant, &runtime);
+            }
         }
         changes.into_iter().for_each(|change| shared.matches.note(change));
         shared.tell_matches();

@@ -165,7 +165,7 @@ async fn listen(listener: UdpSocket, shared: Weak<Shared>, runtime: Handle) {
         if said.who == this.own {
             continue;
         }
-        hashes::introduce(&shared, &said, &runtime);
+        hashes::heard(&shared, &said, &runtime);
         let heard = this.presence().heard(&said, Instant::now());
         match heard {
             Heard::Known => {}
