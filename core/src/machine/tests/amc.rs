@@ -137,7 +137,7 @@ fn of_two_edges_in_a_sample_the_first_one_is_the_event() {
     assert_eq!(rig.int("x.amc.profile_input_position"), 8);
 }
 
-/// From point 1 and an offset of 150 inc, the master runs 50 inc at slope 0 and 60 inc at slope -1; then selector 7
+/// The cam starts 150 inc after point 1: the master runs 50 inc at slope 0 and 60 inc at slope -1; then selector 7
 /// holds the target (M09).
 ///
 /// Proves: AMC-SEL-03, AMC-FSM-07, AMC-EVT-04

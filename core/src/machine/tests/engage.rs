@@ -271,7 +271,8 @@ fn at_a_latch_the_next_table_begins_there() {
     }
 }
 
-/// In the cycle in which position 498 is passed the revolution continues: the next goal waits for the next revolution.
+/// The command comes in the cycle in which the leader is exactly at 498: this position has been passed, so the goal
+/// waits for the next revolution.
 #[test]
 fn a_place_that_was_just_passed_is_not_passed_again() {
     let mut rig = rig();

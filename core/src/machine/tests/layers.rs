@@ -1,4 +1,4 @@
-//! Layers Init, User and Program: what is in force when.
+//! Layers Init, User and Program: which values are in force at which time.
 
 use super::rig::{LINE, Rig, X, Y, cases, config, parameters, to};
 use crate::command::{Action, Command, Commands, Move, Source};
@@ -42,7 +42,7 @@ fn what_is_set_is_lost_with_the_power_and_what_is_saved_is_in_force_from_then_on
     assert_eq!(velocity(&rig), 60_000.0);
 }
 
-/// Parts of VELRES are told beside what they are parts of.
+/// Values in parts of VELRES are reported together with VELRES.
 #[test]
 fn a_part_beyond_velres_is_told_with_velres() {
     let mut rig = Rig::new();
@@ -56,7 +56,8 @@ fn a_part_beyond_velres_is_told_with_velres() {
     assert_eq!(rig.refusal(refused), "x: velres 5 must not be below dfltvel, dfltacc, home_vel or home_ramp 50");
 }
 
-/// In the words of MACS a limit is told beside the other one of MACS: in inverted units it is no view of its native one.
+/// A limit in terms of MACS is reported together with the other limit of MACS: in inverted units it is not a view of
+/// its native limit.
 #[test]
 fn limits_of_macs_that_contradict_are_told_in_its_words() {
     for posdrct in [1, -1] {
@@ -72,12 +73,12 @@ fn limits_of_macs_that_contradict_are_told_in_its_words() {
     }
 }
 
-/// Two views of one value in a set: whichever came last would count.
+/// Two views of one value in a set: the result would depend on the order.
 #[test]
 fn a_set_that_gives_one_value_twice_is_refused_in_either_order() {
     let pairs = [
         (("velmax", Value::Real(3000.0)), ("max_velocity", Value::Real(50_000.0))),
-        // The same number, but one stays when ENCODER changes and the other does not.
+        // The same number, but one remains constant when ENCODER changes and the other does not.
         (("velmax", Value::Real(3000.0)), ("max_velocity", Value::Real(100_000.0))),
         (("rampmin", Value::Int(500_000_000)), ("max_acceleration", Value::Real(300_000.0))),
         (("jerkmin", Value::Int(0)), ("max_jerk", Value::Real(1e6))),
