@@ -528,7 +528,7 @@ fn what_gives_no_marks_is_refused() {
     assert!(rig.refusal(refused).contains("syncmfpar 64 asks with 64"), "{}", rig.refusal(refused));
 }
 
-/// Shifts that marks would correct away are refused, as a parameter and as a command.
+/// Shifts that marks would correct away are refused: a superimposed move and a phase shift.
 #[test]
 fn nothing_else_shifts_an_axis_on_marks() {
     let mut world = World::new(500.0, &[("syncmstart", 6)]);
