@@ -1,9 +1,10 @@
 //! Functions of inputs and outputs: processing between the terminals and the axes.
 //!
 //! Law      a virtual input has the level that its output had at the end of the previous cycle; a filtered input takes
-//!          its new level once this has been stable for the filter time; analog input 1 is filt += (reading - filt) /
-//!          AINFTIME every ms. An input function is triggered by its edge, +n rising, -n falling. An output keeps its
-//!          last value, set by its function or by set_output; this module only closes the brake of MACS
+//!          its new level once this has been stable for the filter time; analog input 1 is
+//!          filt += (reading - filt) / AINFTIME every ms. An input function is triggered by its edge, +n rising,
+//!          -n falling. An output keeps its last value, set by its function or by set_output; this module only closes
+//!          the brake of MACS
 //! Reads    the digital and analog inputs, the states of the axes
 //! Writes   all outputs except those that an axis switches itself
 //! Refuses  a value that an output cannot have; an output that an axis switches itself
@@ -106,7 +107,8 @@ impl Panel {
         (self.parameters, self.user) = (user, user);
     }
 
-    /// Returns the conditioned inputs: virtual inputs, filtered digital inputs and the smoothed analog input 1.
+    /// Returns the conditioned inputs: virtual inputs, filtered digital inputs and the smoothed analog input 1. Returns
+    /// the unmodified inputs if none of these is configured.
     pub(super) fn condition<'i>(
         &mut self,
         inputs: &'i Inputs,

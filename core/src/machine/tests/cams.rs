@@ -85,8 +85,7 @@ fn an_absolute_cam_is_where_the_table_says_over_periods_and_back() {
         rig.give(Action::Move(Move { velocity: 40_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, goal) }));
         for _ in 0..cycles {
             rig.run(1);
-            // Slopes change by 1.5 at 40 inc per cycle: 60000 inc/s in 1 ms exceed 1e6 inc/s^2, so the slave lags
-            // there.
+            // Slopes change by 1.5 at 40 inc per cycle: 60000 inc/s in 1 ms exceed 1e6 inc/s^2, so the slave lags.
             if rig.int("x.in_sync") == 1 {
                 assert_eq!(slave(&rig).raw(), of_knife(master(&rig)));
                 exact += 1;

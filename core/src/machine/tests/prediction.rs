@@ -1,8 +1,8 @@
 //! A gear with a coarse master with count noise and oscillation, on a drive with a delay: effect of filter and
 //! prediction on the error.
 //!
-//! The master moves 5 counts per ms on average, 20 % more and less twice a second, and its counts jitter by up to 1 in
-//! either direction; the slave moves 40 increments per count, 4 cycles behind its command. `LINESHAFT_LONG=1` and
+//! The master moves 5 counts per ms on average. Its velocity oscillates by 20 % with 2 Hz, and its counts jitter by up
+//! to 1 in either direction. The slave moves 40 increments per count, 4 cycles behind its command. `LINESHAFT_LONG=1` and
 //! `--nocapture` print a table.
 
 use super::direction::set;

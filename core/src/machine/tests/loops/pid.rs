@@ -48,7 +48,7 @@ fn at_constant_speed_the_error_makes_the_velocity() {
     }
 }
 
-/// FFVEL 1000 gives the drive the command velocity itself, so the loop output is 0; without it KINT removes the error.
+/// FFVEL 1000 gives the drive the command velocity itself, so the error is 0; without it KINT removes the error.
 ///
 /// Proves: MACS-REG-09, MACS-REG-01
 #[test]
