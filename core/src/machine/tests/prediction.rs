@@ -2,8 +2,8 @@
 //! prediction on the error.
 //!
 //! The master moves 5 counts per ms on average. Its velocity oscillates by 20 % with 2 Hz, and its counts jitter by up
-//! to 1 in either direction. The slave moves 40 increments per count, 4 cycles behind its command. `LINESHAFT_LONG=1` and
-//! `--nocapture` print a table.
+//! to 1 in either direction. The slave moves 40 increments per count, 4 cycles behind its command. `LINESHAFT_LONG=1`
+//! and `--nocapture` print a table.
 
 use super::direction::set;
 use super::rig::{Rig, X, config, couple};
