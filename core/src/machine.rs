@@ -1,9 +1,10 @@
-//! One cycle of it all.
+//! Control cycle of a machine.
 //!
-//! Law      commands | inputs | encoders | function slots, ascending | axes, a leader before its followers | outputs | signals, events
+//! Law      order in a cycle: commands | inputs | encoders | function slots, ascending | axes, a leader before its
+//!          followers | outputs | signals, events
 //! Reads    [`Inputs`] of t_k, the commands that are due
 //! Writes   [`Outputs`], the signal board, the events of the cycle
-//! Refuses  commands, each by one event; the cycle itself cannot fail: faults are states
+//! Refuses  commands, with one event each. The cycle itself cannot fail: faults are states
 //! Source   contract section 1
 
 mod activity;
@@ -45,18 +46,19 @@ pub use state::{State, StateError};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Most commands of one cycle. Whoever has more keeps them for the next one; what is given beyond that is refused.
+/// Maximum number of commands in one cycle. A caller with more commands keeps the rest for the next cycle; commands
+/// beyond the maximum are refused.
 pub const MAX_COMMANDS: usize = 64;
 
-/// What a cycle is told from outside, beside its commands.
+/// Inputs of a cycle apart from its commands.
 #[derive(Clone, Copy)]
 struct Told<'a> {
     inputs: &'a Inputs,
-    /// Streamed setpoints that are new.
+    /// New streamed setpoints.
     stream: Option<&'a Setpoints>,
 }
 
-/// A machine, as far as it has run.
+/// A machine with its configuration and its state after the last cycle.
 #[derive(Debug)]
 pub struct Machine {
     config: MachineConfig,
@@ -66,44 +68,45 @@ pub struct Machine {
     /// The state before cycle 0.
     first: State,
     events: EventQueue,
-    /// Room for the parameters of axes while a set of changes is checked.
+    /// Buffer for the parameters of the axes while a set of changes is checked.
     candidates: Vec<AxisParameters>,
-    /// The latches of this cycle.
+    /// Latches of this cycle.
     latched: Vec<Latched>,
-    /// Places of the digital inputs in section `io`.
+    /// Indices of the digital inputs in section `io`.
     digital_inputs: Vec<u16>,
-    /// A coupling was asked for in this cycle.
+    /// Whether a coupling was requested in this cycle.
     couples: bool,
-    /// The last command of this cycle that has set each encoder, or 0.
+    /// Sequence number of the last command of this cycle that has set each encoder, or 0.
     set_by: Vec<u64>,
-    /// Room for the inputs as the machine sees them.
+    /// Buffer for the conditioned inputs.
     seen: Inputs,
-    /// Room for the inputs with one drive in the place of two, and with the words of drives without a bus.
+    /// Buffer for the inputs in which one drive replaces the two drives of a gantry, and which contain the drives
+    /// without a bus.
     joined: Inputs,
     /// Drives without a bus.
     analog_places: Vec<AnalogPlace>,
-    /// Through which axes sinks and masters lead.
+    /// Axes on whose commands sinks and sums of masters depend.
     ways: Ways,
-    /// What the slots are wired to.
+    /// Connections of the slots.
     wires: Vec<Wires>,
-    /// Room for two sets of a function.
+    /// Buffer for two parameter sets of a function.
     room: Vec<i64>,
-    /// Slots that an error of the axis ends which they move, and that axis.
+    /// Slots that end on an error of the axis that they move, each with that axis.
     ended_by_errors: Vec<(u16, u16)>,
-    /// Slots that have failed in this cycle, the axis of each, and why.
+    /// Slots that have failed in this cycle, each with its axis and the reason.
     failed: Vec<(u16, u16, Code)>,
-    /// The first axes that slots move, and those slots.
+    /// The first axes that are moved by slots, each with its slot.
     movers: Vec<(usize, u16)>,
-    /// It passes over nothing: what others are compared with.
+    /// Whether every axis runs the full cycle every time: reference for comparison with the fast paths.
     #[cfg(test)]
     pub(crate) steps_all: bool,
 }
 
 impl Machine {
-    /// A machine at rest, before cycle 0.
+    /// Returns a machine at rest, before cycle 0.
     ///
     /// # Errors
-    /// What the config lacks.
+    /// The configuration is incomplete or invalid.
     pub fn new(mut config: MachineConfig) -> Result<Self, ConfigError> {
         config.tell_sources();
         config.check()?;
@@ -148,7 +151,8 @@ impl Machine {
             parameter_version: 0,
             active: true,
             deactivating: None,
-            // Each axis has one and follows one before it at most; and one more is begun before those end that it replaces.
+            // At most one trajectory runs and one waits before it per axis. One more starts before the trajectories
+            // that it replaces end.
             runs: vec![None; 2 * axes.len() + 1],
             virtual_master: VirtualMaster::new(&config.global.power_on()),
             panel: Panel::new(&config),
@@ -162,8 +166,8 @@ impl Machine {
         };
         let axes = &state.axes;
         let mut machine = Self {
-            // Each command may be answered, and ended by each axis; each axis may end all that wait for it, and tell of more;
-            // each slot may tell how it stands, and that it failed.
+            // Each command may cause an answer, and an end on each axis. Each axis may end all commands that wait for
+            // it, and report more events. Each slot may report its state and a failure.
             events: EventQueue::new(
                 MAX_COMMANDS * (4 + axes.len())
                     + (MAX_WAITING + 16 + MOST_RECORDS) * axes.len()
@@ -199,7 +203,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Inputs of the machine's shape, as before anything was read.
+    /// Returns inputs with the dimensions of this machine and the values before the first read.
     pub fn inputs(&self) -> Inputs {
         let words = |kind| self.config.count_io(kind).div_ceil(64);
         Inputs {
@@ -214,7 +218,7 @@ impl Machine {
         }
     }
 
-    /// Outputs of the machine's shape.
+    /// Returns outputs with the dimensions of this machine.
     pub fn outputs(&self) -> Outputs {
         Outputs {
             digital: vec![0; self.config.count_io(IoKind::DigitalOutput).div_ceil(64)],
@@ -223,12 +227,12 @@ impl Machine {
         }
     }
 
-    /// One cycle. Allocates nothing, locks nothing, waits for nothing, cannot fail.
+    /// Runs one cycle. It does not allocate, lock or wait, and it cannot fail.
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
         self.events.begin(self.state.cycle, self.state.next_event);
         self.count_overruns(inputs);
         let admitted = self.admit(commands);
-        // Taking it leaves empty lists, which hold no memory.
+        // `take` leaves empty lists, which own no memory.
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
         let inputs = self.state.panel.condition(inputs, &self.config, read, self.state.cycle, &mut room);
@@ -251,7 +255,7 @@ impl Machine {
         self.seen = room;
     }
 
-    /// Are the drives of its axes others than those of the inputs?
+    /// Whether the drives of the axes differ from those of the inputs.
     fn joins_drives(&self) -> bool {
         !self.state.gantries.is_empty() || !self.analog_places.is_empty()
     }
@@ -269,7 +273,7 @@ impl Machine {
             self.end_axes(told);
         }
         self.signals.publish_masters(&mut self.state.board, &self.state.leads);
-        // Where no axis has a full cycle, none has anything for others, and outputs follow what they followed before.
+        // If no axis runs a full cycle, no axis affects others, and the outputs keep their sources.
         if !is_calm {
             self.stop_others(told);
             self.reset_failed(told);
@@ -278,7 +282,7 @@ impl Machine {
             self.state.panel.follow(&self.state.axes);
         }
         if std::mem::take(&mut self.couples) {
-            // New couplings move first in the next cycle; this one still ran in the order of the old ones.
+            // New couplings apply to the order from the next cycle; this cycle still ran in the previous order.
             self.sort_axes();
         }
         self.state.panel.write(&self.signals, &mut self.state.board, outputs);
@@ -316,7 +320,7 @@ impl Machine {
         }
     }
 
-    /// Is there nothing in this cycle that all axes have to look at?
+    /// Whether this cycle contains nothing that every axis must check.
     fn is_quiet(&self, inputs: &Inputs, commands: Commands<'_>) -> bool {
         #[cfg(test)]
         if self.steps_all {
@@ -375,8 +379,8 @@ impl Machine {
         self.take_latches(inputs);
     }
 
-    /// All axes as far as their commands, a leader before its followers, and the virtual master among them. Has none of them a full cycle, and are
-    /// the signals of all of them written?
+    /// Runs all axes up to their commands, a leader before its followers, with the virtual master among them. Returns
+    /// whether no axis runs a full cycle, and whether the signals of all axes are published.
     #[inline]
     fn begin_axes(&mut self, told: Told<'_>) -> (bool, bool) {
         if self.state.virtual_master.source() != VirtualSource::Off {
@@ -385,11 +389,11 @@ impl Machine {
         self.begin_some(0..self.state.order.len(), told)
     }
 
-    /// The same of those that stand at these places of their order.
-    // A call of it, beside those around a virtual master, costs each cycle 50 instructions.
+    /// Does the same as [`begin_axes`](Self::begin_axes) for the axes at these places of the order.
+    // Inlined because a second call, in addition to those around a virtual master, costs 50 instructions in each cycle.
     #[inline(always)]
     fn begin_some(&mut self, places: Range<usize>, told: Told<'_>) -> (bool, bool) {
-        // A machine without axes has nothing that tells when its outputs are to be looked at.
+        // A machine without axes has no axis that reports when its outputs must be checked.
         let (mut is_calm, mut is_shown) = (!self.state.axes.is_empty(), true);
         for place in places {
             let State { axes, order, board, leads, cycle, tables, .. } = &mut self.state;
@@ -399,7 +403,7 @@ impl Machine {
                 Pace::Passed => axis.pass_over(),
                 Pace::Calm if axis.step_calmly(*cycle, leads, tables) => {
                     note_command(leads, index, axis);
-                    // Its master may stand behind it in the order.
+                    // Its master may follow in the order.
                     if axis.sees_a_master() {
                         is_shown = false;
                     } else {
@@ -416,7 +420,7 @@ impl Machine {
         (is_calm, is_shown)
     }
 
-    /// The rest of the full cycles, behind the commands, and the signals that are not written yet.
+    /// Runs the rest of the full cycles, after the commands, and publishes the signals that are not published yet.
     fn end_axes(&mut self, told: Told<'_>) {
         for place in 0..self.state.order.len() {
             let State { axes, order, board, leads, .. } = &mut self.state;
@@ -434,7 +438,7 @@ impl Machine {
         }
     }
 
-    /// Does something with one axis in its cycle.
+    /// Runs a step of one axis in its cycle.
     fn with_axis<T>(
         &mut self,
         index: usize,
@@ -464,7 +468,7 @@ impl Machine {
         Some(result)
     }
 
-    /// Does something with one axis that is none of the steps of its cycle: the next one is a full one.
+    /// Runs an action on one axis that is not a step of its cycle. The next cycle of the axis is a full one.
     fn act_on<T>(
         &mut self,
         index: usize,
@@ -475,7 +479,7 @@ impl Machine {
         self.with_axis(index, told, act)
     }
 
-    /// Who follows an axis does not follow a coordinate that was set anew.
+    /// Applies a new zero of an axis to its leader signals, so that its followers see no motion.
     #[inline]
     fn note_zero(&mut self, index: usize) {
         if self.state.axes[index].has_moved() {
@@ -492,61 +496,62 @@ impl Machine {
         self.count_on(index, moved);
     }
 
-    /// What others see of an axis.
+    /// Updates the leader signals of an axis.
     fn note_lead(&mut self, index: usize) {
         self.note_zero(index);
         note_command(&mut self.state.leads, index, &self.state.axes[index]);
     }
 
-    /// The cycle that comes next: how many have run.
+    /// Returns the number of the next cycle, which equals the number of cycles that have run.
     pub fn next_cycle(&self) -> u64 {
         self.state.cycle
     }
 
-    /// What it is made of.
+    /// Returns the configuration.
     pub fn config(&self) -> &MachineConfig {
         &self.config
     }
 
-    /// Names and types of its signals.
+    /// Returns names and types of the signals.
     pub fn directory(&self) -> &Directory {
         &self.directory
     }
 
-    /// The signals as the last cycle left them.
+    /// Returns the signals after the last cycle.
     pub fn board(&self) -> &Board {
         &self.state.board
     }
 
-    /// The events of the last cycle.
+    /// Returns the events of the last cycle.
     pub fn events(&self) -> &[Event] {
         self.events.as_slice()
     }
 
-    /// How an axis stood when its last error came.
+    /// Returns the recorded state of an axis at its last error.
     pub fn fault(&self, axis: u16) -> Option<&Fault> {
         self.state.axes.get(usize::from(axis)).map(Axis::fault)
     }
 
-    /// Parameters in force.
+    /// Returns the parameters of an axis that are in force.
     pub fn parameters(&self, axis: u16) -> Option<&AxisParameters> {
         self.state.axes.get(usize::from(axis)).map(|axis| &*axis.parameters)
     }
 }
 
-/// What others see of the motion of an axis in this cycle.
+/// Updates the command values in the leader signals of an axis for this cycle.
 #[inline]
 fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
     let Some(of) = leads.of_axes.get_mut(index) else { return };
     let Motion { position, velocity, .. } = axis.command();
     of.command = Lead { position, change: position - of.command.position, velocity, uneven: 0.0, valid: true };
     if axis.shows_command() {
-        // What a command made of the position behind the advance of the last cycle is in the change, as in that of the command.
+        // The change includes what commands added to the position after the advance of the last cycle, as it does for
+        // the commanded position.
         of.actual = Lead { change: of.command.change, ..axis.actual() };
     }
 }
 
-/// The commands that are left for the axes.
+/// Returns the commands that are left for the axes.
 fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = &Command> {
     let is_live = move |(place, command): (usize, _)| (admitted >> place & 1 == 1).then_some(command);
     commands.iter().take(MAX_COMMANDS).enumerate().filter_map(is_live)

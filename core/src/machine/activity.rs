@@ -1,8 +1,8 @@
-//! Active and inactive.
+//! Activation and deactivation of a machine.
 //!
-//! Law      inactive: nothing is switched on and nothing moves; inputs are read, signals and events go on
-//! Refuses  inactive: enable, and every command that begins a motion (NOT_ACTIVE)
-//! Source   contract section 7, the states of a ROS 2 node with a life cycle
+//! Law      inactive: nothing is switched on and nothing moves; inputs are read, signals and events continue
+//! Refuses  while inactive: enable, and every command that starts a motion (NOT_ACTIVE)
+//! Source   contract section 7, states of a ROS 2 lifecycle node
 
 use super::Machine;
 use crate::axis::Axis;
@@ -12,19 +12,20 @@ use crate::event::{Event, Kind, Severity};
 use crate::object::Object;
 
 impl Machine {
-    /// May axes be switched on and moved?
+    /// Whether axes may be switched on and moved.
     pub fn is_active(&self) -> bool {
         self.state.active
     }
 
-    /// Lets axes be switched on again. Those that a deactivation still stops go on stopping; nobody is told its end.
+    /// Allows axes to be switched on again. Axes that a deactivation is stopping continue to stop; the deactivation
+    /// itself ends here with REPLACED.
     pub(super) fn activate(&mut self, command: &Command) {
         self.replace_deactivation();
         self.set_active(true);
         self.accept(command, Object::Machine);
     }
 
-    /// Each axis finds the command and stops itself.
+    /// Starts the deactivation. Each axis receives the command and stops.
     pub(super) fn deactivate(&mut self, command: &Command) {
         self.replace_deactivation();
         self.set_active(false);
@@ -32,7 +33,7 @@ impl Machine {
         self.state.deactivating = Some(command.sequence);
     }
 
-    /// Tells the end of a deactivation, once every drive is off.
+    /// Reports the end of a deactivation once every drive is switched off.
     pub(super) fn settle_deactivation(&mut self) {
         if self.state.deactivating.is_some() && self.state.axes.iter().all(Axis::is_off) {
             self.end_deactivation(Code::NONE);

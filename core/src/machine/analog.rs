@@ -1,21 +1,21 @@
-//! Drives without a bus: between inputs and outputs of the machine and those of a drive.
+//! Drives without a bus: conversion between the inputs and outputs of the machine and the process data of a drive.
 
 use super::Machine;
 use crate::config::MachineConfig;
 use crate::drive::{AnalogDrive, AnalogWiring, Inputs, Outputs};
 
-/// Where such a drive is.
+/// Position of a drive without a bus in the configuration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AnalogPlace {
-    /// Among the drives.
+    /// Index among the drives.
     drive: usize,
     wiring: AnalogWiring,
-    /// Among the digital inputs.
+    /// Index among the digital inputs.
     ready: Option<usize>,
 }
 
 impl MachineConfig {
-    /// The drives without a bus, in file order of their axes.
+    /// Returns the drives without a bus, in file order of their axes.
     pub(super) fn analog_places(&self) -> impl Iterator<Item = AnalogPlace> {
         self.drives().enumerate().filter_map(|(drive, (_, axis, _))| {
             let wiring = axis.analog?;
@@ -25,7 +25,7 @@ impl MachineConfig {
 }
 
 impl Machine {
-    /// Puts the words of drives without a bus where others tell theirs.
+    /// Writes the process data of drives without a bus to the places where drives on a bus report theirs.
     pub(super) fn tell_analog(&mut self, inputs: &mut Inputs) {
         for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
             let told = drive.read(place.ready.is_none_or(|input| inputs.digital(input)));
@@ -35,7 +35,7 @@ impl Machine {
         }
     }
 
-    /// Makes volts of what is asked of them.
+    /// Converts the commanded values of drives without a bus to reference voltages.
     pub(super) fn lead_analog(&mut self, outputs: &mut Outputs) {
         for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
             let asked = outputs.drive.get(place.drive).copied().unwrap_or_default();
@@ -45,7 +45,7 @@ impl Machine {
     }
 }
 
-/// As many as the cell has, before anything was read.
+/// Returns one state per drive without a bus, before the first read.
 pub(super) fn at_rest(config: &MachineConfig) -> Vec<AnalogDrive> {
     config.analog_places().map(|_| AnalogDrive::default()).collect()
 }

@@ -1,4 +1,5 @@
-//! Commands before the axes see them: what concerns several objects at once is checked for all of them, then done.
+//! Handling of commands before the axes: commands that concern several objects are checked for all of them, then
+//! executed.
 
 use super::{MAX_COMMANDS, Machine, Told};
 use crate::axis::Axis;
@@ -14,8 +15,8 @@ use crate::object::{Leader, Object};
 use crate::parameter::Marker;
 
 impl Machine {
-    /// Carries out and answers what is of the machine, before its inputs are read, and returns as bits which commands are left for
-    /// the axes.
+    /// Executes and answers commands for the machine, before its inputs are read. Returns a bit set of the commands
+    /// that are left for the axes.
     pub(super) fn admit(&mut self, commands: Commands<'_>) -> u64 {
         let (mut admitted, mut aborted_by) = (0, None);
         for (place, command) in commands.iter().enumerate() {
@@ -34,14 +35,14 @@ impl Machine {
                 Err(refusal) => self.events.push(refusal.event(command.sequence)),
             }
         }
-        // The stop wins in its cycle, whichever command stands behind the other.
+        // The stop takes precedence in its cycle, whatever the order of the commands is.
         if aborted_by.is_some() {
             self.stop_virtual_master(aborted_by);
         }
         admitted
     }
 
-    /// Can the drive latch whose latch a goal waits for?
+    /// Checks that the drive whose latch a goal waits for can latch.
     fn check_latch(&self, axis: u16, source: Object) -> Result<(), Refusal> {
         let Object::Axis(source) = source else { return Ok(()) };
         let drive = self.config.axes.get(usize::from(source)).and_then(|axis| axis.drive);
@@ -52,7 +53,7 @@ impl Machine {
         Err(refusal.with(Number::Count(source.into()), Number::None))
     }
 
-    /// Checks that the switches that a homing looks for are read: the drive of the axis may show no digital inputs.
+    /// Checks that the switches that a homing searches are read. The drive of the axis may not report digital inputs.
     fn check_switches(&self, request: &HomeAxis) -> Result<(), Refusal> {
         let is_unread = self.config.global.without_inputs.contains(&Object::Axis(request.axis));
         match self.state.axes.get(usize::from(request.axis)).filter(|_| is_unread) {
@@ -61,8 +62,8 @@ impl Machine {
         }
     }
 
-    /// Checks that the edge of a probe can come: an input that has the level behind the edge already lets the axis drive on to the
-    /// end of the search.
+    /// Checks that the edge of a probe can occur. If the input already has the level after the edge, the axis would
+    /// move on to the end of the search.
     fn check_probe_input(&self, inputs: &Inputs, request: &Probe) -> Result<(), Refusal> {
         let Object::Io(entry) = request.source else { return Ok(()) };
         let level = match request.edge {
@@ -81,7 +82,7 @@ impl Machine {
         Err(refusal.with(Number::Count(entry.into()), Number::Count(level.into())))
     }
 
-    /// True where the command is left for the axes.
+    /// Returns true if the command is left for the axes.
     fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
         if command.action.needs_active() && !self.state.active {
             return Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine));
@@ -125,7 +126,7 @@ impl Machine {
             Action::SetEncoderPosition(request) if usize::from(request.encoder) >= self.state.encoders.len() => {
                 Err(Refusal::new(Code::BAD_REQUEST, Object::Machine))
             }
-            // Once the encoders of the cycle are read.
+            // Set after the encoders of the cycle are read.
             Action::SetEncoderPosition(_) => Ok(true),
             Action::SetParameters(changes) => {
                 self.set_parameters(command, changes)?;
@@ -170,7 +171,7 @@ impl Machine {
                 self.load_program(command, *index, (module, *keeps))?;
                 Ok(false)
             }
-            // An output may let go what the axes are not to move.
+            // An output may release something that the axes must not move.
             Action::SetOutputs(_) if !self.state.active => Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine)),
             Action::SetOutputs(values) => {
                 self.state.panel.set(&self.config, values)?;
@@ -187,13 +188,13 @@ impl Machine {
         }
     }
 
-    /// How much a note matters, and what it is about.
+    /// Returns the severity of a note and the object that it concerns.
     fn note(&self, code: Code, number: i64) -> (Severity, Object) {
         let notice = NodeNotice::from_number(number).filter(|_| code == Code::NODE_CHANGED);
         let axis = notice.and_then(|notice| notice.axis).filter(|axis| usize::from(*axis) < self.state.axes.len());
         let is_over = match code {
             Code::NODE_CHANGED => notice.is_some_and(|notice| notice.change == NodeChange::Ready),
-            // Code 0 says that an error is over.
+            // Code 0 reports that the error has ended.
             Code::FOREIGN_EMERGENCY => ForeignEmergency::from_number(number).is_some_and(|message| message.code == 0),
             _ => false,
         };
@@ -210,7 +211,8 @@ impl Machine {
         self.events.push(event.of_command(command.sequence));
     }
 
-    /// Carries out a command of the axes, once all of them have moved and judged in this cycle: what it is checked by is this cycle's.
+    /// Executes a command of the axes after all axes have moved and been monitored in this cycle, so that it is checked
+    /// against the values of this cycle.
     pub(super) fn carry_out(&mut self, told: Told<'_>, command: &Command) {
         if let Err(refusal) = self.try_command(told, command) {
             self.events.push(refusal.event(command.sequence));
@@ -236,7 +238,7 @@ impl Machine {
             }
             Action::Move(request) => self.give(told, request.axis, command),
             Action::Probe(request) => {
-                // Index pulses come with the position.
+                // Index pulses are reported together with the position.
                 if request.edge != ProbeEdge::Index {
                     self.check_latch(request.axis, request.source)?;
                 }
@@ -290,13 +292,13 @@ impl Machine {
         }
     }
 
-    /// One axis takes a command, and answers it.
+    /// Passes a command to one axis, which answers it.
     fn give(&mut self, told: Told<'_>, axis: u16, command: &Command) -> Result<(), Refusal> {
         let given = self.act_on(axis.into(), told, |axis, cx| axis.take(cx, command));
         given.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))
     }
 
-    /// A phase shift, in increments of what it shifts.
+    /// Passes a phase shift to its axis, in increments of the shifted side.
     fn shift(&mut self, told: Told<'_>, sequence: u64, request: &Phase) -> Result<(), Refusal> {
         let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let index = usize::from(request.axis);
@@ -312,7 +314,7 @@ impl Machine {
         Ok(())
     }
 
-    /// The end of a coupling, with the turn of what it waits for.
+    /// Passes the end of a coupling to its axis, with the revolution of the leader for the condition that it waits for.
     fn gear_out(&mut self, told: Told<'_>, sequence: u64, request: GearOut) -> Result<(), Refusal> {
         let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let index = usize::from(request.axis);
@@ -322,7 +324,7 @@ impl Machine {
         Ok(())
     }
 
-    /// All axes of a goal end it.
+    /// Ends a goal on all of its axes.
     fn cancel(&mut self, told: Told<'_>, sequence: u64, goal: u64) -> Result<(), Refusal> {
         let mut is_told = false;
         for index in 0..self.state.axes.len() {
@@ -335,7 +337,7 @@ impl Machine {
         is_told.then_some(()).ok_or_else(unknown)
     }
 
-    /// Would nobody follow itself?
+    /// Checks that a coupling makes no axis follow itself.
     fn admit_synchronize(&self, request: &Synchronize) -> Result<(), Refusal> {
         let Some(axis) = self.state.axes.get(usize::from(request.axis)) else { return Ok(()) };
         let leader = axis.leader_of(request.leader, self.state.axes.len())?;
@@ -348,7 +350,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Do marks come that a coupling asks for?
+    /// Checks that the marks that a coupling needs can occur.
     fn check_marks(&self, axis: &Axis, leader: Leader, request: &Synchronize) -> Result<(), Refusal> {
         let gives = |source: Object| !self.config.global.without_index.contains(&source);
         let leads_index = match leader {
@@ -356,7 +358,7 @@ impl Machine {
                 let encoder = self.state.encoders.get(usize::from(place));
                 gives(Object::Encoder(place)) && encoder.is_some_and(|encoder| !encoder.is_absolute())
             }
-            // Its mark is what vmencmtyp says, its own pulses where that names no input.
+            // The mark is defined by vmencmtyp; without an input there, it is the index pulse of the virtual master.
             Leader::Virtual => {
                 let parameters = &self.state.panel.parameters;
                 parameters.vmencres > 0 || parameters.virtual_marker() != Marker::Index

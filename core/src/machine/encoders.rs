@@ -1,4 +1,4 @@
-//! Encoders that several axes use: what they tell, and zeros that are set for all of them.
+//! Encoders shared by several axes: their events, and new zeros that apply to all users.
 
 use super::{Machine, State};
 use crate::axis::{Axis, Claim};
@@ -9,7 +9,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
 
-/// Code of what an encoder tells.
+/// Returns the code of an encoder report.
 pub(super) fn code(told: Told) -> Code {
     match told {
         Told::Invalid => Code::ENCODER_INVALID,
@@ -18,7 +18,7 @@ pub(super) fn code(told: Told) -> Code {
     }
 }
 
-/// The event of it.
+/// Returns the event of an encoder report.
 pub(super) fn event(told: Told, encoder: u16, errors: u64) -> Event {
     let (severity, kind) = match told {
         Told::Substituted => (Severity::Warn, Kind::Warning),
@@ -33,7 +33,7 @@ pub(super) fn event(told: Told, encoder: u16, errors: u64) -> Event {
 }
 
 impl Machine {
-    /// A zero that moves an encoder is refused while another axis that uses it moves.
+    /// Refuses a zero that moves an encoder while another axis that uses this encoder moves.
     pub(super) fn admit_shared_zero(&self, axis: u16) -> Result<(), Refusal> {
         match self.state.axes.get(usize::from(axis)).and_then(|axis| axis.shares()) {
             Some(encoder) => self.check_users(encoder, Some(usize::from(axis))),
@@ -41,7 +41,8 @@ impl Machine {
         }
     }
 
-    /// The same of a new value of the master, where that is an encoder.
+    /// Does the same as [`admit_shared_zero`](Self::admit_shared_zero) for a new value of the master, if the master is
+    /// an encoder.
     pub(super) fn admit_master_zero(&self, axis: u16) -> Result<(), Refusal> {
         let axes = self.state.axes.len();
         match self.state.axes.get(usize::from(axis)).and_then(|axis| axis.shares_master(axes)) {
@@ -50,7 +51,8 @@ impl Machine {
         }
     }
 
-    /// New values of an encoder, in the cycle in which it has been read. What its users were before is what they are judged by.
+    /// Applies new values of an encoder in the cycle in which it was read. Each command is checked against the state of
+    /// the users before it.
     pub(super) fn set_encoder(&mut self, index: usize, commands: Commands<'_>, admitted: u64) {
         self.set_by[index] = 0;
         for command in super::live(commands, admitted) {
@@ -69,7 +71,7 @@ impl Machine {
         }
     }
 
-    /// By how much an encoder is to be moved (inc).
+    /// Returns the distance by which an encoder is to be moved (inc).
     fn zero_of_encoder(&self, request: &SetEncoderPosition) -> Result<i64, Refusal> {
         let refuse = |code| Refusal::new(code, Object::Encoder(request.encoder));
         let place = usize::from(request.encoder);
@@ -89,9 +91,9 @@ impl Machine {
         if fits { Ok(by) } else { Err(out()) }
     }
 
-    /// Moves encoders as their users have set new zeros (MACS-ENC-11): the values of the encoder and of its other users follow in
-    /// the next cycle, before any command of it. Of several of one cycle the last one stands, as if each had been shared before the
-    /// next.
+    /// Moves encoders by the new zeros that their users have set (MACS-ENC-11). The values of the encoder and of its
+    /// other users follow in the next cycle, before any command of it. If several zeros are set in one cycle, the last
+    /// one applies, as if each had been shared before the next.
     pub(super) fn share_shifts(&mut self) {
         if self.state.encoders.is_empty() {
             return;
@@ -106,11 +108,11 @@ impl Machine {
         let Some(mut last) = self.hard_claims(encoder).max_by_key(|claim| claim.sequence) else { return };
         let set_by = self.set_by.get(usize::from(encoder)).copied().unwrap_or_default();
         if set_by > last.sequence {
-            // The encoder itself was set behind all of them, and has that value already.
+            // The encoder itself was set after all of them, and has that value already.
             last = Claim { sequence: set_by, by: 0, ..last };
         }
         if let Err(number) = self.may_share(encoder, last) {
-            // Each axis alone has its new zero.
+            // The new zero of each axis applies to this axis only.
             for index in 0..self.state.axes.len() {
                 for _ in self.state.axes[index].claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft) {
                     let object = Object::Axis(index as u16);
@@ -123,7 +125,7 @@ impl Machine {
         self.move_encoder(encoder, last.by, |axis| axis.left_of_shift(last.by, last.sequence));
         for axis in &mut self.state.axes {
             let [_, of_master] = axis.claims(encoder);
-            // What it shows of its master has that zero already.
+            // The shown master position of this axis already has that zero.
             match of_master {
                 Some(claim) if !claim.is_soft => axis.share_master(claim.by),
                 Some(claim) if claim.sequence > last.sequence => axis.share_master(last.by),
@@ -132,16 +134,16 @@ impl Machine {
         }
     }
 
-    /// The new zeros of this cycle that are of the encoder itself.
+    /// Returns the new zeros of this cycle that apply to the encoder itself.
     fn hard_claims(&self, encoder: u16) -> impl Iterator<Item = Claim> {
         let claims = self.state.axes.iter().flat_map(move |axis| axis.claims(encoder));
         claims.flatten().filter(|claim| !claim.is_soft)
     }
 
-    /// May the encoder be moved so?
+    /// Checks that the encoder may be moved by a claim.
     ///
     /// # Errors
-    /// The axis that moves; nothing where a position or limit would leave its range.
+    /// The axis that moves; [`Number::None`] if a position or limit would leave its range.
     fn may_share(&self, encoder: u16, last: Claim) -> Result<(), Number> {
         let own = self.state.encoders.get(usize::from(encoder)).map(|encoder| encoder.lead().position);
         let is_legal = own.is_some_and(|own| (own + Position::whole(last.by)).is_legal());
@@ -157,7 +159,8 @@ impl Machine {
         if is_legal { Ok(()) } else { Err(Number::None) }
     }
 
-    /// The value of an encoder is `by` more; each of its users is moved by what it lacks.
+    /// Increases the value of an encoder by `by` (inc), and moves each of its users by the part of the distance that it
+    /// still lacks.
     fn move_encoder(&mut self, encoder: u16, by: i64, left: impl Fn(&Axis) -> i64) {
         let place = usize::from(encoder);
         if let (Some(shifted), Some(lead)) =
@@ -171,12 +174,12 @@ impl Machine {
         }
     }
 
-    /// The axes that read an encoder.
+    /// Returns the axes that read an encoder.
     fn users(&self, encoder: u16) -> impl Iterator<Item = (usize, &Axis)> {
         self.state.axes.iter().enumerate().filter(move |(_, axis)| axis.reads(encoder))
     }
 
-    /// A user of the encoder that does not stand still keeps it from being moved.
+    /// Returns an error if a user of the encoder, apart from `except`, is not at standstill.
     fn check_users(&self, encoder: u16, except: Option<usize>) -> Result<(), Refusal> {
         let mut moving = self.users(encoder).filter(|(other, axis)| Some(*other) != except && !axis.stands_idle());
         match moving.next() {
@@ -185,7 +188,7 @@ impl Machine {
         }
     }
 
-    /// Who sees an axis as its master counts on when its coordinate becomes `by` more.
+    /// Keeps the shown master position of the followers of an axis when the coordinate of this axis increases by `by`.
     pub(super) fn count_on(&mut self, index: usize, by: Position) {
         let State { axes, leads, .. } = &mut self.state;
         axes.iter_mut().for_each(|axis| axis.count_on(leads, index as u16, by));

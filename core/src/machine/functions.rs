@@ -1,4 +1,4 @@
-//! The function slots of a machine: their commands, their part of a cycle, their tables.
+//! Function slots of a machine: their commands, their steps in a cycle, their tables.
 
 use super::signals::locate;
 use super::{Machine, State, Told};
@@ -18,13 +18,13 @@ use crate::table::{PitchError, Table};
 use lineshaft_program::Module;
 use std::sync::Arc;
 
-/// A fault of a function as the refusal of its command.
+/// Returns a fault of a function as the refusal of its command.
 fn refusal(fault: Fault, slot: u16) -> Refusal {
     let refusal = Refusal::new(fault.code, Object::Function(slot)).with(fault.asked, fault.limit);
     Refusal { parameter: fault.field, ..refusal }
 }
 
-/// The slots that an error of the axis ends which they move, and that axis.
+/// Returns the slots that end on an error of the axis that they move, each with that axis.
 pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
     let ended = |(place, wires): (u16, &Wires)| match wires.sink {
         Sink::Axis(axis, _) if wires.on_axis_error == OnAxisError::Reset => Some((place, axis)),
@@ -33,7 +33,7 @@ pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
     (0..).zip(wires).filter_map(ended).collect()
 }
 
-/// The axes that a function can watch and that a slot moves, and that slot.
+/// Returns the axes that a function can watch and that a slot moves, each with its slot.
 pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
     let moved = |(place, wires): (u16, &Wires)| match wires.sink {
         Sink::Axis(axis, _) if usize::from(axis) < LINES => Some((axis.into(), place)),
@@ -42,13 +42,13 @@ pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
     (0..).zip(wires).filter_map(moved).collect()
 }
 
-/// Who sees a sink as its master counts on when it is `by` more.
+/// Keeps the shown master position of the followers of a sink when the sink increases by `by`.
 #[cold]
 fn count_on_sink(axes: &mut [Axis], leads: &Leads, slot: u16, by: Position) {
     axes.iter_mut().for_each(|axis| axis.count_on_sink(leads, slot, by));
 }
 
-/// A goal ends where the axis has left the function.
+/// Fails the goal of a function if the axis has left the function.
 #[cold]
 fn watch_goal(slot: &mut Slot, sink: Sink, axes: &[Axis], own: Leader) {
     if slot.follows_goal()
@@ -60,23 +60,24 @@ fn watch_goal(slot: &mut Slot, sink: Sink, axes: &[Axis], own: Leader) {
 }
 
 impl Machine {
-    /// The function slots, by their numbers.
+    /// Returns the function slots, by their numbers.
     pub fn slots(&self) -> &[Slot] {
         &self.state.slots
     }
 
-    /// The tables, in file order.
+    /// Returns the tables, in file order.
     pub fn tables(&self) -> &[Arc<Table>] {
         &self.state.tables
     }
 
-    /// Returns why START would refuse a set of the function at a place at rest; none if it would not, and of a place without a function.
+    /// Returns the reason why START would refuse a parameter set of the function in a slot at rest. Returns `None` if
+    /// START would accept it, or if the slot does not exist.
     pub fn refused_start(&self, place: u16, set: &[i64]) -> Option<Refusal> {
         let (wires, slot) = self.wires.get(usize::from(place)).zip(self.state.slots.get(usize::from(place)))?;
         slot.check_start(wires, &self.state.tables, set).err().map(|fault| refusal(fault, place))
     }
 
-    /// An order to a function; true where the axis that it moves has to hear of it.
+    /// Executes an order to a function. Returns true if the axis that it moves must receive the order, too.
     pub(super) fn command_function(&mut self, command: &Command, request: &CommandFunction) -> Result<bool, Refusal> {
         let CommandFunction { slot, order, ref values } = *request;
         self.order_function(command, slot, (order, values))
@@ -122,7 +123,8 @@ impl Machine {
         Ok(tells)
     }
 
-    /// A goal of a function, behind the order that it needs: START in RESET, else VALUE_NEW; true where the axis that it moves has to hear of that.
+    /// Starts a goal of a function, after the order that it needs: START in RESET, otherwise VALUE_NEW. Returns true if
+    /// the axis that it moves must receive that order, too.
     pub(super) fn run_function(&mut self, command: &Command, request: &RunFunction) -> Result<bool, Refusal> {
         let (place, sink) = (usize::from(request.slot), Leader::Sink(request.slot));
         let unknown = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
@@ -142,7 +144,7 @@ impl Machine {
         Ok(tells)
     }
 
-    /// Cancels a goal of a function; true where it is one.
+    /// Cancels a goal of a function. Returns true if the goal is one of a function.
     pub(super) fn cancel_run(&mut self, sequence: u64, goal: u64) -> bool {
         let mut slots = (0_u16..).zip(&mut self.state.slots);
         let Some((place, _)) = slots.find_map(|(place, slot)| slot.cancel_goal(goal).then_some((place, slot))) else {
@@ -153,12 +155,12 @@ impl Machine {
         true
     }
 
-    /// The axis of a function hears of its START or RESET.
+    /// Passes START or RESET of a function to its axis.
     pub(super) fn tell_moved(&mut self, told: Told<'_>, slot: u16, order: Order) {
         let Some(wires) = self.wires.get(usize::from(slot)) else { return };
         let Sink::Axis(axis, _) = wires.sink else { return };
         let (sink, speed) = (Leader::Sink(slot), wires.speed);
-        // A later command of this cycle may have ended it again.
+        // A later command of this cycle may have ended the function again.
         let runs = self.state.slots.get(usize::from(slot)).is_some_and(Slot::is_active);
         self.act_on(axis.into(), told, |axis, cx| match order {
             Order::Start if runs => axis.take_function(cx, MovedBy { sink, speed }),
@@ -167,7 +169,7 @@ impl Machine {
         });
     }
 
-    /// New numbers of a table.
+    /// Loads new values into a table.
     pub(super) fn load_table(&mut self, command: &Command, index: u16, table: &Arc<Table>) -> Result<(), Refusal> {
         let place = usize::from(index);
         let refuse = |code| Refusal::new(code, Object::Table(index));
@@ -206,7 +208,7 @@ impl Machine {
             on_it.try_for_each(|axis| axis.check_marks_on(shape))?;
         }
         if let Some(place) = self.state.tables.get_mut(place) {
-            // Who gave the former one keeps a reference: none is freed here.
+            // The caller keeps a reference to the previous table, so nothing is freed here.
             place.clone_from(table);
         }
         self.count_change();
@@ -214,7 +216,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Another program in the functions that run it.
+    /// Replaces a program in all functions that run it.
     pub(super) fn load_program(
         &mut self,
         command: &Command,
@@ -240,14 +242,15 @@ impl Machine {
         for (_, slot) in self.wires.iter().zip(slots.iter_mut()).filter(|(wires, _)| runs_it(wires)) {
             slot.exchange((module, present), keeps);
         }
-        // Who gave the former one keeps a reference: none is freed here.
+        // The caller keeps a reference to the previous program, so nothing is freed here.
         present.clone_from(module);
         self.count_change();
         self.accept(command, Object::Program(index));
         Ok(())
     }
 
-    /// All slots in a cycle, ascending: behind the encoders and what drives tell, before the axes move.
+    /// Steps all slots of a cycle in ascending order: after the encoders and the drive inputs are read, before the axes
+    /// move.
     pub(super) fn step_slots(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
         for (place, wires) in self.wires.iter().enumerate() {
@@ -311,7 +314,7 @@ impl Machine {
             }
             match wires.sink {
                 Sink::Analog(terminal, _) if written.sink => panel.set_analog(terminal, slot.volts(wires)),
-                // A speed is read behind the motion, which a calm axis leaves out.
+                // A speed is read after the motion, which the fast path skips.
                 Sink::Axis(axis, _) if wires.speed.is_some() && slot.lead().change != Position::ZERO => {
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {
                         axis.disturb();
@@ -322,8 +325,8 @@ impl Machine {
         }
     }
 
-    /// RESET of the functions that an error of their axis ends, behind everything that may be one; what they write at the end they write in
-    /// the next cycle.
+    /// Resets the functions that an error of their axis ends, after everything that may raise an error. Their final
+    /// output is written in the next cycle.
     pub(super) fn reset_failed(&mut self, told: Told<'_>) {
         for at in 0..self.ended_by_errors.len() {
             let Some(&(place, axis)) = self.ended_by_errors.get(at) else { continue };
@@ -331,13 +334,14 @@ impl Machine {
             let fails = self.state.axes.get(usize::from(axis)).is_some_and(|axis| !axis.error().is_none());
             if fails && slot.is_active() {
                 slot.reset();
-                // With error_reaction 5 it would go on with what stands now.
+                // With error_reaction 5 the axis would continue with the present command.
                 self.act_on(axis.into(), told, |axis, cx| axis.leave_function(cx, Leader::Sink(place)));
             }
         }
     }
 
-    /// The axes of functions whose program cannot go on have its error: they hold in this cycle already, as the sink does.
+    /// Reports the error of a program that cannot continue on the axis that it moves. The axis holds in this cycle
+    /// already, as the sink does.
     #[cold]
     pub(super) fn fail_moved(&mut self, told: Told<'_>) {
         while let Some((place, axis, code)) = self.failed.pop() {
@@ -348,7 +352,8 @@ impl Machine {
         }
     }
 
-    /// Where the mark of this cycle was, so far before the source's present position, of an axis before its command; of several the last one.
+    /// Returns the distance from the mark of this cycle to the present position of the source; for a mark of an axis,
+    /// to its command. If there are several marks, the last one counts.
     fn mark(&self, mark: Mark, source: Source, inputs: &Inputs) -> Option<Position> {
         if let Mark::Axis(place) = mark {
             return self.state.axes.get(usize::from(place))?.mark_behind_command();
@@ -374,7 +379,7 @@ impl Machine {
         Some(lead.position - position)
     }
 
-    /// What sidiff sees of the first axes.
+    /// Returns the values of the first axes that sidiff reads.
     fn drive_errors(&self) -> [Drive; LINES] {
         let mut drives = [Drive::default(); LINES];
         for (drive, first) in drives.iter_mut().zip(&self.signals.axes) {
@@ -388,7 +393,7 @@ impl Machine {
         drives
     }
 
-    /// What fgen sees of them.
+    /// Returns the values of the first axes that fgen reads.
     fn drive_positions(&self) -> [Drive; LINES] {
         let mut drives = [Drive::default(); LINES];
         for (drive, axis) in drives.iter_mut().zip(&self.state.leads.of_axes) {

@@ -1,4 +1,4 @@
-//! Axes with two drives: between the inputs and outputs of both and those of the axis.
+//! Axes with two drives: conversion between the process data of both drives and that of the axis.
 
 use super::Machine;
 use crate::axis::assigned_input;
@@ -10,7 +10,7 @@ use crate::position::Position;
 use crate::signal::gantry::GantrySignal;
 
 impl Machine {
-    /// Puts one drive in the place of the first one of each gantry.
+    /// Replaces the input of the first drive of each gantry by the combined input of both drives.
     pub(super) fn join_drives(&mut self, inputs: &Inputs, joined: &mut Inputs) {
         for gantry in &mut self.state.gantries {
             let setup = *gantry.setup();
@@ -23,12 +23,12 @@ impl Machine {
             if let Some(place) = joined.drive.get_mut(setup.drives[0]) {
                 *place = input;
             }
-            // How the drives stand to each other is part of no pace.
+            // The skew of the drives is not covered by the fast paths.
             axis.disturb();
         }
     }
 
-    /// May the gantries among these axes be switched on?
+    /// Checks that the gantries among these axes may be switched on.
     pub(super) fn admit_skews(&self, action: &Action, axes: AxisSet) -> Result<(), Refusal> {
         if !matches!(action, Action::Enable(_)) {
             return Ok(());
@@ -40,7 +40,7 @@ impl Machine {
         })
     }
 
-    /// The outputs of the second drives, and what gantries show.
+    /// Writes the outputs of the second drives, and publishes the signals of the gantries.
     pub(super) fn lead_seconds(&mut self, outputs: &mut Outputs) {
         for (gantry, &first) in self.state.gantries.iter().zip(&self.signals.gantries) {
             let setup = gantry.setup();

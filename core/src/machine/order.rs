@@ -1,23 +1,23 @@
-//! The order of the axes: a leader before its followers, else as in the file.
+//! Execution order of the axes: a leader before its followers, otherwise in file order.
 //!
-//! An axis follows what it is coupled to, and may at any time follow the master of its reference selector: that counts as if
-//! it did, so that no selector ever closes a loop or waits for another order.
+//! An axis follows the leader that it is coupled to, and may at any time follow the master of its reference selector.
+//! The latter counts as a coupling, so that no selector ever closes a loop or waits for another order.
 
 use super::Machine;
 use crate::axis::Axis;
 use crate::config::MachineConfig;
 use crate::object::{AxisSet, Leader, MAX_AXES, Object};
 
-/// What a leader reads that reads others.
+/// What a sink or a sum of masters reads.
 #[derive(Clone, Copy, Debug, Default)]
 struct Way {
-    /// Axes, by their commands.
+    /// Axes whose commands it reads.
     axes: AxisSet,
-    /// The virtual master, too.
+    /// Whether it also reads the virtual master.
     reads_virtual: bool,
 }
 
-/// Through which axes' commands leaders close a loop that read others: fixed by the cell.
+/// Axes whose commands are read by leaders that read other leaders: fixed by the cell.
 #[derive(Debug, Default)]
 pub(super) struct Ways {
     sinks: Vec<Way>,
@@ -33,7 +33,7 @@ impl Ways {
         Self { sinks: all(config.slots.len(), Leader::Sink), sums: all(config.masters.len(), Leader::Sum) }
     }
 
-    /// The axes that a leader reads, where the virtual master follows that one.
+    /// Returns the axes that a leader reads, if the virtual master follows axis `of_virtual`.
     fn commanded(&self, leader: Leader, of_virtual: Option<u16>) -> AxisSet {
         let followed = || of_virtual.map_or(AxisSet::EMPTY, AxisSet::one);
         let way = |ways: &[Way], place: u16| {
@@ -51,8 +51,8 @@ impl Ways {
 }
 
 impl Machine {
-    /// The axes that `axis` follows or may follow, where the virtual master follows that one: at present, by its reference selector,
-    /// by the function whose sink it is.
+    /// Returns the axes that `axis` follows or may follow, if the virtual master follows axis `of_virtual`: at present,
+    /// by its reference selector, by the function whose sink it is.
     fn leaders(&self, axis: u16, of_virtual: Option<u16>) -> impl Iterator<Item = AxisSet> {
         let function = self.config.writer(Object::Axis(axis)).map(Leader::Sink);
         let axis = self.state.axes.get(usize::from(axis));
@@ -61,17 +61,19 @@ impl Machine {
         leaders.into_iter().flatten().map(move |leader| self.ways.commanded(leader, of_virtual))
     }
 
-    /// Would axis `follower` follow itself through `leader`? Counted are the couplings that there are, and those that may come.
+    /// Returns true if axis `follower` would follow itself through `leader`. Present couplings count, and those that
+    /// may start.
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
         let of_virtual = self.state.virtual_master.axis();
         let leaders = self.ways.commanded(leader, of_virtual);
         leaders.contains(follower) || self.led_by(leaders, of_virtual).contains(follower)
     }
 
-    /// Whom these axes follow, themselves or through others, where the virtual master follows that one.
+    /// Returns the axes that these axes follow, directly or through others, if the virtual master follows axis
+    /// `of_virtual`.
     pub(super) fn led_by(&self, axes: AxisSet, of_virtual: Option<u16>) -> AxisSet {
         let (mut reached, mut next) = (AxisSet::EMPTY, axes);
-        // Each axis is looked at once, and those that are asked for at most twice.
+        // Each axis is visited once, and the start axes at most twice.
         while let Some(axis) = next.pop() {
             for leaders in self.leaders(axis, of_virtual) {
                 next = next.with(&leaders.without(&reached));
@@ -81,7 +83,8 @@ impl Machine {
         reached
     }
 
-    /// The axes that follow `axis` at present, or wait to: its command or its actual position, in a sum of masters, through a function.
+    /// Returns the axes that follow `axis` at present, or wait to do so: by its command or its actual position, in a
+    /// sum of masters, through a function.
     pub fn followers(&self, axis: u16) -> AxisSet {
         let of_virtual = self.state.virtual_master.axis();
         let reads = |leader: Leader| {
@@ -95,14 +98,14 @@ impl Machine {
         (0..).zip(&self.state.axes).filter_map(follows).collect()
     }
 
-    /// Sorts the axes by those that they follow, which have no loop.
+    /// Sorts the axes by their dependencies, which contain no loop.
     pub(super) fn sort_axes(&mut self) {
         let of_virtual = self.state.virtual_master.axis();
         let count = self.state.axes.len();
-        // Of those that there are not none has to be waited for.
+        // Missing axes count as placed, so none is waited for.
         let (mut placed, mut done) = (AxisSet::first(MAX_AXES).without(&AxisSet::first(count)), 0);
         for index in 0..count as u16 {
-            // From the axis up to a leader whose own leaders all stand: a stack, in the places that are free yet.
+            // Goes from the axis up to a leader whose own leaders are all placed; the unused places serve as a stack.
             let mut top = count;
             let mut next = Some(index).filter(|&axis| !placed.contains(axis));
             loop {

@@ -1,12 +1,13 @@
-//! Inputs and outputs with a function: what goes between the terminals and the axes.
+//! Functions of inputs and outputs: processing between the terminals and the axes.
 //!
-//! Law      a virtual input has the level that its output had at the end of the cycle before; a filtered one has its new level
-//!          once that stood for its time; analog input 1 is
-//!          filt += (reading - filt) / AINFTIME every ms. An input function acts with its edge, +n rising, -n falling. An
-//!          output stays as it was set last, by its function or by set_output; the brake of MACS is only closed here
-//! Reads    the digital and analog inputs, what the axes tell
-//! Writes   all outputs but those that an axis switches by itself
-//! Refuses  a value that an output cannot have; an output that an axis switches by itself
+//! Law      a virtual input has the level that its output had at the end of the previous cycle; a filtered input takes
+//!          its new level once this has been stable for the filter time; analog input 1 is
+//!          filt += (reading - filt) / AINFTIME every ms. An input function is triggered by its edge, +n rising,
+//!          -n falling. An output keeps its last value, set by its function or by set_output; this module only closes
+//!          the brake of MACS
+//! Reads    the digital and analog inputs, the states of the axes
+//! Writes   all outputs except those that an axis switches itself
+//! Refuses  a value that an output cannot have; an output that an axis switches itself
 //! Source   MACS-IO-01, MACS-IO-03 to -10, MACS-IO-14, MACS-ERR-04, MACS-ERR-09, A-47, A-49
 
 use super::signals::Signals;
@@ -21,47 +22,47 @@ use crate::parameter::MachineParameters;
 use crate::signal::Board;
 use serde::{Deserialize, Serialize};
 
-/// Analog input 1 is read that often (ns).
+/// Sampling period of analog input 1 (ns).
 const READING_NS: u64 = 1_000_000;
 
-/// A digital input on its way to another level.
+/// Filter state of a digital input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Settling {
     level: bool,
-    /// Cycle since which it has had the other level.
+    /// Cycle since which the input has had the other level.
     since: Option<u64>,
 }
 
-/// What an output function shows, and where.
+/// Value of an output function, with the number of its output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Shown {
     number: i64,
     active: bool,
 }
 
-/// Terminals of the machine and their state.
+/// State of the terminals of the machine.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Panel {
-    /// In force.
+    /// Parameters in force.
     pub parameters: MachineParameters,
-    /// Layer User.
+    /// Parameters of layer User.
     pub user: MachineParameters,
-    /// Outputs as they were set last.
+    /// Last set values of the digital outputs.
     outputs: Vec<u64>,
-    /// (V)
+    /// Last set values of the analog outputs (V).
     analog: Vec<f64>,
-    /// Digital inputs of the cycle before; empty before the first one.
+    /// Digital inputs of the previous cycle; empty before the first cycle.
     before: Vec<u64>,
     has_read: bool,
     settling: Vec<Settling>,
-    /// Analog input 1, smoothed (V).
+    /// Smoothed analog input 1 (V).
     smoothed: Option<f64>,
-    /// Time since its last reading (ns).
+    /// Time since the last sample of analog input 1 (ns).
     unread_ns: u64,
     error: Shown,
     brakes: Vec<Shown>,
     moves: Vec<Shown>,
-    /// An abort of this cycle: what ESCCOND says, and to how many digital outputs.
+    /// Abort of this cycle: the value of ESCCOND and the number of digital outputs.
     aborts: Option<(i64, usize)>,
 }
 
@@ -85,7 +86,7 @@ impl Panel {
         }
     }
 
-    /// Is it one of that machine, in a state that a cycle leaves?
+    /// Whether this is a valid panel state of the machine of `fresh`.
     pub(super) fn fits(&self, fresh: &Self) -> bool {
         let shape = |panel: &Self| {
             let lists = [panel.outputs.len(), panel.analog.len(), panel.before.len(), panel.settling.len()];
@@ -99,14 +100,15 @@ impl Panel {
             && self.analog.iter().all(|volts| volts.is_finite())
     }
 
-    /// As after the power came back: outputs are off, layer User is in force.
+    /// Sets the state after power-on: outputs are off, layer User is in force.
     pub(super) fn power_up_from(&mut self, first: &Self) {
         let user = self.user;
         self.clone_from(first);
         (self.parameters, self.user) = (user, user);
     }
 
-    /// The inputs as the machine sees them, where that differs from how they are.
+    /// Returns the conditioned inputs: virtual inputs, filtered digital inputs and the smoothed analog input 1. Returns
+    /// the unmodified inputs if none of these is configured.
     pub(super) fn condition<'i>(
         &mut self,
         inputs: &'i Inputs,
@@ -143,7 +145,7 @@ impl Panel {
 
     fn smooth(&mut self, reading: f64, cycle_ns: u64) -> f64 {
         let Some(mut smoothed) = self.smoothed else {
-            // There is nothing before the first reading that it could be drawn to.
+            // The first reading has no previous value for smoothing.
             self.smoothed = Some(reading).filter(|reading| reading.is_finite());
             return reading;
         };
@@ -157,19 +159,20 @@ impl Panel {
         smoothed
     }
 
-    /// Returns the level at the terminal of a digital input, which its latch sees: the filter may not have passed it on yet.
+    /// Returns the level at the terminal of a digital input, which its latch sees; the filter may not have accepted
+    /// this level yet.
     pub(super) fn terminal(&self, config: &MachineConfig, place: usize, seen: &Inputs) -> bool {
         let mut filters = config.global.filters.iter().zip(&self.settling);
         let differs = filters.any(|(filter, settling)| filter.input == place && settling.since.is_some());
         seen.digital(place) != differs
     }
 
-    /// Were these the digital inputs of the cycle before?
+    /// Returns true if these are the digital inputs of the previous cycle.
     pub(super) fn has_read(&self, digital: &[u64]) -> bool {
         self.has_read && self.before == digital
     }
 
-    /// The edges of this cycle.
+    /// Returns the edges of this cycle.
     pub(super) fn edges(&mut self, inputs: &Inputs) -> Edges {
         let before = &self.before;
         let rises = |number: i64| {
@@ -178,13 +181,13 @@ impl Panel {
         };
         let p = &self.parameters;
         let edges = Edges { clears: rises(p.i_errclr), interrupts: rises(p.i_break), resumes: rises(p.i_continue) };
-        // A machine never changes its shape.
+        // The dimensions of a machine never change.
         self.before.iter_mut().zip(&inputs.digital).for_each(|(before, now)| *before = *now);
         self.has_read = true;
         edges
     }
 
-    /// Sets outputs for good (OUT, OUTB, OUTAN): all of them, or none.
+    /// Sets outputs permanently (OUT, OUTB, OUTAN): all of them, or none.
     pub(super) fn set(&mut self, config: &MachineConfig, values: &[OutputValue]) -> Result<(), Refusal> {
         values.iter().try_for_each(|value| check(config, *value))?;
         for &OutputValue { index, value } in values {
@@ -198,26 +201,27 @@ impl Panel {
         Ok(())
     }
 
-    /// An output of a function, by its place among the digital ones.
+    /// Sets an output of a function, by its index among the digital outputs.
     pub(super) fn set_digital(&mut self, place: usize, on: bool) {
         set_bit(&mut self.outputs, place, on);
     }
 
-    /// An output of a function, by its place among the analog ones (V).
+    /// Sets an output of a function, by its index among the analog outputs (V).
     pub(super) fn set_analog(&mut self, place: usize, volts: f64) {
         if let Some(output) = self.analog.get_mut(place) {
             *output = volts;
         }
     }
 
-    /// All axes abort in this cycle. Outputs are of the machine, ESCCOND of an axis: the largest one holds.
+    /// Requests the abort of all axes in this cycle. Outputs belong to the machine and ESCCOND to an axis, so the
+    /// largest ESCCOND applies.
     pub(super) fn abort(&mut self, axes: &[Axis], outputs: usize) {
         let esccond = axes.iter().map(|axis| axis.parameters.supervision.esccond).max();
         self.aborts = esccond.map(|esccond| (esccond, outputs));
     }
 
-    /// Sets the outputs as an abort asks, but for those of brakes, which are closed where the axis has nothing to hold it, and
-    /// those that tell a drive the sign of its reference (MACS-ERR-09).
+    /// Sets the outputs on an abort (MACS-ERR-09), except those of brakes, which are closed if nothing else holds the
+    /// axis, and those that report the sign of the reference to a drive.
     fn set_for_abort(&mut self, axes: &[Axis], esccond: i64, outputs: usize) {
         if matches!(esccond, 1 | 2) {
             for place in 0..outputs {
@@ -240,7 +244,8 @@ impl Panel {
         }
     }
 
-    /// Lets the functions of outputs follow the axes. Those that share a number show that one of them is active.
+    /// Updates the output functions from the axes. If functions share an output, it shows whether one of them is
+    /// active.
     pub(super) fn follow(&mut self, axes: &[Axis]) {
         let outputs = &mut self.outputs;
         let (mut failing, mut moving) = (false, Moving::default());
@@ -248,7 +253,7 @@ impl Panel {
             failing |= !axis.error().is_none();
             moving.add(axis.parameters.outputs.axmove, axis.is_commanded());
         }
-        // First all of those that are not assigned any more: another function may be new there.
+        // Outputs that are no longer assigned are released first: another function may be assigned to them now.
         release(outputs, self.error, self.parameters.o_error, false);
         for (axis, moves) in axes.iter().zip(&self.moves) {
             let number = axis.parameters.outputs.axmove;
@@ -268,27 +273,27 @@ impl Panel {
             }
             let now = Shown { number: assigned.brake, active: axis.asks_for_brake() };
             let before = std::mem::replace(brake, now);
-            // Nothing but set_output opens it (MACS-IO-05).
+            // Only set_output opens the brake (MACS-IO-05).
             if now.active && (now != before || axis.asks_anew()) {
                 put(outputs, now.number, true);
             }
         }
         if let Some((esccond, outputs)) = self.aborts.take() {
             self.set_for_abort(axes, esccond, outputs);
-            // An error of the same cycle shows all the same (MACS-IO-07).
+            // An error of the same cycle is still shown (MACS-IO-07).
             if is_new {
                 put(&mut self.outputs, self.parameters.o_error, true);
             }
         }
     }
 
-    /// Is the brake of an axis that O_BRAKE names closed; none without one?
+    /// Returns whether the brake of an axis that O_BRAKE names is closed; `None` without such a brake.
     pub(super) fn brake_of(&self, axis: &Axis) -> Option<bool> {
         let number = axis.parameters.outputs.brake;
         (number != 0).then(|| assigned_input(|place| bit(&self.outputs, place), number))
     }
 
-    /// Puts the outputs to the terminals.
+    /// Writes the outputs to the terminals.
     pub(super) fn write(&self, signals: &Signals, board: &mut Board, outputs: &mut Outputs) {
         for (word, set) in outputs.digital.iter_mut().zip(&self.outputs) {
             *word = *set;
@@ -300,7 +305,7 @@ impl Panel {
     }
 }
 
-/// May that output have that value from outside?
+/// Checks that an output may be set to this value by a client.
 fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> Result<(), Refusal> {
     let refuse = |code| Refusal::new(code, Object::Io(index)).with(Number::Real(value), Number::None);
     if let Some(axis) = config.owner_of_output(index) {
@@ -320,13 +325,14 @@ fn check(config: &MachineConfig, OutputValue { index, value }: OutputValue) -> R
     }
 }
 
-/// Numbers of O_AXMOVE, which axes may share, where one of them has a motion command; they are within +-8, so each has a bit.
+/// Set of the O_AXMOVE numbers, which axes may share, that have an axis with a motion command. Numbers are within +-8,
+/// so each has a bit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moving(u64);
 
 impl Moving {
     fn mask(number: i64) -> u64 {
-        // A number far below wraps to one far above.
+        // A number far below the range wraps to one far above it.
         let bit = number.wrapping_add(31).cast_unsigned();
         if bit < 64 { 1 << bit } else { 0 }
     }
@@ -340,14 +346,14 @@ impl Moving {
     }
 }
 
-/// An output that is not assigned any more goes back to inactive, unless the same function of another axis is active there.
+/// Sets an output that is no longer assigned to inactive, unless the same function of another axis is active on it.
 fn release(outputs: &mut [u64], shown: Shown, number: i64, elsewhere: bool) {
     if shown.number != number {
         put(outputs, shown.number, elsewhere);
     }
 }
 
-/// Writes an output whose function has changed.
+/// Writes an output if its function has changed.
 fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: bool) {
     let now = Shown { number, active };
     if std::mem::replace(shown, now) != now {
@@ -355,7 +361,7 @@ fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: bool) {
     }
 }
 
-/// Output n high while active, -n low while active.
+/// Sets output n high while active, or -n low while active.
 fn put(outputs: &mut [u64], number: i64, active: bool) {
     let place = number.unsigned_abs().checked_sub(1).and_then(|place| usize::try_from(place).ok());
     if let Some(place) = place {
@@ -376,7 +382,7 @@ impl Clone for Panel {
         }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Allocates no memory if both panels belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.outputs.clone_from(&other.outputs);
         self.analog.clone_from(&other.analog);

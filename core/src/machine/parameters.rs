@@ -1,8 +1,9 @@
-//! Parameters while the machine runs: sets, layers, power.
+//! Parameter changes at run time: sets, layers, power cycle.
 //!
-//! Law      A set applies as a whole or not at all; what it says is checked together, with itself and with the motions under
-//!          way. Its order does not matter
-//! Refuses  values outside their range, of functions that do not exist, of the structure; sets that contradict
+//! Law      A set applies as a whole or not at all. Its values are checked together, against each other and against the
+//!          active motions. Their order does not matter
+//! Refuses  values outside their range, values of functions that do not exist, values of the structure; contradictory
+//!          sets
 //! Source   MACS-STO-02..08
 
 use super::Machine;
@@ -19,7 +20,7 @@ use crate::parameter::{
 };
 
 impl Machine {
-    /// Sets all of them, or none.
+    /// Sets all of the changes, or none.
     pub(super) fn set_parameters(&mut self, command: &Command, changes: &[Change]) -> Result<(), Refusal> {
         let missing = Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let mut machine = self.state.panel.parameters;
@@ -54,7 +55,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Keeps what is in force (MACS-STO-06).
+    /// Saves the parameters that are in force (MACS-STO-06).
     pub(super) fn save_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
         self.check_axes(axes)?;
         self.check_kept_functions(axes)?;
@@ -70,7 +71,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Brings a layer back into force (MACS-STO-03..05).
+    /// Restores a layer (MACS-STO-03..05).
     pub(super) fn reset_parameters(&mut self, command: &Command, axes: AxisSet, layer: Layer) -> Result<(), Refusal> {
         self.check_axes(axes)?;
         for index in axes.iter().map(usize::from) {
@@ -108,7 +109,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Forgets what was saved: the cell is in force again (MACS-STO-03).
+    /// Deletes the saved parameters: those of the cell are in force again (MACS-STO-03).
     pub(super) fn delete_parameters(&mut self, command: &Command, axes: AxisSet) -> Result<(), Refusal> {
         self.reset_parameters(command, axes, Layer::Init)?;
         for index in axes.iter().map(usize::from) {
@@ -120,7 +121,8 @@ impl Machine {
         Ok(())
     }
 
-    /// The machine as after its power came back: layer User is in force, positions begin anew (MACS-STO-04, MACS-STO-05).
+    /// Sets the machine to its state after power-on: layer User is in force, positions start again (MACS-STO-04,
+    /// MACS-STO-05).
     pub(super) fn power_cycle(&mut self, command: &Command) -> Result<(), Refusal> {
         if let Some(index) = self.state.axes.iter().position(|axis| !axis.may_lose_power()) {
             return Err(Refusal::new(Code::NOT_DISABLED, Object::Axis(index as u16)));
@@ -133,7 +135,7 @@ impl Machine {
         Ok(())
     }
 
-    /// All parameters, for who shows and stores them.
+    /// Returns all parameters, for clients that show and store them.
     pub fn parameter_image(&self) -> ParameterImage {
         let mut image = ParameterImage {
             version: self.state.parameter_version,
@@ -147,7 +149,7 @@ impl Machine {
         image
     }
 
-    /// Brings an image of this machine up to date; takes no memory.
+    /// Updates an image of this machine. It allocates no memory.
     pub fn copy_parameters(&self, image: &mut ParameterImage) {
         image.version = self.state.parameter_version;
         image.machine = [self.state.panel.parameters, self.state.panel.user];
@@ -160,14 +162,15 @@ impl Machine {
         for (copy, slot) in image.functions.iter_mut().zip(&self.state.slots) {
             slot.copy_sets(copy);
         }
-        // Whoever gave a table keeps a reference until nobody else has one, images too: none is freed here.
+        // The caller that gave a table keeps a reference until no other reference exists, including images; so nothing
+        // is freed here.
         for (copy, table) in image.tables.iter_mut().zip(&self.state.tables) {
             copy.clone_from(table);
         }
     }
 
-    /// The value in force of the parameter at place `row` of [`ROWS`], of an axis or of [`MACHINE`]; none that is left
-    /// out.
+    /// Returns the value in force of the parameter at index `row` of [`ROWS`], of an axis or of [`MACHINE`]. Returns
+    /// [`Value::Unset`] for a parameter that is not set.
     pub fn parameter(&self, axis: u16, row: u16) -> Value {
         let Some(entry) = ROWS.get(usize::from(row)) else { return Value::Unset };
         if axis == MACHINE {
@@ -176,12 +179,13 @@ impl Machine {
         self.state.axes.get(usize::from(axis)).map_or(Value::Unset, |axis| entry.value(&axis.parameters))
     }
 
-    /// Grows with every change of any parameter or layer.
+    /// Returns a counter that increases with every change of a parameter or layer.
     pub fn parameter_version(&self) -> u64 {
         self.state.parameter_version
     }
 
-    /// An axis takes a set. One that it turns over stays where it is: who follows its command sees no motion.
+    /// Applies a set to an axis. If the set inverts its direction, the axis stays in place and the followers of its
+    /// command see no motion.
     fn put_in_force(&mut self, index: usize, parameters: AxisParameters) {
         if self.state.axes[index].take_parameters(parameters) {
             let leads = &mut self.state.leads;
@@ -193,7 +197,7 @@ impl Machine {
         }
     }
 
-    /// What is saved and reset for all axes is so for the machine, too.
+    /// Whether these are all axes. If so, saving and reset also apply to the machine.
     fn are_all(&self, axes: AxisSet) -> bool {
         axes.iter().count() == self.state.axes.len()
     }
@@ -213,7 +217,8 @@ impl Machine {
         }
     }
 
-    /// What a set says of the machine: each value once, and only inputs and outputs that are there.
+    /// Checks the values of the machine in a set: each value is given once, and refers only to existing inputs and
+    /// outputs.
     fn check_machine(&self, changes: &[Change], candidate: &MachineParameters) -> Result<(), Refusal> {
         let of_machine = || changes.iter().filter(|change| change.axis == MACHINE);
         for change in of_machine() {
@@ -231,7 +236,7 @@ impl Machine {
         self.admit_virtual_master(changes, candidate)
     }
 
-    /// Has each output one function, where the candidates of some axes come into force?
+    /// Checks that each output has one function if the candidates of some axes come into force.
     fn check_functions(&self, o_error: i64, is_new: impl Fn(usize) -> bool) -> Result<(), Refusal> {
         let of = |index: usize| {
             let now: &AxisParameters = &self.state.axes[index].parameters;
@@ -240,7 +245,7 @@ impl Machine {
         self.config.check_functions(o_error, of, &is_new).map_err(shared_output)
     }
 
-    /// Would each output have one function after a power cycle, too, if these axes save what they have?
+    /// Checks that each output would also have one function after a power cycle, if these axes save their parameters.
     fn check_kept_functions(&self, axes: AxisSet) -> Result<(), Refusal> {
         let panel = &self.state.panel;
         let machine = if self.are_all(axes) { &panel.parameters } else { &panel.user };
@@ -257,7 +262,7 @@ impl Machine {
         self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
     }
 
-    /// Are all of them there?
+    /// Checks that all of these axes exist.
     pub(super) fn check_axes(&self, axes: AxisSet) -> Result<(), Refusal> {
         if axes.iter().any(|axis| usize::from(axis) >= self.state.axes.len()) {
             return Err(Refusal::new(Code::BAD_REQUEST, Object::Machine));
@@ -271,7 +276,7 @@ impl Machine {
         self.events.push(Event { parameter: Some(change.row), ..event });
     }
 
-    /// May it change now?
+    /// Checks that a parameter may change now.
     fn check_moment(&self, change: &Change, row: &Row) -> Result<(), Refusal> {
         let Some(axis) = self.state.axes.get(usize::from(change.axis)) else { return Ok(()) };
         let is_new = row.value(&self.candidates[usize::from(change.axis)]) != row.value(&axis.parameters);
@@ -281,7 +286,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Another view of the same value in the set would make its order count.
+    /// Checks that a set contains no second view of the same value, which would make its order matter.
     fn check_given_once(&self, change: &Change) -> Result<(), Refusal> {
         let (Some(row), Some(candidate)) = (change.row(), self.candidates.get(usize::from(change.axis))) else {
             return Ok(());
@@ -293,7 +298,7 @@ impl Machine {
         Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()))
     }
 
-    /// The whole set of an axis must agree, with itself and with what the axis is doing.
+    /// Checks that the whole set of an axis is consistent, in itself and with the state of the axis.
     fn check_candidate(&self, index: usize, changes: &[Change]) -> Result<(), Refusal> {
         let super::State { axes, cycle, leads, tables, .. } = &self.state;
         axes[index].admits_vocabularies(&self.candidates[index], *cycle, (leads, tables))?;
@@ -307,7 +312,8 @@ impl Machine {
         IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
         let is = |change: &Change, key: &str| change.row().is_some_and(|row| row.key == key || row.root() == key);
-        // A change that is one of the two is to blame, else the first of those from which it follows.
+        // Blames a change of one of the two parameters, otherwise the first change of the axis, because the conflict
+        // results from it.
         let guilty = |keys: [&str; 2]| {
             let named = of_axis().find(|change| keys.iter().any(|&key| is(change, key)));
             named.or_else(|| of_axis().next()).copied()
@@ -326,7 +332,7 @@ impl Machine {
                 }
             };
             let other = |change: &Change| match change.row().map(|row| row.key) {
-                // In inverted units the native limits are the other way round.
+                // In inverted units the native limits are swapped.
                 Some("neglimit" | "swneglimact") => "poslimit",
                 Some("poslimit" | "swposlimact") => "neglimit",
                 _ if is(change, keys[0]) => keys[1],
@@ -355,7 +361,7 @@ impl Machine {
         }
     }
 
-    /// May a layer come back into force on that axis?
+    /// Checks that a layer may be restored on an axis.
     fn check_reset(&self, index: usize) -> Result<(), Refusal> {
         let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
         let refuse = |row, code| {
@@ -392,7 +398,7 @@ impl Machine {
         }
     }
 
-    /// Is the master that it names one that the cell has?
+    /// Checks that the master that the candidate names exists in the cell.
     fn check_named(&self, index: usize) -> Result<(), Refusal> {
         let candidate = &self.candidates[index];
         may_name(index, self.state.axes.len(), self.state.encoders.len(), candidate).map_err(|(key, code)| {
@@ -401,7 +407,7 @@ impl Machine {
         })
     }
 
-    /// Does the drive offer what the candidate asks of it?
+    /// Checks that the drive offers what the candidate requires.
     fn check_offered(&self, index: usize) -> Result<(), Refusal> {
         let offers = self.config.axes.get(index).and_then(|axis| axis.drive);
         if !self.candidates[index].homing.in_drive || offers.is_none_or(|offers| offers.homes) {
@@ -411,7 +417,7 @@ impl Machine {
         Err(blame(&change, Code::HOMING_NOT_OFFERED))
     }
 
-    /// Can the two drives of an axis carry it with the candidate?
+    /// Checks that the candidate is allowed for an axis with two drives.
     fn check_carried(&self, index: usize) -> Result<(), Refusal> {
         let Some(axis) = self.config.axes.get(index).filter(|axis| axis.second.is_some()) else { return Ok(()) };
         let candidate = &self.candidates[index];
@@ -421,34 +427,34 @@ impl Machine {
         })
     }
 
-    /// A place that the motion under way reaches and new limits would leave out.
+    /// Returns a position that the active motion reaches and that would be outside new limits.
     fn left_out(&self, index: usize) -> Option<i64> {
         let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
         let inside = |end: i64| {
             candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
         };
         let limits = |p: &AxisParameters| (p.min_position, p.max_position);
-        // On its way back from outside, an axis takes any other change.
+        // While an axis returns from outside its limits, it accepts any other change.
         let reach = axis.reach().filter(|_| limits(candidate) != limits(&axis.parameters));
         reach.and_then(|(low, high)| [low, high].into_iter().find(|&place| !inside(place)))
     }
 }
 
-/// A parameter names an input or output that is not there.
+/// Returns the refusal of a parameter that names a missing input or output.
 fn no_such_io(axis: u16, missing: NoSuchIo) -> Refusal {
     let change = Change { axis, row: find(missing.key), value: Value::Int(missing.number) };
     let code = if missing.is_output { Code::NO_SUCH_OUTPUT } else { Code::NO_SUCH_INPUT };
     blame(&change, code).with(change.number(), Number::Count(missing.count as i64))
 }
 
-/// A parameter names an output that has another function.
+/// Returns the refusal of a parameter that names an output that already has another function.
 fn shared_output(shared: OutputShared) -> Refusal {
     let (key, number) = shared.function;
     let change = Change { axis: shared.axis, row: find(key), value: Value::Int(number.saturating_abs()) };
     blame(&change, Code::OUTPUT_SHARED)
 }
 
-/// Place of a row that is there.
+/// Returns the index of a row that exists.
 fn find(key: &str) -> u16 {
     Row::find(key).map_or(u16::MAX, |(row, _)| row)
 }

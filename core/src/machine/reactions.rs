@@ -1,13 +1,13 @@
-//! Errors of one axis that concern others.
+//! Error reactions that affect other axes.
 //!
-//! Law      in the cycle of a position error every axis with a drive that is on, or on its way to it, stops by its own
-//!          error_reaction
+//! Law      in the cycle of a position error, every axis whose drive is switched on or being switched on stops with its
+//!          own error_reaction
 //! Source   MACS-ERR-05, A-44
 
 use super::{Machine, Told};
 
 impl Machine {
-    /// Stops the other axes, where an error of this cycle asks for that.
+    /// Stops the other axes if an error of this cycle requires it.
     pub(super) fn stop_others(&mut self, told: Told<'_>) {
         let Some(cause) = self.state.axes.iter().position(|axis| axis.stops_others()) else { return };
         for index in (0..self.state.axes.len()).filter(|index| *index != cause) {

@@ -29,28 +29,28 @@ pub(crate) struct Rig {
     inputs: Inputs,
     outputs: Outputs,
     sequence: u64,
-    /// All of them so far.
+    /// All events so far.
     pub events: Vec<Event>,
-    /// What becomes of the inputs on their way.
+    /// Modification of the inputs before the machine reads them.
     pub tamper: fn(&mut Inputs),
-    /// Another machine that does the same from some cycle on.
+    /// A second machine that must produce the same results from some cycle on.
     mirror: Option<Machine>,
-    /// One that passes over no cycle of any axis does the same from the beginning on.
+    /// A machine that runs every cycle of every axis in full and must produce the same results from the beginning.
     pub plain: Option<Machine>,
 }
 
-/// 1000 inc/mm.
+/// Returns a scale of 1000 inc/mm.
 pub(crate) fn scale() -> Scale {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap()
 }
 
-/// 1000 inc/mm; 100 mm/s, 1 m/s^2.
+/// Returns parameters with 100 mm/s and 1 m/s^2, at 1000 inc/mm.
 pub(crate) fn parameters() -> AxisParameters {
     AxisParameters { error_reaction: 2, ..AxisParameters::new(100_000.0, 1_000_000.0) }
 }
 
-/// The verb `saia` on x: to 50 mm with 20 mm/s and 200 mm/s^2, as far as the commands load it.
+/// Returns the verb `saia` on x: to 50 mm with 20 mm/s and 200 mm/s^2, as far as the commands load these values.
 pub(crate) fn saia_verb(commands: &[saia::Command]) -> Action {
     let commands = saia::Commands::from_iter(commands.iter().copied());
     let request = saia::Request { axis: X, commands, ..Default::default() };
@@ -106,13 +106,13 @@ impl Rig {
         Self::of(config(0))
     }
 
-    /// With ideal drives.
+    /// Returns a rig with ideal drives.
     pub(crate) fn of(config: MachineConfig) -> Self {
         let models = vec![Model::Ideal; config.count_drives()];
         Self::with(config, models)
     }
 
-    /// With these models of the drives, in the order of their axes.
+    /// Returns a rig with these models of the drives, in the order of their axes.
     pub(crate) fn with(config: MachineConfig, models: impl IntoIterator<Item = Model>) -> Self {
         let models: Vec<_> = models.into_iter().map(Some).collect();
         let plant = Plant::new(&config, &models);
@@ -122,7 +122,7 @@ impl Rig {
         Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), tamper: |_| {}, mirror: None, plain }
     }
 
-    /// With x and y switched on.
+    /// Returns a rig with x and y switched on.
     pub(crate) fn enabled() -> Self {
         let mut rig = Self::new();
         rig.enable();
@@ -137,7 +137,7 @@ impl Rig {
         assert_eq!(self.done(sequence).len(), count);
     }
 
-    /// One cycle with these actions; their sequence numbers end at the returned one.
+    /// Runs one cycle with these actions. Returns the last of their sequence numbers.
     pub(crate) fn give_all(&mut self, actions: Vec<Action>) -> u64 {
         let commands: Vec<Command> = actions
             .into_iter()
@@ -150,7 +150,7 @@ impl Rig {
         self.sequence
     }
 
-    /// One cycle with a new setpoint for an axis.
+    /// Runs one cycle with a new setpoint for an axis.
     pub(crate) fn stream(&mut self, axis: u16, velocity: f64) {
         self.stream_for(axis, Setpoint { velocity, duration: None });
     }
@@ -187,12 +187,12 @@ impl Rig {
         self.note_events();
     }
 
-    /// What has an error has its line in the table of reactions, which docs/errors.md shows.
+    /// Records the events. Every error must have a row in the table of reactions, which docs/errors.md shows.
     fn note_events(&mut self) {
         let events = self.machine.events();
         for event in events.iter().filter(|event| event.kind == Kind::Error && matches!(event.source, Object::Axis(_)))
         {
-            // With motor_off whatever refuses a command of SAIA is an error.
+            // With motor_off every refusal of a SAIA command is an error.
             let is_refusal = matches!(event.source, Object::Axis(axis)
                 if self.machine.parameters(axis).is_some_and(|p| p.vocabularies.saia.command_error == 2));
             assert!(is_refusal || event.code.class().is_some(), "{event:?} has no line in the table of reactions");
@@ -200,14 +200,14 @@ impl Rig {
         self.events.extend_from_slice(events);
     }
 
-    /// One cycle with a new value for a parameter of x.
+    /// Runs one cycle with a new value for a parameter of x.
     #[track_caller]
     pub(crate) fn set(&mut self, key: &str, value: parameter::Value) -> u64 {
         let row = parameter::Row::find(key).unwrap_or_else(|| panic!("no row {key}")).0;
         self.give(Action::SetParameters([parameter::Change { axis: X, row, value }].into()))
     }
 
-    /// What a vocabulary asks of an axis, before the next cycle.
+    /// Gives an axis an order of a vocabulary, before the next cycle.
     pub(crate) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
         for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
             give_order(other, axis, order).ok();
@@ -217,24 +217,24 @@ impl Rig {
         result
     }
 
-    /// The outputs of the last cycle.
+    /// Returns the outputs of the last cycle.
     pub(crate) fn outputs(&self) -> &Outputs {
         &self.outputs
     }
 
-    /// The inputs of the last cycle.
+    /// Returns the inputs of the last cycle.
     pub(crate) fn inputs(&self) -> &Inputs {
         &self.inputs
     }
 
-    /// Another machine, which was restored from the state of this one.
+    /// Returns another machine, restored from the state of this one.
     pub(crate) fn twin(&self) -> Machine {
         let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
         let state = postcard::from_bytes(&bytes).unwrap();
         Machine::restore(self.machine.config().clone(), state).unwrap()
     }
 
-    /// From now on a twin must do the same.
+    /// Adds a restored machine that must produce the same results from now on.
     pub(crate) fn mirror(&mut self) {
         self.mirror = Some(self.twin());
     }
@@ -245,7 +245,7 @@ impl Rig {
         }
     }
 
-    /// Runs until a signal has a value; the cycles that it took.
+    /// Runs until a signal has a value. Returns the number of cycles that it took.
     #[track_caller]
     pub(crate) fn run_until(&mut self, name: &str, value: i64) -> u64 {
         for cycle in 0..200_000 {
@@ -298,7 +298,7 @@ impl Rig {
         self.of_command(sequence, Kind::Done)
     }
 
-    /// The answer to a command; what refused it.
+    /// Returns the answer to a command: an error with the refusal if it was refused.
     pub(crate) fn answer(&self, sequence: u64) -> Result<(), Box<Event>> {
         let refused = self.of_command(sequence, Kind::Refused);
         let answers = refused.len() + self.of_command(sequence, Kind::Accepted).len();
@@ -306,7 +306,7 @@ impl Rig {
         refused.first().map_or(Ok(()), |event| Err(Box::new(*event)))
     }
 
-    /// The sentence of a refused command.
+    /// Returns the message of a refused command.
     pub(crate) fn refusal(&self, sequence: u64) -> String {
         let refused = self.answer(sequence).expect_err("a refusal");
         crate::text::sentence(&refused, self.machine.config())
@@ -318,7 +318,7 @@ impl Rig {
     }
 }
 
-/// So many cases, and 50 times as many with LINESHAFT_LONG.
+/// Returns a configuration with `few` test cases, and 50 times as many with LINESHAFT_LONG.
 pub(crate) fn cases(few: u32) -> proptest::prelude::ProptestConfig {
     let long = std::env::var_os("LINESHAFT_LONG").is_some();
     proptest::prelude::ProptestConfig::with_cases(if long { few.saturating_mul(50) } else { few })
@@ -342,7 +342,7 @@ pub(crate) fn at(axis: u16, velocity: f64) -> Move {
     Move { mode: MoveMode::Velocity, velocity, ..to(axis, 0) }
 }
 
-/// A cam of a table, as it stands.
+/// Returns the unscaled cam of a table.
 pub(crate) fn cam(table: u16, start: CamStart) -> CamIn {
     CamIn {
         table,

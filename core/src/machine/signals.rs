@@ -1,4 +1,4 @@
-//! The signals of everything but axes, and latches.
+//! Signals of all objects except axes, and latches.
 
 use super::Machine;
 use crate::axis::Axis;
@@ -22,26 +22,26 @@ const INACTIVE: i64 = 0;
 const ACTIVE: i64 = 1;
 const ERROR: i64 = 2;
 
-/// Where the signals of the objects stand.
+/// Signals of the objects on the board.
 #[derive(Debug)]
 pub(super) struct Signals {
-    /// Signal, kind, and place among its kind.
+    /// Signal, kind, and index among the entries of its kind.
     io: Vec<(Signal, IoKind, usize)>,
-    /// Digital inputs by their places, and the signals of the outputs that they read.
+    /// Digital inputs by their indices, with the signals of the outputs that they read.
     virtual_inputs: Vec<(usize, Signal)>,
     memory: Vec<(Signal, MemoryKind)>,
-    /// First of: count, position, velocity, error, errors.
+    /// First signal of: count, position, velocity, error, errors.
     encoders: Vec<Signal>,
-    /// First of: position, velocity, valid, fraction.
+    /// First signal of: position, velocity, valid, fraction.
     masters: Vec<Signal>,
-    /// First of those of each slot.
+    /// First signal of each slot.
     pub slots: Vec<Signal>,
-    /// First of [`AxisSignal`].
+    /// First signal of [`AxisSignal`] of each axis.
     pub axes: Vec<Signal>,
-    /// First of [`GantrySignal`] of each axis with two drives.
+    /// First signal of [`GantrySignal`] of each axis with two drives.
     pub gantries: Vec<Signal>,
-    /// First of: state, error, overruns; of the virtual master: position, velocity, count and position of its index,
-    /// fraction.
+    /// First signal of: state, error, overruns; of the virtual master: position, velocity, count and position of its
+    /// index, fraction.
     machine: Signal,
 }
 
@@ -88,7 +88,7 @@ impl Signals {
         Self { io, virtual_inputs, memory, encoders, masters, slots, axes, gantries, machine: add_machine(directory) }
     }
 
-    /// The inputs that read an output, with the levels that the last cycle has left there.
+    /// Returns the inputs that read an output, with the levels of that output after the last cycle.
     pub(super) fn virtual_inputs(&self, board: &Board) -> impl ExactSizeIterator<Item = (usize, bool)> {
         self.virtual_inputs.iter().map(|&(place, output)| (place, board.int(output) != 0))
     }
@@ -99,8 +99,8 @@ impl Signals {
         }
     }
 
-    /// Sets a memory cell. Scenarios, recordings and ROS 2 refuse a value that it cannot hold before it gets here; the
-    /// casts saturate all the same.
+    /// Sets a memory cell. Scenarios, recordings and ROS 2 refuse a value that exceeds its range earlier; the casts
+    /// saturate in addition.
     pub(super) fn set_memory(&self, board: &mut Board, index: u16, value: f64) {
         let Some(&(signal, kind)) = self.memory.get(usize::from(index)) else { return };
         match kind {
@@ -122,7 +122,7 @@ impl Signals {
         }
     }
 
-    /// Shows the outputs.
+    /// Publishes the outputs.
     pub(super) fn publish_outputs(&self, board: &mut Board, outputs: &Outputs) {
         for &(signal, kind, place) in &self.io {
             match kind {
@@ -133,7 +133,7 @@ impl Signals {
         }
     }
 
-    /// Sets the brake output of an axis, and shows its brake; `closed` is that of O_BRAKE.
+    /// Sets the brake output of an axis and publishes its brake; `closed` is the state of the brake of O_BRAKE.
     pub(super) fn publish_brake(&self, board: &mut Board, axis: &Axis, closed: Option<bool>, outputs: &mut Outputs) {
         if let Some((entry, on)) = axis.brake_output()
             && let Some(&(signal, IoKind::DigitalOutput, place)) = self.io.get(usize::from(entry))
@@ -147,7 +147,7 @@ impl Signals {
         }
     }
 
-    /// Sets the outputs that an axis switches, and shows them.
+    /// Sets and publishes the outputs that an axis switches.
     pub(super) fn publish_switching(
         &self,
         board: &mut Board,
@@ -204,7 +204,7 @@ impl Signals {
         board.set_int(first, input.count);
         board.set_int(first.plus(1), lead.position.floor());
         board.set_real(first.plus(2), lead.velocity);
-        // What began in this cycle; without a value it stays.
+        // An error that starts in this cycle; the error remains as long as there is no valid value.
         let error = match problem {
             Code::WF_PULSES => problem,
             _ if lead.valid => Code::NONE,
@@ -214,7 +214,7 @@ impl Signals {
         board.set_int(first.plus(4), errors.min(i64::MAX as u64).cast_signed());
     }
 
-    /// Shows the masters of several, as all have moved in this cycle.
+    /// Publishes the sums of masters, after all masters have moved in this cycle.
     pub(super) fn publish_masters(&self, board: &mut Board, leads: &Leads) {
         for (place, &first) in (0..).zip(&self.masters) {
             let lead = leads.get(Leader::Sum(place));
@@ -242,7 +242,7 @@ impl Signals {
 
     pub(super) fn publish_virtual_master(&self, board: &mut Board, lead: &Lead, master: &VirtualMaster) {
         board.set_int(self.machine.plus(3), lead.position.floor());
-        // There is one zero.
+        // Adding 0.0 turns -0.0 into 0.0.
         board.set_real(self.machine.plus(4), lead.velocity + 0.0);
         board.set_int(self.machine.plus(5), master.count);
         board.set_int(self.machine.plus(6), master.mark.floor());
@@ -273,7 +273,7 @@ fn add_master(directory: &mut Directory, name: &str) -> Signal {
     first
 }
 
-/// The block of a slot, in the order in which it publishes.
+/// Adds the signal block of a slot, in the order in which it is published.
 fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
     let row = slot.kind.description();
     let mut add = |text: &str, kind, measure, help| {
@@ -298,7 +298,8 @@ fn add_slot(directory: &mut Directory, slot: &SlotConfig) -> Signal {
     first
 }
 
-/// The block of an axis and, right behind it, those of the vocabularies: [`Axis::publish`] relies on the order.
+/// Adds the signal block of an axis and, directly after it, those of the vocabularies: [`Axis::publish`] relies on the
+/// order.
 fn add_axis(directory: &mut Directory, name: &str) -> Signal {
     let first = AxisSignal::add_all(directory, name);
     vocabulary::add_signals(directory, name);
@@ -322,7 +323,7 @@ fn add_machine(directory: &mut Directory) -> Signal {
 }
 
 impl MachineConfig {
-    /// Names and types of the signals of such a machine.
+    /// Returns names and types of the signals of a machine with this configuration.
     pub fn directory(&self) -> Directory {
         let mut directory = Directory::default();
         Signals::new(&mut directory, self);
@@ -331,7 +332,7 @@ impl MachineConfig {
 }
 
 impl Machine {
-    /// Tells the latches of this cycle, with the position of what latched at that instant.
+    /// Reports the latches of this cycle, with the latched position.
     pub(super) fn take_latches(&mut self, inputs: &Inputs) {
         if inputs.latches_lost > 0 {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::LATCHES_LOST);
@@ -346,7 +347,7 @@ impl Machine {
             };
             let raw = latch.position.map(|count| self.locate(latch.object, count));
             let (position, age_ns) = locate(raw, latch.age_ns, lead, self.config.cycle_ns);
-            // The inputs hold no more latches than there is room for.
+            // The inputs hold no more latches than the buffer can store.
             if self.latched.len() < MAX_LATCHES {
                 let rising = latch.edge == crate::drive::Edge::Rising;
                 let captured = raw.map(Position::whole);
@@ -363,7 +364,7 @@ impl Machine {
         }
     }
 
-    /// Latched raw counts as a position.
+    /// Returns latched raw counts as a position.
     fn locate(&self, object: Object, count: i64) -> i64 {
         let position = match object {
             Object::Encoder(index) => self.state.encoders.get(usize::from(index)).map(|encoder| encoder.locate(count)),
@@ -376,7 +377,7 @@ impl Machine {
     }
 }
 
-/// Position and age of a latch: what it does not bring lies on the straight line through this cycle's change.
+/// Returns position and age of a latch. A missing value is interpolated linearly over the change of this cycle.
 pub(super) fn locate(position: Option<i64>, age_ns: Option<u32>, lead: Option<Lead>, cycle_ns: u64) -> (Position, u32) {
     let lead = lead.unwrap_or_default();
     let cycle = cycle_ns as f64;
@@ -391,7 +392,7 @@ pub(super) fn locate(position: Option<i64>, age_ns: Option<u32>, lead: Option<Le
             let position = Position::whole(position);
             let change = lead.change.to_f64();
             let share = if change == 0.0 { 0.0 } else { (lead.position - position).to_f64() / change };
-            // The cast saturates; an age is below a cycle.
+            // The cast saturates; an age is less than a cycle.
             (position, ((share.clamp(0.0, 1.0) * cycle) as u32).min(cycle_ns.saturating_sub(1) as u32))
         }
     }

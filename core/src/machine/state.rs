@@ -1,7 +1,8 @@
-//! The state of a machine: all that its cycles change. With it a machine goes on where another one stood.
+//! State of a machine: everything that its cycles change. A machine restored from it continues where the other one
+//! ended.
 //!
 //! Law      restore(config, state of m) and m give the same outputs, signals and events for the same inputs and commands
-//! Refuses  a state of another shape than the config's: other axes, encoders, signals, drives
+//! Refuses  a state with other dimensions than the config: other axes, encoders, signals, drives
 
 use super::Machine;
 use super::panel::Panel;
@@ -20,7 +21,7 @@ use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// All that the cycles of a machine change.
+/// Everything that the cycles of a machine change.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct State {
     pub(super) board: Board,
@@ -32,10 +33,10 @@ pub struct State {
     pub(super) encoders: Vec<Encoder>,
     /// Function slots, by their numbers.
     pub(super) slots: Vec<Slot>,
-    /// Tables as they were loaded last.
+    /// Last loaded tables.
     #[serde(with = "crate::table::shared")]
     pub(super) tables: Vec<Arc<Table>>,
-    /// Programs as they were exchanged last.
+    /// Last loaded programs.
     #[serde(with = "lineshaft_program::shared")]
     pub(super) programs: Vec<Arc<Module>>,
     /// Axes, a leader before its followers.
@@ -45,98 +46,99 @@ pub struct State {
     pub(super) overruns: u64,
     /// Number of the next event.
     pub(super) next_event: u64,
-    /// Axes may be switched on and moved.
+    /// Whether axes may be switched on and moved.
     pub(super) active: bool,
-    /// Sequence number of the deactivation under way: it is told when every drive is off.
+    /// Sequence number of the active deactivation; its end is reported when every drive is switched off.
     pub(super) deactivating: Option<u64>,
     /// Layer User of the parameters, by axis.
     pub(super) user: Vec<AxisParameters>,
-    /// Grows with every change of a parameter or layer.
+    /// Counter that increases with every change of a parameter or layer.
     pub(super) parameter_version: u64,
-    /// The trajectories that run, each in a place; there are as many places as axes.
+    /// Running trajectories, one per place; there are two places per axis and one more.
     pub(super) runs: Vec<Option<Run>>,
     /// Terminals, and the parameters of the machine.
     pub(super) panel: Panel,
-    /// What moves the virtual master.
+    /// Source and state of the virtual master.
     pub(super) virtual_master: VirtualMaster,
 }
 
-/// Why a state does not belong to a machine.
+/// Reason why a state does not match a machine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// The cell itself makes no machine.
+    /// The configuration of the cell is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Another number of something.
+    /// The number of some objects differs.
     #[error("the state holds {found} {what}; the cell has {expected}")]
     Shape {
-        /// Of what.
+        /// Kind of the objects.
         what: &'static str,
-        /// In the state.
+        /// Number in the state.
         found: usize,
-        /// In the cell.
+        /// Number in the cell.
         expected: usize,
     },
-    /// An axis that is set up otherwise.
+    /// An axis has a different set-up.
     #[error("the state holds another set-up of axis {axis} than the cell")]
     Setup {
-        /// Its name.
+        /// Name of the axis.
         axis: String,
     },
-    /// An axis whose state no cycle leaves.
+    /// The state of an axis cannot result from any cycle.
     #[error("the state of axis {axis} is none that an axis can be in")]
     Unsound {
-        /// Its name.
+        /// Name of the axis.
         axis: String,
     },
-    /// Axes that do not know what the machine is.
+    /// The active state of the axes differs from that of the machine.
     #[error("the state holds axes that are active in a machine that is not, or the other way round")]
     Active,
-    /// A trajectory that its axes do not run, or that none can be.
+    /// A trajectory is invalid or is not run by its axes.
     #[error("the state holds a trajectory that its axes do not run")]
     Trajectory,
-    /// Inputs and outputs of another cell, or parameters that the machine cannot have.
+    /// The inputs and outputs belong to another cell, or the parameters of the machine are invalid.
     #[error("the state holds inputs, outputs or parameters of the machine that the cell has not")]
     Panel,
-    /// A virtual master that its parameters do not make.
+    /// The virtual master does not match its parameters.
     #[error("the state holds a virtual master that its parameters and axes do not make")]
     VirtualMaster,
-    /// Leads of other axes and encoders.
+    /// The leader signals belong to other axes and encoders.
     #[error("the state holds leads of other axes or encoders than the cell")]
     Leads,
-    /// Encoders of another width.
+    /// The encoders have a different width.
     #[error("the state holds encoders of another width than the cell")]
     Encoders,
-    /// Functions of another cell, or that cannot be in such a state.
+    /// The functions belong to another cell, or their state is invalid.
     #[error("the state holds functions that the cell has not, or a state that they cannot be in")]
     Functions,
-    /// Tables of another form.
+    /// The tables have a different form.
     #[error("the state holds tables that are none of the cell")]
     Tables,
-    /// An order that leaves axes out.
+    /// The order does not contain all axes.
     #[error("the state holds an order of axes that names one twice, or one that is not there")]
     Order,
 }
 
 impl State {
-    /// The cycle that comes next.
+    /// Returns the number of the next cycle.
     pub fn cycle(&self) -> u64 {
         self.cycle
     }
 
-    /// Parameters in force, by axis.
+    /// Returns the parameters in force, by axis.
     pub fn parameters(&self) -> impl Iterator<Item = &AxisParameters> {
         self.axes.iter().map(|axis| &*axis.parameters)
     }
 
-    /// Parameters of the machine in force.
+    /// Returns the parameters of the machine in force.
     pub fn machine_parameters(&self) -> &MachineParameters {
         &self.panel.parameters
     }
 
-    /// As after the power came back: all of `first` but the count of cycles and events and what was saved. Takes no memory.
+    /// Sets the state after power-on: everything as in `first`, except the cycle and event counters and the saved
+    /// parameters. It allocates no memory.
     pub(super) fn power_up_from(&mut self, first: &Self) {
-        // Each part is named, so that none is forgotten.
+        // Each field is named, so that the compiler reports a missing one.
         let Self {
             board,
             axes,
@@ -165,7 +167,7 @@ impl State {
         self.analogs.clone_from(analogs);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
-        // Who gave a table or program frees it: here only counts change.
+        // The caller that gave a table or program frees it: only reference counts change here.
         self.tables.clone_from(tables);
         self.programs.clone_from(programs);
         self.order.clone_from(order);
@@ -179,7 +181,7 @@ impl State {
         }
     }
 
-    /// Does it fit a machine that was just made?
+    /// Checks that the state matches a newly created machine.
     fn check(&self, machine: &Machine) -> Result<(), StateError> {
         let fresh = &machine.state;
         let shape = |what, found, expected| {
@@ -254,7 +256,7 @@ impl State {
         Ok(())
     }
 
-    /// Is each trajectory one, and run by its axes and by no others?
+    /// Whether each trajectory is valid, and is run by its axes and by no others.
     fn has_sound_runs(&self, cycle_ns: u64) -> bool {
         let is_run = |slot: usize, run: &Run| {
             let mut tracks = run.trajectory.tracks().iter().enumerate();
@@ -284,10 +286,10 @@ impl State {
 }
 
 impl Machine {
-    /// A machine that goes on from `state`.
+    /// Returns a machine that continues from `state`.
     ///
     /// # Errors
-    /// The state is of another shape than the config.
+    /// The state does not match the config.
     pub fn restore(config: MachineConfig, state: State) -> Result<Self, StateError> {
         let mut machine = Self::new(config)?;
         state.check(&machine)?;
@@ -295,7 +297,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// The state between two cycles.
+    /// Returns the state between two cycles.
     pub fn state(&self) -> &State {
         &self.state
     }
@@ -321,9 +323,9 @@ impl Clone for State {
         }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Allocates no memory if both states belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
-        // Each part is named, so that none is forgotten.
+        // Each field is named, so that the compiler reports a missing one.
         let Self {
             board,
             axes,
@@ -352,13 +354,13 @@ impl Clone for State {
         self.analogs.clone_from(analogs);
         self.encoders.clone_from(encoders);
         self.slots.clone_from(slots);
-        // Who gave a table or program frees it: here only counts change.
+        // The caller that gave a table or program frees it: only reference counts change here.
         self.tables.clone_from(tables);
         self.programs.clone_from(programs);
         self.order.clone_from(order);
         self.leads.copy_from(leads);
         self.user.clone_from(user);
-        // Who gave a trajectory frees it: here only counts change.
+        // The caller that gave a trajectory frees it: only reference counts change here.
         self.runs.clone_from(runs);
         self.panel.clone_from(panel);
         self.virtual_master = *virtual_master;

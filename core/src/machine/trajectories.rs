@@ -1,11 +1,11 @@
-//! The trajectories that run: begun on all of their axes or on none, judged together, ended once.
+//! Running trajectories: started on all of their axes or on none, monitored together, ended once.
 //!
-//! Law      t(k) = (k - k of the command) T - start. Until time 0 the axes follow the trajectory that they are on, whose goal this one
-//!          ends; others stand, or stop and then stand. In the first cycle with t >= 0 each of them begins with the motion that it
-//!          has, or with what its points ask for where that is near. An axis that leaves, for whatever reason, ends it for all: the
-//!          others stop as a halt does
-//! Refuses  a trajectory of which every point is past; one that has no time left, and ends where an axis is not; whatever
-//!          one of its axes refuses
+//! Law      t(k) = (k - k of the command) T - start. Until time 0, axes on a trajectory follow it, and its goal is
+//!          ended by this one; other axes are at rest, or stop first. In the first cycle with t >= 0 each axis starts
+//!          with its present motion, or with the motion of its points if that is near. If an axis leaves the trajectory
+//!          for any reason, the trajectory ends for all: the other axes stop as with a halt
+//! Refuses  a trajectory with all points in the past; a trajectory without remaining time that ends at another position
+//!          than an axis has; every request that one of its axes refuses
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::trajectory_lag::STEPS_PER_CYCLE;
@@ -19,16 +19,16 @@ use crate::profile::Motion;
 use crate::trajectory::{OnExcess, Stretch, Trajectory};
 use std::sync::Arc;
 
-/// Most times that the stretch of a trajectory is computed.
+/// Maximum number of iterations for the time stretch of a trajectory.
 const MAX_STRETCHES: u32 = 8;
 
-/// How a trajectory ends.
+/// Result of a trajectory.
 struct End {
     object: Object,
     code: Code,
     asked: Number,
     limit: Number,
-    /// All axes stand where they should.
+    /// Whether all axes are at their final positions.
     reached: bool,
 }
 
@@ -42,7 +42,7 @@ fn time_number(ns: u64) -> Number {
     Number::Time(i64::try_from(ns).unwrap_or(i64::MAX))
 }
 
-/// Checks that a run, as it is stretched, ends in time.
+/// Checks that a stretched run ends within its maximum duration.
 fn check_duration(run: &Run) -> Result<(), Refusal> {
     let lasts = run.duration_ns();
     match run.trajectory.max_duration_ns() {
@@ -55,7 +55,7 @@ fn check_duration(run: &Run) -> Result<(), Refusal> {
 }
 
 impl Machine {
-    /// Begins a trajectory on all of its axes, after they have moved in this cycle.
+    /// Starts a trajectory on all of its axes, after they have moved in this cycle.
     pub(super) fn start_trajectory(
         &mut self,
         told: Told<'_>,
@@ -66,7 +66,7 @@ impl Machine {
         self.check_run(&run)?;
         let (run, excess) = self.stretched(run)?;
         if run.stretch != Stretch::NONE {
-            // From motion, the way to the first point is another one with each stretch.
+            // From motion, the path to the first point changes with each stretch.
             self.check_run(&run)?;
         }
         for (track, of) in trajectory.tracks().iter().enumerate() {
@@ -80,7 +80,7 @@ impl Machine {
         for (track, of) in trajectory.tracks().iter().enumerate() {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.take_track(cx, &run, (slot, track)));
         }
-        // Whom it takes its axes from.
+        // Ends the trajectories whose axes this one takes.
         for slot in 0..self.state.runs.len() {
             self.settle_trajectory(slot, told, Self::left_by);
         }
@@ -98,7 +98,7 @@ impl Machine {
         Ok(())
     }
 
-    /// When it begins: in this cycle, or in the first one with a time of 0 or later.
+    /// Returns the run of a trajectory. It starts in this cycle, or in the first one with a time of 0 or later.
     fn run_of(&self, sequence: u64, trajectory: &Arc<Trajectory>) -> Run {
         let cycle_ns = self.config.cycle_ns;
         let ahead = u64::try_from(trajectory.start_ns()).unwrap_or(0);
@@ -114,7 +114,7 @@ impl Machine {
 
     fn check_run(&self, run: &Run) -> Result<(), Refusal> {
         let last = run.trajectory.end_ns();
-        // In the cycle in which it begins, its axes may be there.
+        // In the cycle in which the run starts, its axes may already be at the last point.
         if last <= run.begin_ns && run.trajectory.start_ns() < 0 {
             let refusal = Refusal::new(Code::TRAJECTORY_IN_THE_PAST, Object::Machine);
             return Err(refusal.with(time_number(last), time_number(run.begin_ns)));
@@ -127,16 +127,17 @@ impl Machine {
         Ok(())
     }
 
-    /// The motion of an axis in the cycle in which a run begins.
+    /// Returns the motion of an axis in the cycle in which a run starts.
     fn start_of(&self, axis: &Axis, run: &Run) -> Motion {
         axis.motion_at(self.state.cycle, run.begins, &self.state.runs)
     }
 
-    /// The run with its time stretched until it is within the limits of its axes, with the excess that asked for most of that.
+    /// Returns the run, stretched until it is within the limits of its axes, with the excess that caused the largest
+    /// stretch.
     fn stretched(&self, mut run: Run) -> Result<(Run, Option<Refusal>), Refusal> {
         let (mut first, mut largest): (Option<Refusal>, Option<Refusal>) = (None, None);
         let mut factor = 1.0;
-        // From rest one stretch is enough. From motion, the way to the first point is another one with each stretch.
+        // From rest one stretch is enough. From motion, the path to the first point changes with each stretch.
         for _ in 0..MAX_STRETCHES {
             let mut more: Option<Excess> = None;
             for (track, of) in run.trajectory.tracks().iter().enumerate() {
@@ -157,15 +158,16 @@ impl Machine {
             }
             run.stretch = Stretch::at_least(factor);
         }
-        // An axis that is too fast already where the trajectory takes it over.
+        // An axis already exceeds its velocity limit where the trajectory starts.
         let refusal = first.unwrap_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine));
         Err(refusal.with_stretch(f64::INFINITY))
     }
 
-    /// Whether axes will lag behind steps of velocity.
+    /// Returns whether axes will lag at velocity steps.
     ///
     /// # Errors
-    /// An axis would lag, and `on_excess` is refuse, or the trajectory ends in motion. The refusal names the step with the largest lag.
+    /// An axis would lag, and `on_excess` is refuse or the trajectory ends in motion. The refusal names the step with
+    /// the largest lag.
     fn has_steps(&self, run: &Run) -> Result<bool, Refusal> {
         let tracks = run.trajectory.tracks().iter().enumerate();
         let steps = tracks.filter_map(|(track, of)| {
@@ -180,7 +182,7 @@ impl Machine {
         }
     }
 
-    /// Judges the trajectories that run, after all axes have moved in this cycle.
+    /// Monitors the running trajectories, after all axes have moved in this cycle.
     pub(super) fn judge_trajectories(&mut self, told: Told<'_>) {
         let mut steps = STEPS_PER_CYCLE;
         for slot in 0..self.state.runs.len() {
@@ -195,7 +197,7 @@ impl Machine {
         }
     }
 
-    /// Ends the trajectory of a place, if something ends it.
+    /// Ends the trajectory of a place if its end condition is fulfilled.
     fn settle_trajectory(&mut self, slot: usize, told: Told<'_>, ends: fn(&mut Self, &Run) -> Option<End>) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::take) else { return };
         match ends(self, &run) {
@@ -208,7 +210,7 @@ impl Machine {
         }
     }
 
-    /// Frees the place of an ended run, unless an axis follows it until the next one begins.
+    /// Frees the place of an ended run, unless an axis follows it until the next one starts.
     fn forget_run(&mut self, slot: usize) {
         let is_led = |axis: &Axis| axis.follows_before().is_some_and(|(of, _)| of == slot);
         if !self.state.axes.iter().any(is_led) {
@@ -216,7 +218,7 @@ impl Machine {
         }
     }
 
-    /// The first of its axes that has left it.
+    /// Returns the end caused by the first axis that has left the run.
     fn left_by(&mut self, run: &Run) -> Option<End> {
         let tracks = run.trajectory.tracks();
         let mut left = None;
@@ -252,7 +254,7 @@ impl Machine {
         let off = late.and_then(|_| axes().find_map(|axis| Some((axis.object(), violation(axis)?))));
         let reached = End { reached: true, ..End::new(Object::Machine, Code::NONE) };
         if in_motion {
-            // Waiting for tolerances would let its axes go on.
+            // Waiting for the tolerances would let the axes move on.
             let missed = |(object, violation)| violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation);
             return Some(off.map_or(reached, missed));
         }

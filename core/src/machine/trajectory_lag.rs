@@ -1,7 +1,8 @@
-//! How far the axes of a trajectory with straight segments will lag, and how late it will end.
+//! Expected lag of the axes of a trajectory with straight segments, and expected delay of its end.
 //!
-//! Law      computed from the cycle on in which the trajectory is accepted, [`STEPS_PER_CYCLE`] steps in each cycle for all
-//!          trajectories; reported once: the largest lag of all axes, compared by the time that each takes for it at max_velocity, and the latest end
+//! Law      computed from the cycle in which the trajectory is accepted, with [`STEPS_PER_CYCLE`] steps per cycle for
+//!          all trajectories together. Reported once: the largest lag of all axes, compared by the time that each axis
+//!          needs for it at max_velocity, and the latest end
 
 use super::Machine;
 use crate::axis::{Axis, LagEstimate, LargestLag, Run, trajectory_place};
@@ -10,14 +11,15 @@ use crate::event::{Event, Kind, Number, Severity};
 use crate::object::Object;
 use crate::trajectory::Lag;
 
-/// Segments, or steps of curved ones, that are looked at in a cycle.
+/// Number of segments, or of steps of curved segments, that are processed in one cycle.
 pub(super) const STEPS_PER_CYCLE: u32 = 64;
 
-/// Lags up to this are not reported (inc).
+/// Largest lag that is not reported (inc).
 const NO_LAG: f64 = 0.5;
 
 impl Machine {
-    /// Computes further how far the axes of a run will lag, with what is left of the steps of this cycle, and reports it once it is known.
+    /// Continues the lag computation of a run, with the remaining steps of this cycle, and reports the result once it
+    /// is complete.
     pub(super) fn estimate_lag(&mut self, slot: usize, left: &mut u32) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::as_mut) else { return };
         let Some(mut estimate) = run.lag.take() else { return };
@@ -26,7 +28,7 @@ impl Machine {
                 let event = event(run, &estimate);
                 return event.into_iter().for_each(|event| self.events.push(event));
             };
-            // An axis that has left ends the run.
+            // The run ends because the axis has left it.
             let Some(axis) = self.state.axes.get(usize::from(track.axis)) else { return };
             let Some(more) = step(&mut estimate, axis, track.axis, run) else { return };
             *left = left.saturating_sub(more);
@@ -35,7 +37,7 @@ impl Machine {
     }
 }
 
-/// Looks at the next segment of a track. Returns how many steps that took; none where the axis has left the run.
+/// Processes the next segment of a track. Returns the number of steps used; `None` if the axis has left the run.
 fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Option<u32> {
     let (begin, limits) = axis.lag_of(run)?;
     let (trajectory, track) = (&run.trajectory, usize::from(estimate.track));
@@ -55,10 +57,10 @@ fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Opti
     Some(1)
 }
 
-/// The report of a run of which all tracks were looked at; none where no axis will lag.
+/// Returns the report of a run whose tracks are all processed; `None` if no axis will lag.
 fn event(run: &Run, estimate: &LagEstimate) -> Option<Event> {
     let LargestLag { axis, lag, point, .. } = estimate.largest?;
-    // To whole microseconds.
+    // Rounded to whole microseconds.
     let late_ns = libm::round(estimate.late_s * run.stretch.factor() * 1e6) * 1e3;
     let event = Event::new(Severity::Info, Kind::Warning, Object::Axis(axis), Code::TRAJECTORY_LAG);
     let event =

@@ -1,7 +1,8 @@
-//! The virtual master in its machine: when it moves, what starts and ends it, what its index counts.
+//! Virtual master of a machine: its execution order, its start and end, its index count.
 //!
-//! Law      it moves before the axes, or behind the axis that it follows, which moves before all that follow it. Slots see what the last cycle has left.
-//!          A set of pulsvel starts it in the cycle of the set and takes vmenctyp over; pulsacc 0, i_break and abort end it in theirs
+//! Law      the virtual master moves before the axes, or after the axis that it follows, which moves before all axes
+//!          that follow the virtual master. Slots read the values of the last cycle. Setting pulsvel starts it in the
+//!          cycle of the set and applies vmenctyp; pulsacc 0, i_break and abort end it in their cycle
 //! Refuses  a source that closes a loop, a start without a ramp
 //! Source   MACS-VM-01..08, MACS-ERR-09
 
@@ -21,7 +22,7 @@ fn names(changes: &[Change], row: u16) -> bool {
     changes.iter().any(|change| change.axis == MACHINE && change.row == row)
 }
 
-/// Does a set start it?
+/// Whether a set starts the virtual master.
 fn starts(changes: &[Change]) -> bool {
     names(changes, PULSVEL)
 }
@@ -33,7 +34,7 @@ fn refusal(problem: &VirtualMasterProblem) -> Refusal {
 }
 
 impl Machine {
-    /// May the machine have these parameters, as far as its virtual master is concerned?
+    /// Checks that these machine parameters are allowed for the virtual master.
     pub(super) fn admit_virtual_master(
         &self,
         changes: &[Change],
@@ -57,19 +58,20 @@ impl Machine {
         }
     }
 
-    /// Other parameters of the machine are in force, which these changes have set.
+    /// Applies new machine parameters, set by these changes, to the virtual master.
     pub(super) fn take_virtual_master(&mut self, changes: &[Change]) {
         let source = self.state.virtual_master.source().after(&self.state.panel.parameters, starts(changes));
         self.lead_virtually(source);
     }
 
-    /// The parameters of a layer are in force: none of them starts anything, and without a start it follows nobody.
+    /// Applies the machine parameters of a restored layer. They start nothing, and without a start the virtual master
+    /// follows no axis.
     pub(super) fn reset_virtual_master(&mut self) {
         let source = self.state.virtual_master.source().after_reset(&self.state.panel.parameters);
         self.lead_virtually(source);
     }
 
-    /// An abort ends it (MACS-ERR-09).
+    /// Ends the virtual master on an abort (MACS-ERR-09).
     #[cold]
     #[inline(never)]
     pub(super) fn stop_virtual_master(&mut self, sequence: Option<u64>) {
@@ -83,7 +85,7 @@ impl Machine {
                 self.state.parameter_version = self.state.parameter_version.wrapping_add(1);
             }
         }
-        // Without a ramp it stands with its velocity.
+        // A virtual master without a ramp stops together with its velocity, which is 0 now.
         if self.state.virtual_master.source() != VirtualSource::Direct {
             self.lead_virtually(VirtualSource::Off);
         }
@@ -98,17 +100,18 @@ impl Machine {
         self.state.leads.virtual_mark = None;
         self.publish_virtual_master();
         if before != self.state.virtual_master.axis() {
-            // The axis that it follows moves before all that follow it from this cycle on.
+            // From this cycle on, the axis that it follows moves before all axes that follow the virtual master.
             self.sort_axes();
         }
     }
 
-    /// As after the power came back.
+    /// Sets the state after power-on.
     pub(super) fn power_up_virtual_master(&mut self) {
         self.state.virtual_master = VirtualMaster::new(&self.state.panel.parameters);
     }
 
-    /// The axes of a cycle with a virtual master that is on: those that move before it, it, and the others.
+    /// Starts the axes of a cycle with the virtual master switched on: the axes before it, the virtual master, and the
+    /// others.
     #[cold]
     #[inline(never)]
     pub(super) fn begin_around_virtual_master(&mut self, told: Told<'_>) -> (bool, bool) {
@@ -145,7 +148,7 @@ impl Machine {
                 }
             }
         }
-        // Of several the last one counts.
+        // If there are several marks, the last one counts.
         leads.virtual_mark = (virtual_master.count != marks).then_some(virtual_master.mark);
         self.publish_virtual_master();
     }

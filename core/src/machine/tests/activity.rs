@@ -17,7 +17,7 @@ fn all() -> AxisSet {
     AxisSet::first(3)
 }
 
-/// Inactive, with all drives off.
+/// Returns an inactive rig with all drives off.
 fn inactive() -> Rig {
     let mut rig = Rig::new();
     let first = rig.give(Action::Deactivate);
@@ -41,7 +41,7 @@ fn wf(axis: u16) -> Action {
     Action::vocabulary(wf::Request { axis, mode: Some(wf::Mode::Mdi), enable: Some(true), ..Default::default() })
 }
 
-/// Every command that could switch an axis on or move it.
+/// Returns every command that could switch an axis on or move it.
 fn doors(axis: u16) -> Vec<Action> {
     use saia::Command::{Initialise, LoadDestination, Start};
     vec![
@@ -92,7 +92,7 @@ fn nothing_is_switched_on_and_nothing_moves_while_it_is_inactive() {
                 assert_eq!(rig.refusal(sequence), REFUSED, "{door:?}");
                 rig.run(20);
             }
-            // What a vocabulary asks by itself, and the reference selector, which moves by parameters.
+            // Orders of a vocabulary, and the reference selector, which moves the axis by parameters.
             let limits = parameters().usual_limits();
             for order in [Order::SwitchOn, Order::Velocity { velocity: 100.0, limits }] {
                 if axis != LINE || order != Order::SwitchOn {
@@ -124,7 +124,7 @@ fn deactivation_stops_with_the_maximum_deceleration_switches_off_and_is_done_onc
     let enable = rig.give(Action::Enable(all()));
     assert_eq!(rig.done(enable).len(), 3);
     let deactivation = rig.give(Action::Deactivate);
-    // 50 mm/s down at 1 m/s^2: 50 ms, and one cycle until the drive shows that it is off.
+    // 50 mm/s stop in 50 ms at 1 m/s^2; one more cycle passes until the drive reports that it is off.
     let mut before = rig.real("x.command.velocity");
     for _ in 0..49 {
         rig.run(1);
@@ -158,7 +158,7 @@ fn a_deactivation_waits_for_the_drive_and_not_for_the_order() {
     let mut rig = Rig::of(config(5));
     rig.enable();
     let deactivation = rig.give(Action::Deactivate);
-    // The drive shows in cycle k + 1 + 5 what k asked for.
+    // The drive reports in cycle k + 1 + 5 what was commanded in cycle k.
     rig.run(5);
     assert_eq!((rig.state("x"), rig.done(deactivation).len()), ("DISABLED", 0));
     rig.run(1);
@@ -197,7 +197,7 @@ fn activation_and_a_second_deactivation_end_the_wait_of_the_first() {
     assert_eq!(rig.state("x"), "DISABLED", "what had begun goes on");
 }
 
-/// `fstart` of SAIA switches its axis on by itself.
+/// `fstart` of SAIA switches its axis on itself.
 #[test]
 fn what_a_vocabulary_switches_on_stays_off_after_the_next_activation() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, Start};
@@ -257,7 +257,7 @@ fn a_stale_setpoint_does_not_move_anything_after_activation() {
     assert_eq!(rig.real("line.command.velocity"), 0.0);
 }
 
-/// An output may move what no axis does; nothing of a refused verb is switched.
+/// An output may move something that is not an axis. A refused verb switches no output.
 #[test]
 fn an_inactive_machine_switches_no_outputs() {
     let mut config = config(0);

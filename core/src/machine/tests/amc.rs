@@ -1,4 +1,4 @@
-//! The reference selector on an axis: what a scenario does not show.
+//! Reference selector on an axis: cases that no scenario covers.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::code::Code;
@@ -19,7 +19,7 @@ mod any;
 
 const MARK: Object = Object::Io(0);
 
-/// x turns once in 360 inc and follows the belt; y lies between two limits and follows the line.
+/// One revolution of x is 360 inc, and x follows the belt; y has two limits and follows the line.
 fn wired() -> MachineConfig {
     let mut config = config(0);
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
@@ -68,7 +68,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
     told.map(|event| sentence(event, rig.machine.config())).collect()
 }
 
-/// A master runs the whole cycle before its follower, wherever it stands in the file, and through a chain.
+/// A master runs the whole cycle before its follower, at any place in the file, and through a chain.
 #[test]
 fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() {
     let mut config = config(0);
@@ -93,7 +93,7 @@ fn no_loop_can_come_about_through_masters() {
     let error = Machine::new(looped).unwrap_err();
     assert!(matches!(error, ConfigError::MasterLoop { .. }));
     assert_eq!(error.to_string(), "x: its reference selector would follow itself, directly or through others");
-    // By the actual position, an input, there is no loop.
+    // The actual position is an input, so it closes no loop.
     good.axes[usize::from(Y)].vocabularies.amc.master = Some(Leader::AxisActual(X));
     let mut rig = enabled(good);
     let closes = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
@@ -106,7 +106,7 @@ fn no_loop_can_come_about_through_masters() {
     assert_eq!(rig.refusal(through), "y: the axis would follow itself");
 }
 
-/// The device captured 12 where the belt is at 20 in the cycle: 8 have passed, whatever the age says.
+/// The device captured 12 while the belt is at 20 in this cycle: 8 inc have passed, independent of the age.
 ///
 /// Proves: AMC-EVT-05, AMC-EVT-07
 #[test]
@@ -123,7 +123,7 @@ fn a_captured_position_of_the_master_is_the_freeze_point() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (8, 1));
 }
 
-/// 20 inc in the cycle of 1 ms: 0.4 ms ago it stood 8 inc back, 0.1 ms ago 2 inc. The first edge counts.
+/// 20 inc in the cycle of 1 ms: 0.4 ms ago the master was 8 inc back, 0.1 ms ago 2 inc. The first edge counts.
 ///
 /// Proves: AMC-EVT-01, AMC-EVT-05
 #[test]
@@ -137,7 +137,8 @@ fn of_two_edges_in_a_sample_the_first_one_is_the_event() {
     assert_eq!(rig.int("x.amc.profile_input_position"), 8);
 }
 
-/// From point 1, 150 inc behind it, the master runs 50 inc at slope 0 and 60 inc at slope -1; then selector 7 holds its target (M09).
+/// The cam starts 150 inc after point 1: the master runs 50 inc at slope 0 and 60 inc at slope -1; then selector 7
+/// holds the target (M09).
 ///
 /// Proves: AMC-SEL-03, AMC-FSM-07, AMC-EVT-04
 #[test]
@@ -149,7 +150,7 @@ fn reference_3_is_the_cam_from_its_start_index_and_position_on() {
     rig.run(1);
     assert!(rig.was_accepted(told));
     assert_eq!((rig.int("x.reference"), rig.int("x.amc.select"), rig.state("x")), (3, 3, "SYNCHRONIZED_MOTION"));
-    // 250 + 50 + 30 + 30 = 360: 40 inc more are -100, the end of the period, and 20 at slope 2 behind it.
+    // 250 + 50 + 30 + 30 = 360: 40 inc more are -100, up to the end of the period, then 20 inc at slope 2.
     for (step, wanted) in [(50, 0), (30, -30), (30, -60), (60, -60)] {
         rig.plant.jump_encoder(0, step);
         rig.run(100);
@@ -161,7 +162,8 @@ fn reference_3_is_the_cam_from_its_start_index_and_position_on() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.amc.select")), (-60, 7));
 }
 
-/// 20 inc in the cycle of 1 ms, 0.4 ms ago: 8 of the master count, 16 of the slave. A second edge starts nothing anew (M12).
+/// 20 inc in the cycle of 1 ms, 0.4 ms ago: 8 inc of the master count, 16 of the slave. A second edge does not start
+/// again (M12).
 ///
 /// Proves: AMC-SEL-08, AMC-EVT-02, AMC-EVT-05
 #[test]
@@ -196,7 +198,7 @@ fn a_cam_that_cannot_start_is_refused_and_changes_nothing() {
     assert_eq!(rig.refusal(refused), "cam: words of a data block are no cam; form y and form xy are");
 }
 
-/// Direct write and event in one sample: the event is the stronger, and so is its freeze point.
+/// Direct write and event in one sample: the event takes precedence, and so does its freeze point.
 ///
 /// Proves: AMC-SEL-09
 #[test]
@@ -220,7 +222,7 @@ fn an_event_of_an_axis_that_is_off_counts_for_nothing() {
     assert_eq!((rig.int("x.amc.select"), rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select), (0, 0));
 }
 
-/// The master is lost when the event comes: told, and what was in force stays.
+/// The master is lost when the event occurs: this is reported, and the present reference remains in force.
 #[test]
 fn a_lost_master_is_refused_and_changes_nothing() {
     let mut rig = enabled(wired());
@@ -250,7 +252,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
     assert_eq!(rig.refusal(900), "x: what the axis follows is lost");
 }
 
-/// 100 units of travel, then enabled: the target lies beyond the limit by then.
+/// 100 units of travel, then enable: by then the target exceeds the limit.
 ///
 /// Proves: AMC-SEL-08
 #[test]
@@ -266,8 +268,8 @@ fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
     assert!(rig.machine.parameter_version() > version, "who shows parameters has to see it");
 }
 
-/// 2147483647 / 1000 inc per unit: R = 360 inc is 0.36 units, which leaves 5 965 232 353 turns; with one increment per
-/// unit it is 5 965 232.
+/// 2147483647 / 1000 inc per unit: R = 360 inc is 0.36 units, which leaves 5 965 232 353 revolutions; with one
+/// increment per unit it is 5 965 232.
 ///
 /// Proves: AMC-ROT-04
 #[test]
@@ -282,7 +284,7 @@ fn the_integrators_of_input_and_output_never_differ_by_more_than_they_hold() {
     assert_eq!(rig.int("x.amc.profile_input_turns"), 5_965_232);
     let static_limit = set(&mut rig, X, &[("position_reference", most + 1)]);
     assert!(rig.refusal(static_limit).contains("further than the 5965232 turns"));
-    // One further turn on top of what is still to go.
+    // One further revolution in addition to the remaining travel.
     let further = set(&mut rig, X, &[("position_reference", 360)]);
     assert!(rig.refusal(further).contains("amc.position_reference 360 mm leads further than the 5965232 turns"));
     assert_eq!(rig.machine.parameters(X).unwrap().vocabularies.amc.position_reference, most);
@@ -307,7 +309,7 @@ fn positions_of_2_to_the_62_are_the_end() {
     assert!(rig.refusal(wide).contains("is allowed"));
 }
 
-/// In samples of 250 us a change is added as it is, in every mode.
+/// With a sampling time of 250 us a change is added unmodified, in every mode.
 ///
 /// Proves: AMC-ROT-01
 #[test]
@@ -327,8 +329,8 @@ fn fast_samples_have_no_rotary_modes() {
     }
 }
 
-/// At 40 inc a cycle and 0.5 inc per cycle^2 a stop takes 80 cycles and 1600 inc: the profile passes the boundary and
-/// comes back, while PIP stays in its turn.
+/// At 40 inc per cycle and 0.5 inc per cycle^2 a stop takes 80 cycles and 1600 inc: the profile passes the boundary and
+/// returns, while PIP stays within its revolution.
 ///
 /// Proves: AMC-ROT-19, AMC-ROT-13
 #[test]
@@ -350,7 +352,7 @@ fn mode_3_entered_at_speed_may_pass_a_boundary_that_pip_does_not() {
     assert_eq!((rig.int("x.turns"), rig.int("x.modulo.position")), (inputs, 300));
 }
 
-/// The target moves on in every cycle: followed without ever being late for longer than a profile takes.
+/// The target moves in every cycle: the axis follows it with a lag of at most the stopping time of its profile.
 ///
 /// Proves: AMC-POS-01
 #[test]
@@ -368,7 +370,7 @@ fn a_reference_that_moves_in_every_sample_is_followed_within_the_limits() {
         assert_eq!(rig.int("x.amc.profile_input_position"), 20 * k);
     }
     let late = 10_000 - rig.int("x.command.position");
-    // v^2 / (2 d) at 20 000 inc/s and 1 000 000 inc/s^2 are 200 inc, and a cycle's way.
+    // v^2 / (2 d) at 20 000 inc/s and 1 000 000 inc/s^2 is 200 inc, plus the travel of one cycle.
     assert!((0..=220).contains(&late), "{late} inc behind");
     rig.run_until("x.state", 1);
     assert_eq!(rig.int("x.command.position"), 10_000);
@@ -395,7 +397,8 @@ fn holding_after_a_speed_or_a_goal_stays_where_the_profile_was() {
     assert_eq!(rig.int("y.command.position"), rig.int("y.amc.profile_input_position"));
 }
 
-/// Whatever locks the axis takes the reference in its cycle: a following error, also one of another axis that stops all.
+/// Every error that locks the axis ends the reference in its cycle: a following error, also that of another axis that
+/// stops all axes.
 #[test]
 fn an_error_takes_the_reference_in_its_cycle() {
     let mut config = wired();
@@ -413,7 +416,7 @@ fn an_error_takes_the_reference_in_its_cycle() {
     }
 }
 
-/// The gear's stop without a profile, and what `synchronize` takes away.
+/// The gear stops without a profile, and `synchronize` takes the axis over.
 #[test]
 fn a_gear_is_left_at_once_and_taken_by_a_coupling() {
     let mut rig = enabled(wired());
@@ -432,7 +435,7 @@ fn a_gear_is_left_at_once_and_taken_by_a_coupling() {
     assert_eq!((rig.int("y.amc.select"), rig.int("y.amc.active"), rig.state("y")), (0, 0, "SYNCHRONIZED_MOTION"));
 }
 
-/// Slowing down 3000 inc before the limit, with a tenth of the deceleration it would go beyond it.
+/// While the axis decelerates 3000 inc before the limit, a tenth of the deceleration would lead it beyond the limit.
 #[test]
 fn a_target_that_the_profile_cannot_reach_leaves_the_old_one_in_force() {
     let mut rig = enabled(wired());
@@ -448,14 +451,14 @@ fn a_target_that_the_profile_cannot_reach_leaves_the_old_one_in_force() {
     assert_eq!((rig.int("y.amc.profile_input_position"), rig.int("y.target.position")), (50_000, 50_000));
     rig.run_until("y.state", 1);
     assert_eq!((rig.int("y.command.position"), rig.int("y.amc.select")), (50_000, 1));
-    // The change is past: it is told once, and the next one counts.
+    // The rejected change is reported once, and the next change applies.
     assert_eq!(warnings(&rig).len(), 1);
     set(&mut rig, Y, &[("position_reference", 48_000)]);
     rig.run_until("y.state", 1);
     assert_eq!(rig.int("y.command.position"), 48_000);
 }
 
-/// Whatever the speed is and wherever it is asked for, the axis rests on the limit, in time and without an error.
+/// For any speed and start position, the axis stops at the limit, in time and without an error.
 ///
 /// Proves: AMC-SEL-09
 #[test]
@@ -476,7 +479,7 @@ fn a_speed_ends_at_the_software_limit_and_stays_selected() {
     }
 }
 
-/// A virtual axis is always on: its selector acts from the first sample.
+/// A virtual axis is always switched on: its selector acts from the first sample.
 #[test]
 fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
     let mut config = wired();

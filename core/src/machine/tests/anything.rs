@@ -1,4 +1,4 @@
-//! Any commands in any order, with faults and slips between them.
+//! Random commands in any order, with faults and slips between them.
 
 mod cell;
 mod limits;
@@ -39,15 +39,15 @@ enum Happening {
     Cycles(u64),
     Fault(usize),
     Slip(usize, i64),
-    /// What only axes in open loop do.
+    /// An order that only axes in open loop execute.
     Order(u16, Order),
     Latch(u16, bool, u32),
-    /// A setpoint, newly streamed.
+    /// A new streamed setpoint.
     Stream(u16, f64),
     Mirror,
-    /// A digital input: of a contact of the cell, or i_break.
+    /// A digital input: a contact of the cell, or i_break.
     Input(usize, bool),
-    /// A switch at the drive sticks.
+    /// A switch at the drive that is stuck.
     Switch(usize, u32, bool),
 }
 
@@ -104,7 +104,7 @@ fn setting() -> impl Strategy<Value = Action> {
     )
 }
 
-/// What the virtual master is to do.
+/// Parameters of the virtual master.
 fn virtual_master() -> impl Strategy<Value = Action> {
     let values = (-90_000_i64..90_000, prop::sample::select(vec![-1_i64, 0, 5_000, 900_000]), 0_i64..4, any::<bool>());
     values.prop_map(|(velocity, pulsacc, axis, starts)| {
@@ -118,7 +118,7 @@ fn virtual_master() -> impl Strategy<Value = Action> {
     })
 }
 
-/// What happens to layers.
+/// Commands for parameter layers.
 fn storing() -> impl Strategy<Value = Action> {
     let layer = prop::sample::select(&[Layer::User, Layer::Init][..]);
     prop_oneof![
@@ -129,7 +129,7 @@ fn storing() -> impl Strategy<Value = Action> {
     ]
 }
 
-/// What the other vocabularies ask for.
+/// Requests of the other vocabularies.
 fn vocabulary() -> impl Strategy<Value = Action> {
     use saia::{Command, Register};
     let commands = prop::sample::select(vec![
@@ -179,7 +179,7 @@ fn running() -> impl Strategy<Value = Action> {
     )
 }
 
-/// Cams of every start, of the tables of the cell.
+/// Cams with every kind of start, from the tables of the cell.
 fn cam() -> impl Strategy<Value = CamIn> {
     let start = prop::sample::select(CamStart::ALL.map(|(start, ..)| start).to_vec());
     let scale = prop::sample::select(vec![(1, 1), (-1, 1), (1, 3), (5, 2), (-7, 4)]);
@@ -196,7 +196,7 @@ fn cam() -> impl Strategy<Value = CamIn> {
     )
 }
 
-/// A table in the place of another one.
+/// A replacement of a table by the values of another one.
 fn loading() -> impl Strategy<Value = Action> {
     (0..TABLES, 0..TABLES).prop_map(|(index, from)| {
         let numbers = (*table(from)).clone().with_cam(table(index).cam_setting());
@@ -229,7 +229,7 @@ fn coupling() -> impl Strategy<Value = Action> {
             let by_position = if relates || cam.is_some() { SyncMode::Position } else { SyncMode::Velocity };
             Action::Synchronize(Synchronize {
                 axis,
-                // Its index gives marks.
+                // The index of this encoder gives marks.
                 leader: if by_marks { Some(Leader::Encoder(0)) } else { leader },
                 mode: match (by_marks, cam.is_some(), relates) {
                     (false, ..) => by_position,
@@ -250,7 +250,7 @@ fn coupling() -> impl Strategy<Value = Action> {
     )
 }
 
-/// Shifts of either side of a coupling, where there is one.
+/// Phase shifts of either side of a coupling, if there is one.
 fn phasing() -> impl Strategy<Value = Action> {
     let rate = |most: f64| prop_oneof![1 => Just(0.0), 3 => 10.0..most];
     (axis(), any::<bool>(), -20_000_i64..20_000, rate(60_000.0), rate(600_000.0)).prop_map(
@@ -263,7 +263,7 @@ fn phasing() -> impl Strategy<Value = Action> {
     )
 }
 
-/// The end of a coupling, where there is one.
+/// The end of a coupling, if there is one.
 fn leaving() -> impl Strategy<Value = Action> {
     let place = -30_000_i64..30_000;
     let at = prop_oneof![
@@ -275,7 +275,7 @@ fn leaving() -> impl Strategy<Value = Action> {
     (axis(), at, disengage).prop_map(|(axis, at, disengage)| Action::GearOut(GearOut { axis, at, disengage }))
 }
 
-/// The position loop is opened, where it is closed here.
+/// Opening of a position loop that is closed in the core.
 fn opening() -> impl Strategy<Value = Action> {
     let value = prop_oneof![4 => -1.0..1.0_f64, 1 => Just(0.0), 1 => Just(1.5), 1 => Just(f64::NAN)];
     let level = prop::sample::select(vec![Level::Setpoint, Level::Setpoint, Level::Effort]);
@@ -304,7 +304,7 @@ fn probing() -> impl Strategy<Value = Action> {
     )
 }
 
-/// Armed and aborted for what latches, of which there is more than room, with and without a window.
+/// Touch probes, armed and aborted, for sources that latch, more than fit, with and without a window.
 fn touch_probing() -> impl Strategy<Value = Action> {
     let edge = prop::sample::select(vec![ProbeEdge::Rising, ProbeEdge::Falling, ProbeEdge::Both, ProbeEdge::Index]);
     let source = || prop_oneof![(0_u16..3).prop_map(Object::Axis), (0_u16..5).prop_map(Object::Io)];
@@ -318,7 +318,7 @@ fn touch_probing() -> impl Strategy<Value = Action> {
     prop_oneof![3 => arm, 1 => abort]
 }
 
-/// Over some of the axes, from whatever they do; most of them are not too fast.
+/// Trajectories of some axes, from any state; most of them are within the velocity limits.
 fn following() -> impl Strategy<Value = Action> {
     let rate = |most: f64| prop::option::weighted(0.7, prop_oneof![Just(0.0), -most..most]);
     let point = || (-50_000_i64..50_000, rate(20_000.0), rate(100_000.0));
@@ -344,7 +344,7 @@ fn following() -> impl Strategy<Value = Action> {
     )
 }
 
-/// Homing by methods of all kinds, and a coordinate set anew.
+/// Homing by methods of all kinds, and new coordinates.
 fn homing() -> impl Strategy<Value = Action> {
     let method = prop::sample::select(vec![
         HomingMethod::Configured,
@@ -389,7 +389,8 @@ fn ordering() -> impl Strategy<Value = Happening> {
     (1_u16..3, order).prop_map(|(axis, order)| Happening::Order(axis, order))
 }
 
-/// What is asked of drives that take velocities: never more than the axis may, and nothing of an axis that is not to move.
+/// Checks the velocity commands of drives with velocity interface: never above the maximum of the axis, and 0 for an
+/// axis that must not move.
 fn velocities_are_kept(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), TestCaseError> {
     for (name, interface) in ["x", "y"].into_iter().zip(interfaces) {
         let asked = rig.real(&format!("{name}.output.velocity"));
@@ -403,7 +404,7 @@ fn velocities_are_kept(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), Test
             prop_assert_eq!(position("command"), position("actual"));
             prop_assert_eq!(rig.int(&format!("{name}.following_error")), 0);
         } else if interface == Interface::Velocity {
-            // While its brake opens, the drive holds it already; while it homes in the drive, the word tells that as well.
+            // The drive holds while its brake opens; the control word also shows this during homing in the drive.
             let enable = i64::from(control::ENABLE);
             let holds = rig.int(&format!("{name}.output.control")) & enable == enable;
             prop_assert!(holds || asked == 0.0, "{} is off and asked for {}", name, asked);
@@ -454,7 +455,7 @@ fn happening() -> impl Strategy<Value = Happening> {
     ]
 }
 
-/// How many ends a command has once it was accepted: one for each axis that it names, or one.
+/// Returns the number of ends of an accepted command: one per named axis, or one.
 fn ends(action: &Action) -> usize {
     match action {
         Action::Enable(axes)
@@ -463,7 +464,7 @@ fn ends(action: &Action) -> usize {
         | Action::QuickStop(axes)
         | Action::ResetErrors(axes) => axes.len(),
         Action::Abort => 3,
-        // What a vocabulary does has no end of its own.
+        // A request of a vocabulary has no end of its own.
         Action::Vocabulary(_) | Action::OutAn(_) => 0,
         Action::AbortTrigger(_) | Action::QueryTrajectory(_) => 0,
         Action::SetPosition(_) | Action::ShiftPosition(_) => 0,
@@ -475,20 +476,20 @@ fn ends(action: &Action) -> usize {
     }
 }
 
-/// Command position and velocity of the axes that are on and not coupled to anything, by name; none in open loop, where
-/// the command is what the drive makes of it.
+/// Returns commanded position and velocity by name, of the axes that are switched on and not coupled; `None` in open
+/// loop, where the command follows the drive.
 fn motions(rig: &Rig) -> [Option<(f64, f64)>; 3] {
     AXES.map(|name| {
         let axis = rig.machine.config().axes.iter().find(|axis| axis.name == name)?;
         let places = ["command", "actual"].map(|of| rig.int(&format!("{name}.{of}.position")));
-        // Behind out_an as well.
+        // Also after out_an.
         let is_opened =
             axis.interface == Interface::Velocity && rig.state(name) == "CONTINUOUS_MOTION" && places[0] == places[1];
         if axis.interface == Interface::OpenLoop || is_opened {
             return None;
         }
         let free = rig.int(&format!("{name}.enabled")) == 1 && rig.state(name) != "SYNCHRONIZED_MOTION";
-        // A drive that homes moves by itself.
+        // During homing in the drive the drive moves by itself.
         let free = free && rig.int(&format!("{name}.homing.phase")) != HomingPhase::InDrive as i64;
         let whole = rig.int(&format!("{name}.command.position")) as f64;
         let position = whole + rig.real(&format!("{name}.command.fraction"));
@@ -532,7 +533,7 @@ proptest! {
                 axis.parameters.max_following_error = 10_000;
             }
         }
-        // Those with a brake hang on a screw.
+        // Axes with a brake drive a screw.
         config.tables.push(screw());
         for axis in config.axes[1..].iter_mut().filter(|axis| is_braked && axis.interface != Interface::OpenLoop) {
             axis.parameters.compensation.backlash = 300;
@@ -577,7 +578,7 @@ proptest! {
                 Happening::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
                 Happening::Order(axis, order) => {
                     let open = interfaces[usize::from(axis) - 1] == Interface::OpenLoop;
-                    // To the others it means something only where it is refused.
+                    // Axes with a closed loop must refuse the order.
                     if open || matches!(order, Order::Speed { .. }) {
                         let answer = rig.order(axis, order);
                         prop_assert!(open || answer.is_err());
@@ -590,7 +591,7 @@ proptest! {
                         locks.are_kept(&rig)?;
                         velocities_are_kept(&rig, interfaces)?;
                         let now = motions(&rig);
-                        // A new zero is no motion.
+                        // A new zero is not a motion.
                         let is_homed = rig.events[told..].iter().any(|event| event.kind == Kind::Homed);
                         if !is_homed {
                             limits_are_kept(&rig, stood)?;
@@ -598,10 +599,11 @@ proptest! {
                         stood = places(&rig);
                         for (name, (now, before)) in AXES.iter().zip(now.iter().zip(&before)) {
                             let (Some(now), Some(before)) = (now, before) else { continue };
-                            // 1e6 inc/s^2 in a cycle; where a stop ends, it may end between two increments. One that followed
-                            // single counts to a limit knows its velocity to a count per cycle.
+                            // 1e6 inc/s^2 in a cycle; a stop may end between two increments. An axis that followed
+                            // single counts to a limit has its velocity with a resolution of one count per cycle.
                             let change = (now.1 - before.1).abs();
-                            // On a trajectory it shows the velocity of the spline, else its mean since the last cycle.
+                            // On a trajectory the axis shows the velocity of the spline, otherwise the mean since the
+                            // last cycle.
                             let tracks = rig.int(&format!("{name}.reference")) == 10;
                             let most = if tracks { 1_502.0 } else { 1_001.0 };
                             let most = if rig.state(name) == "ERROR_STOP" { 2_001.0 } else { most };
@@ -625,7 +627,7 @@ proptest! {
                 }
                 given.push((number, action.clone()));
             }
-            // It forgets what was before, as a controller does that is switched off and on.
+            // Like a controller that is switched off and on, it loses its former state.
             if waiting.contains(&Action::PowerCycle) {
                 locks = Locks::after(&rig);
             }
@@ -643,7 +645,8 @@ proptest! {
         for (number, action) in &given {
             let of = |kind| rig.events.iter().filter(|event| event.command == *number && event.kind == kind).count();
             let (accepted, refused, told) = (of(Kind::Accepted), of(Kind::Refused), of(Kind::Warning));
-            // SAIA may accept a verb and tell what of it failed; a trajectory is accepted with what was made of it.
+            // SAIA may accept a verb and report the part that failed; a trajectory is accepted with a report of its
+            // modifications.
             let is_more = matches!(action, Action::Vocabulary(vocabulary::Request::Saia(_)) | Action::Trajectory(_));
             let noted = if is_more { 0 } else { told };
             prop_assert_eq!(accepted + refused + noted, 1, "answers of {:?}", action);

@@ -1,4 +1,4 @@
-//! Goals that wait for the one before them, and pass into each other.
+//! Goals that wait for the previous goal, and blend into each other.
 
 use super::rig::{LINE, Rig, X, at, couple, to};
 use crate::code::Code;
@@ -56,7 +56,7 @@ fn a_blended_goal_passes_the_target_without_a_stop() {
     assert_eq!(ends(&rig, second), [(k + 450, Code::NONE)]);
 }
 
-/// 10010 inc are passed at 0.2252 s: 0.8 ms before the next cycle, which is 40 inc further.
+/// 10010 inc are passed at 0.2252 s: 0.8 ms before the next cycle, in which the position is 40 inc further.
 #[test]
 fn the_next_goal_begins_between_two_cycles() {
     let mut rig = Rig::enabled();
@@ -97,7 +97,7 @@ fn each_mode_passes_with_its_velocity() {
         }
         let now = (position(&rig), rig.real("x.command.velocity"));
         assert!(now.0 >= 20_000.0 && now.0 - 20_000.0 < 80.0, "{mode:?}: {now:?}");
-        // At most one cycle of 1 m/s^2 away from the passage.
+        // At most one cycle at 1 m/s^2 away from the passage.
         let share = (20_000.0 - before.0) / (now.0 - before.0);
         let there = before.1 + share * (now.1 - before.1);
         assert!((there - expected).abs() <= 500.0, "{mode:?} {next}: {there} instead of {expected}");
@@ -120,7 +120,7 @@ fn a_turn_is_made_at_the_target_and_at_rest() {
     assert_eq!((highest, position(&rig)), (10_000.0, 4_000.0));
 }
 
-/// From rest, 100 inc are too short for 50 mm/s: sqrt(2 * 100 * 1e6) = 14142 inc/s is reached at most.
+/// From rest, 100 inc are too short for 50 mm/s: the maximum reached is sqrt(2 * 100 * 1e6) = 14142 inc/s.
 #[test]
 fn a_short_way_is_passed_as_fast_as_it_can_be_reached() {
     let mut rig = Rig::enabled();
@@ -136,7 +136,7 @@ fn a_short_way_is_passed_as_fast_as_it_can_be_reached() {
     assert!((12_000.0..16_000.0).contains(&velocity), "{velocity}");
 }
 
-/// The second goal is 100 inc long: with more than 14142 inc/s at its start it would pass its end.
+/// The second goal is 100 inc long: with a start velocity above 14142 inc/s it would overrun its end.
 #[test]
 fn a_short_goal_behind_is_not_overrun() {
     let mut rig = Rig::enabled();
@@ -261,7 +261,8 @@ fn what_cannot_wait_is_refused_and_changes_nothing() {
     assert!(rig.refusal(beyond).contains("is outside +-2^62 increments"));
 }
 
-/// Behind a stop nobody knows where goals will end. Such a goal is not passed into one that a limit forbids: it stands first.
+/// After a stop it is not known where goals will end. A goal is not blended into one that a limit forbids: the axis
+/// stops first.
 #[test]
 fn a_goal_does_not_pass_into_one_that_will_be_refused() {
     use BufferMode::{BlendingHigh, BlendingLow, BlendingNext, BlendingPrevious};
@@ -274,7 +275,7 @@ fn a_goal_does_not_pass_into_one_that_will_be_refused() {
         rig.give(Action::Move(Move { deceleration: 1e6, ..at(X, 50_000.0) }));
         rig.run(100);
         rig.give(Action::Move(Move { deceleration: 1e6, ..at(X, 0.0) }));
-        // From the last cycle of 50 mm/s on it needs 1250 inc to stand.
+        // From the last cycle at 50 mm/s it needs 1250 inc to stop.
         let stand = rig.int("x.target.position");
         let relative = |way| Move { mode: MoveMode::Relative, ..quick(way) };
         let first = rig.give(after(BufferMode::Buffered, relative(ends_at - stand)));

@@ -1,4 +1,5 @@
-//! Backends that fail, drives that take something else than they are asked for, and what drives send by themselves.
+//! Backends that fail, drives that use another mode or setpoint than commanded, and messages that drives send by
+//! themselves.
 
 use super::rig::{Rig, X, Y, config, to};
 use crate::code::Code;
@@ -13,7 +14,7 @@ fn io(name: &str, kind: IoKind) -> IoConfig {
     IoConfig { name: name.into(), kind, latch: kind == IoKind::DigitalInput }
 }
 
-/// x, the encoder and the first input and output hang on a slow bus, y and the second ones on a fast one.
+/// x, the encoder and the first input and output are on a slow bus, y and the second input and output on a fast one.
 fn two_buses() -> Rig {
     use IoKind::{DigitalInput, DigitalOutput};
     let io = vec![io("a", DigitalInput), io("b", DigitalInput), io("c", DigitalOutput), io("d", DigitalOutput)];
@@ -56,8 +57,8 @@ fn two_buses_of_different_delay_share_a_machine() {
     assert_eq!((rig.int("a"), rig.int("b"), rig.int("belt.error")), (1, 1, 0));
 }
 
-/// The bus of x goes off in motion: x has error 89 and no power in that cycle, and nothing on that bus says anything any more; what
-/// hangs on the other one goes on.
+/// The bus of x is switched off in motion: x has error 89 and no power in that cycle, and no device on that bus reports
+/// anything. Devices on the other bus continue.
 ///
 /// Proves: MACS-ERR-01
 #[test]
@@ -78,18 +79,18 @@ fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
     assert!(!rig.plant.add_latch(latch(0)) && rig.plant.add_latch(latch(1)));
     rig.run(2_000);
     assert_eq!((rig.int("y.actual.position"), rig.done(moves[1])[0].code), (50_000, Code::NONE));
-    // The drive is without voltage, as where its own supervision has seen that nobody talks to it.
+    // The drive has no voltage, as if its own supervision had detected the loss of communication.
     let place = rig.int("x.actual.position");
     rig.run(100);
     assert_eq!(rig.int("x.actual.position"), place);
-    // While the bus stays off the reset fails; y does not ask for it.
+    // While the bus stays off the reset fails; y needs no reset.
     let reset = rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.run(5_100);
     assert_eq!((rig.done(reset)[0].code, rig.int("x.error")), (Code::RESET_FAILED, 89));
     assert_eq!(told(&rig, Code::BUS_ERROR).iter().filter(|event| event.kind == Kind::Error).count(), 1);
 }
 
-/// The output that opens the brake of y hangs on the bus that goes off: without its voltage the brake closes.
+/// The output that opens the brake of y is on the bus that is switched off: without voltage the brake closes.
 #[test]
 fn outputs_of_a_bus_that_is_off_have_no_voltage() {
     let mut rig = two_buses();
@@ -109,7 +110,7 @@ fn outputs_of_a_bus_that_is_off_have_no_voltage() {
     assert_eq!(rig.int("y.actual.position"), place);
 }
 
-/// A bus that is passive still transmits.
+/// A bus in error passive state still transmits.
 #[test]
 fn a_bus_with_many_errors_stops_nothing() {
     let mut rig = Rig::enabled();
@@ -120,7 +121,8 @@ fn a_bus_with_many_errors_stops_nothing() {
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
 }
 
-/// Operation enabled in another mode is not on: what is meant as a position would be taken for something else.
+/// Operation enabled in another mode does not count as switched on: the drive would interpret a position as another
+/// quantity.
 #[test]
 fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
     let mut rig = Rig::new();
@@ -143,14 +145,14 @@ fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
     );
 }
 
-/// The sentence of the first error that a drive was not enabled in time.
+/// Returns the message of the first error that a drive was not enabled in time.
 fn not_enabled(rig: &Rig) -> String {
     let is_error = |event: &&Event| event.kind == Kind::Error && event.code == Code::ENABLE_TIMEOUT;
     let error = rig.events.iter().find(is_error).expect("it is an error");
     crate::text::sentence(error, rig.machine.config())
 }
 
-/// A drive without supply stays in switch on disabled; its mode is told as well where that is another one.
+/// A drive without supply stays in switch on disabled. Its mode is also reported if it differs.
 #[test]
 fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
     let late = "the drive is not in operation enabled after 5000 ms: 6041h shows switch on disabled";
@@ -168,7 +170,7 @@ fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
     assert_eq!(both, format!("x: {late}; 6061h shows mode 0, mode 8 is needed"));
 }
 
-/// In mode pp (1) the axis sees 8 for 1, and 1 for 8: the sentence has the numbers of the drive.
+/// In mode pp (1) the axis sees 8 for 1, and 1 for 8: the message contains the numbers of the drive.
 #[test]
 fn a_mode_is_told_by_the_numbers_of_the_drive() {
     let mut config = config(0);
@@ -180,7 +182,7 @@ fn a_mode_is_told_by_the_numbers_of_the_drive() {
     assert!(not_enabled(&rig).ends_with(" after 5000 ms: 6061h shows mode 8, mode 1 is needed"));
 }
 
-/// Its drive stands at an old setpoint, whatever the axis asks for: no voltage.
+/// The drive stays at an old setpoint, independent of the commands of the axis: power is removed.
 #[test]
 fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
     for moves in [false, true] {
@@ -194,7 +196,7 @@ fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
         let errors = told(&rig, Code::SETPOINT_NOT_ACKNOWLEDGED);
         assert!(errors.iter().any(|event| event.kind == Kind::Error), "{moves}");
         assert_eq!((rig.state("x"), rig.outputs().drive[0].control), ("ERROR_STOP", control::DISABLE_VOLTAGE));
-        // Without power nothing is handed over any more.
+        // Without power no setpoint is handed over.
         rig.tamper = |_| {};
         rig.run(300);
         let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -203,7 +205,7 @@ fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
     }
 }
 
-/// 200 ms of 1 ms cycles, and 10 s.
+/// 200 cycles of 1 ms, and 10 s.
 #[test]
 fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
     for (timeout_ns, cycles) in [(200_000_000, 200), (10_000_000_000, 10_000)] {
@@ -219,7 +221,7 @@ fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
     }
 }
 
-/// In every cycle, at rest and in motion: once a second, and at once where it is another one.
+/// In every cycle, at rest and in motion: the same message is reported once a second, a different one at once.
 #[test]
 fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     let mut rig = Rig::enabled();
@@ -243,7 +245,7 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     assert_eq!((events.len(), events[3].severity), (4, Severity::Info), "an error that is over");
 }
 
-/// Of nine errors within a second eight are told. That they are over is told all the same, and once.
+/// Of nine errors within a second eight are reported. Their end is still reported, once.
 #[test]
 fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
     let mut rig = Rig::enabled();
@@ -259,7 +261,8 @@ fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
     assert_eq!((events.len(), events[8].severity), (9, Severity::Info));
 }
 
-/// A drive that says another thing in each cycle: eight of them in a second, in the three seconds that are touched here.
+/// A drive that sends another message in each cycle: eight of them are reported per second, in the three seconds
+/// covered here.
 #[test]
 fn emergency_messages_of_many_kinds_flood_nothing() {
     let mut rig = Rig::enabled();

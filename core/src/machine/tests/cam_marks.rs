@@ -1,4 +1,4 @@
-//! Cams with marks: products on a belt that a cam follows, labels on a roll that it feeds.
+//! Cams with marks: a cam follows products on a belt, or feeds labels on a roll.
 //!
 //! The cam feeds 2000 inc in 1000 inc of the belt: 900 in the first half, 1100 in the second one.
 
@@ -46,19 +46,20 @@ fn start(world: &mut World, mode: SyncMode) -> u64 {
     goal
 }
 
-/// Where the cam has its slave at a place of its master, over all periods.
+/// Returns the slave position of the cam at a master position, over all periods.
 fn fed(place: f64) -> f64 {
     let (periods, x) = (place.div_euclid(1_000.0), place.rem_euclid(1_000.0));
     2_000.0 * periods + if x < 500.0 { 1.8 * x } else { 900.0 + 2.2 * (x - 500.0) }
 }
 
-/// How far the command is from where a cam is whose master is shifted by `shift` (inc).
+/// Returns the distance of the command from the slave position of a cam whose master is shifted by `shift` (inc).
 fn off(world: &World, shift: f64) -> f64 {
     world.rig.int("x.command.position") as f64 - fed(world.belt as f64 + shift)
 }
 
-/// The sensor sees a product 300 inc before its working place, and then the cam has to have 300 inc to go to its start: it has 500, so that it goes 200
-/// ahead. However that is done: in the end each product meets the start, and the slave is where the table says, exactly.
+/// The sensor detects a product 300 inc before its working position, where the cam must have 300 inc left to its start.
+/// The cam has 500 inc left, so it is shifted 200 inc ahead. With any kind of correction, each product finally meets
+/// the start, and the slave is exactly at the position of the table.
 /// Proves: MACS-CMD-14, MACS-SYNC-01, MACS-MARK-03
 #[test]
 fn products_meet_the_start_of_the_cam() {
@@ -78,17 +79,19 @@ fn products_meet_the_start_of_the_cam() {
     }
 }
 
-/// Where the master of the cam is that has its slave there.
+/// Returns the master position of the cam for a slave position.
 fn place_of(slave: f64) -> f64 {
     let (periods, y) = (slave.div_euclid(2_000.0), slave.rem_euclid(2_000.0));
     1_000.0 * periods + if y < 900.0 { y / 1.8 } else { 500.0 + (y - 900.0) / 2.2 }
 }
 
-/// While a correction is on its way the next pair tells how far the marks are apart by then: what was added between the mark of the cam and that of the belt counts.
+/// During a correction the next pair of marks reports the remaining distance: the correction between the mark of the
+/// cam and that of the belt counts.
 /// Proves: MACS-MARK-13
 #[test]
 fn a_pair_on_the_way_of_a_correction_tells_what_is_left() {
-    // Where a product is, the cam has 300 to go once it is 200 ahead, or 700 once it is 200 behind: then its own mark comes before that of the belt.
+    // At a product, the cam has 300 inc left once it is 200 inc ahead, or 700 inc once it is 200 inc behind: in the
+    // latter case its own mark precedes that of the belt.
     for (distance, shift) in [(300, 200.0), (700, -200.0)] {
         let mut world = world(&[("syncmpulsm", distance), ("syncofftime", 4_000)]);
         start(&mut world, SyncMode::MasterMarker);
@@ -99,18 +102,18 @@ fn a_pair_on_the_way_of_a_correction_tells_what_is_left() {
         let pair = world.rig.events.iter().filter(|event| event.kind == Kind::Mark).nth(1).expect("a pair");
         let Number::Real(error) = pair.asked else { panic!("{pair:?}") };
         assert!(left.abs() > 60.0 && left.abs() < 180.0, "under way: {left}");
-        // What is added in this cycle, and an increment of the slave.
+        // The correction of this cycle, and an increment of the slave.
         assert!((error - left).abs() < 2.0, "{distance}: {error} of {left}");
     }
 }
 
-/// 2300 inc away the sensor tells of a product two periods later: its mark corrects once that is as near as 300 inc.
+/// From a distance of 2300 inc the sensor reports a product two periods early: its mark corrects only within 300 inc.
 /// Proves: MACS-MARK-03
 #[test]
 fn marks_of_a_sensor_far_away_wait_for_their_period() {
     let mut world = world(&[("syncmpulsm", 2_300)]);
     start(&mut world, SyncMode::MasterMarker);
-    // Products 500, 1500, 2500; from 3500 on they come 60 inc later.
+    // Products at 500, 1500, 2500; from 3500 on they are 60 inc late.
     for product in world.products.iter_mut().skip(3) {
         *product += 60.0;
     }
@@ -125,7 +128,7 @@ fn marks_of_a_sensor_far_away_wait_for_their_period() {
         world.cycle(SPEED);
     }
     assert_eq!(marks(&world).len(), 2);
-    // The one at 3560 was seen, and nothing is corrected for it before 5560.
+    // The product at 3560 was detected, and nothing is corrected for it before 5560.
     while world.belt < 5_540 {
         world.cycle(SPEED);
     }
@@ -134,7 +137,8 @@ fn marks_of_a_sensor_far_away_wait_for_their_period() {
     assert!(off(&world, 140.0).abs() <= 1.0, "{}", off(&world, 140.0));
 }
 
-/// With a window a lost product corrects nothing, and is told once; one between corrects nothing, either. A correction keeps its bound.
+/// With a window a missed product corrects nothing, and is reported once; an additional one corrects nothing, either. A
+/// correction keeps its bound.
 /// Proves: MACS-MARK-07, MACS-MARK-18
 #[test]
 fn windows_and_bounds_hold_for_cams() {
@@ -155,7 +159,7 @@ fn windows_and_bounds_hold_for_cams() {
     assert!(off(&world, 200.0).abs() <= 1.0);
 }
 
-/// Backwards, and with a master that runs through the table the other way round.
+/// Backwards, and with a master that runs through the table in the opposite direction.
 /// Proves: MACS-CMD-14
 #[test]
 fn marks_of_cams_go_by_the_sense_of_the_cam() {
@@ -167,7 +171,7 @@ fn marks_of_cams_go_by_the_sense_of_the_cam() {
         assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
         world.see();
         world.run(9_000, speed);
-        // Products lie at 500 and each 1000 further; there the cam has 300 to go along its way.
+        // Products are at 500 and every 1000 inc after it; there the cam has 300 inc left in its direction.
         let sense = scale as f64;
         let at_product = world.rig.int("x.command.position") as f64;
         let shifts = [200.0, -200.0, 800.0, -800.0];
@@ -180,8 +184,8 @@ fn marks_of_cams_go_by_the_sense_of_the_cam() {
     }
 }
 
-/// The sensor of the labels lies 500 inc before the place where a period of the slave begins: the roll is shifted by 800 inc until the cam has
-/// 1500 where a label comes, and by what the drive lags.
+/// The sensor of the labels is 500 inc before the start of a slave period. The roll is shifted by 800 inc, plus the lag
+/// of the drive, until the cam is at 1500 at a label.
 /// Proves: MACS-CMD-14, MACS-MARK-04
 #[test]
 fn labels_meet_the_period_of_the_slave() {
@@ -196,7 +200,8 @@ fn labels_meet_the_period_of_the_slave() {
     }
 }
 
-/// With syncmstart 2000 the master counts from its first mark on, where the cam has as far to go as the sensor is away.
+/// With syncmstart 2000 the master counts from its first mark, where the remaining travel of the cam equals the
+/// distance of the sensor.
 /// Proves: MACS-MARK-14, MACS-CMD-13
 #[test]
 fn a_cam_begins_at_the_first_mark() {
@@ -207,7 +212,7 @@ fn a_cam_begins_at_the_first_mark() {
     world.run(4_000, SPEED);
     let expected = fed(world.belt as f64 + 200.0) - fed(700.0);
     assert!((world.rig.int("x.command.position") as f64 - expected).abs() <= 1.0);
-    // There was nothing to correct.
+    // There is nothing to correct.
     assert!(world.rig.real("x.marker.error").abs() < 0.1 && world.rig.int("x.in_sync") == 1);
 }
 
@@ -247,7 +252,7 @@ fn what_marks_of_cams_cannot_be_is_refused() {
     start(&mut world, master);
 }
 
-/// A recording that begins in the middle goes on as the machine did: with marks that wait, too.
+/// A machine restored from any point of a recording gives the same results, also with waiting marks.
 #[test]
 fn cams_with_marks_are_restored() {
     for (mode, changes) in [
@@ -262,7 +267,7 @@ fn cams_with_marks_are_restored() {
     }
 }
 
-/// A phase shift or a superimposed move would be taken back.
+/// A phase shift or a superimposed move would be corrected away.
 #[test]
 fn nothing_else_shifts_a_cam_with_marks() {
     let mut world = world(&[("syncmpulsm", 300)]);
@@ -275,11 +280,12 @@ fn nothing_else_shifts_a_cam_with_marks() {
     set(&mut world.rig, &[("syncmpulsm", 400)]);
     world.see();
     world.run(3_000, SPEED);
-    // It acts at once: 400 inc before its place the product is seen.
+    // It acts at once: the product is detected 400 inc before its position.
     assert!(off(&world, 100.0).abs() <= 1.0);
 }
 
-/// A scale of 1 : 3 leaves ways that are rounded in each cycle: a mark of the cam comes in each of its periods of 3000 inc yet, also where it falls on the end of a cycle.
+/// A scale of 1 : 3 causes distances that are rounded in each cycle. A mark of the cam still occurs in each of its
+/// periods of 3000 inc, also at the end of a cycle.
 /// Proves: MACS-CMD-14
 #[test]
 fn ways_that_are_rounded_lose_no_period() {
@@ -291,7 +297,7 @@ fn ways_that_are_rounded_lose_no_period() {
         assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
         world.see();
         world.run(20_000 / speed as usize, speed);
-        // 500 inc and a shift are 300 before 3000.
+        // 500 inc and a shift are 300 inc before 3000.
         let off = [-800.0, 2_200.0]
             .map(|shift| world.rig.int("x.command.position") as f64 - fed((world.belt as f64 + shift) / 3.0));
         assert!(off.iter().any(|off| off.abs() <= 1.5), "{speed}: {off:?}");
@@ -299,7 +305,7 @@ fn ways_that_are_rounded_lose_no_period() {
     }
 }
 
-/// Marks that waited for a sensor that is nearer now are no marks once it is further away again.
+/// Waiting marks of a sensor that is moved nearer are discarded, and do not return when the sensor is moved away again.
 /// Proves: MACS-MARK-03
 #[test]
 fn a_sensor_that_is_moved_forgets_what_waited() {
@@ -316,7 +322,8 @@ fn a_sensor_that_is_moved_forgets_what_waited() {
     assert!(world.rig.real("x.marker.error").abs() < 0.1);
 }
 
-/// What a correction adds to the master is no motion of it: the axis that is let go on goes on as fast as the belt leads it.
+/// A correction added to the master is not a motion of it: an axis that is released and moves on keeps the velocity of
+/// the belt.
 /// Proves: MACS-CMD-14
 #[test]
 fn who_is_let_go_on_behind_a_correction_keeps_the_velocity_of_the_belt() {
@@ -334,7 +341,7 @@ fn who_is_let_go_on_behind_a_correction_keeps_the_velocity_of_the_belt() {
     assert!((3_500.0..=4_500.0).contains(&velocity), "{velocity}");
 }
 
-/// A table that takes the period away is refused while marks go by it.
+/// A table without a period is refused while marks refer to the period.
 #[test]
 fn a_table_without_a_period_for_its_marks_is_refused() {
     let mut world = world(&[("syncmpulss", 500)]);
@@ -346,7 +353,8 @@ fn a_table_without_a_period_for_its_marks_is_refused() {
 
 proptest! {
     #![proptest_config(super::rig::cases(24))]
-    /// Wherever the sensor is and products come, whatever they did before: in the end each meets the start of the cam, by the nearest way.
+    /// For any sensor distance and any product positions, with any history: finally each product meets the start of the
+    /// cam, by the shortest correction.
     /// Proves: MACS-CMD-14
     #[test]
     fn each_product_meets_the_start(

@@ -1,4 +1,4 @@
-//! Cams of `~/synchronize` on a machine: how they begin, what they do when something changes, and how they end.
+//! Cams of `~/synchronize` on a machine: their start, their response to changes, and their end.
 
 use super::rig::{LINE, Rig, X, at, cam, config, couple, to};
 use crate::code::Code;
@@ -12,7 +12,7 @@ use crate::sync::{CamStart, Disengage};
 use crate::table::{CamSetting, Form, Table};
 use std::sync::Arc;
 
-/// Places of the tables.
+/// Indices of the tables.
 const KNIFE: u16 = 0;
 const ONCE: u16 = 1;
 const WORDS: u16 = 2;
@@ -63,7 +63,7 @@ fn master(rig: &Rig) -> Position {
     rig.machine.state.leads.get(Leader::AxisCommand(LINE)).position
 }
 
-/// y of the knife, rounded down to 2^-32: the law of the contract.
+/// Returns y of the knife cam, rounded down to 2^-32: the equation of the contract.
 fn of_knife(x: Position) -> i128 {
     let x = x.raw().rem_euclid(20_000 << 32);
     match x >> 32 {
@@ -85,7 +85,7 @@ fn an_absolute_cam_is_where_the_table_says_over_periods_and_back() {
         rig.give(Action::Move(Move { velocity: 40_000.0, acceleration: 2e5, deceleration: 2e5, ..to(LINE, goal) }));
         for _ in 0..cycles {
             rig.run(1);
-            // Slopes change by 1.5 at 40 inc a cycle: 60000 inc/s in 1 ms are more than 1e6 inc/s^2 allows, so it lags there.
+            // Slopes change by 1.5 at 40 inc per cycle: 60000 inc/s in 1 ms exceed 1e6 inc/s^2, so the slave lags.
             if rig.int("x.in_sync") == 1 {
                 assert_eq!(slave(&rig).raw(), of_knife(master(&rig)));
                 exact += 1;
@@ -147,7 +147,7 @@ fn a_relative_cam_begins_where_both_are() {
     rig.give(on(request));
     rig.run(1);
     assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::whole(700)));
-    // 6000 of the master are 3000 of the table: 1500 there, -4500 at the slave.
+    // 6000 inc of the master are 3000 inc of the table: from 1500 there, -4500 inc of the slave.
     rig.give(Action::Move(Move { velocity: 20_000.0, acceleration: 1e5, deceleration: 1e5, ..to(LINE, 9_333) }));
     rig.run_until("line.state", 1);
     assert_eq!(slave(&rig), Position::whole(700 - 4500));
@@ -161,7 +161,7 @@ fn offsets_shift_master_and_slave() {
         slave_offset: Length::whole(-2_500),
         ..cam(KNIFE, CamStart::Absolute)
     };
-    // At 17000 it is 2500.
+    // At 17000 the cam is at 2500.
     rig.give(on(request));
     rig.run(1);
     assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::ZERO));
@@ -202,11 +202,11 @@ fn ends(rig: &mut Rig, table: &[(i64, i64)], speed: f64, cycles: u64) -> Vec<f64
     (0..cycles).map(|_| place(rig)).collect()
 }
 
-/// It crosses the value of its end in the middle of the table: that is no end.
+/// The cam crosses its end value in the middle of the table, which is not its end.
 #[test]
 fn a_cam_is_not_slowed_down_where_it_passes_its_last_value_before_the_end() {
     let mut rig = rig();
-    // 5 inc a cycle: 50 of the slave, and corners of 100.
+    // 5 inc per cycle: 50 inc of the slave, and corners of 100 inc.
     ends(&mut rig, &[(0, 0), (1000, 10_000), (2000, 10_000), (3000, 5000)], 5000.0, 200);
     assert_eq!(rig.int("x.in_sync"), 1, "before 5000 and behind it");
     assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 1e-3, "{}", rig.real("x.command.velocity"));
@@ -214,7 +214,7 @@ fn a_cam_is_not_slowed_down_where_it_passes_its_last_value_before_the_end() {
     assert_eq!((rig.state("x"), slave(&rig)), ("STANDSTILL", Position::whole(5000)));
 }
 
-/// 40 inc a cycle up to a dwell of one increment: 800 inc are needed to stop from there.
+/// 40 inc per cycle up to a dwell of one increment: 800 inc are needed to stop from there.
 #[test]
 fn a_short_dwell_at_the_end_is_not_passed() {
     let mut rig = rig();
@@ -235,7 +235,8 @@ fn new_numbers_of_another_length_are_refused_while_an_axis_follows() {
     );
 }
 
-/// Alone it may not go back, and not to where it would be either: the goal says so, and does not stay for ever.
+/// The slave must not move backwards, so it cannot reach the end: the goal ends with this reason and does not remain
+/// active.
 #[test]
 fn a_slave_that_may_not_go_back_to_the_end_ends_its_goal_with_that() {
     let mut rig = rig_with(2);
@@ -245,7 +246,7 @@ fn a_slave_that_may_not_go_back_to_the_end_ends_its_goal_with_that() {
     assert!(codes.contains(&Code::REVERSE_FORBIDDEN), "{codes:?}");
 }
 
-/// A dwell: whatever it did before, uncoupled it stands.
+/// Released in a dwell, the axis stands still, whatever it did before.
 #[test]
 fn off_a_dwell_it_goes_on_with_the_velocity_of_the_dwell() {
     let mut rig = rig();
@@ -264,7 +265,7 @@ fn off_a_dwell_it_goes_on_with_the_velocity_of_the_dwell() {
     assert_eq!(rig.real("x.command.velocity"), 0.0);
 }
 
-/// The last slope is 2: it goes on with twice the velocity of the master.
+/// The last slope is 2: the axis continues with twice the velocity of the master.
 #[test]
 fn a_cam_with_an_end_may_leave_its_slave_running() {
     let mut rig = rig();
@@ -279,7 +280,7 @@ fn a_cam_with_an_end_may_leave_its_slave_running() {
     for _ in 0..500 {
         rig.run(1);
         let velocity = rig.real("x.command.velocity");
-        // Behind the corner it catches up with more.
+        // After the corner it catches up with a higher velocity.
         let least = f64::min(before, 20_000.0);
         assert!(velocity >= least - 1e-6, "{velocity} behind {before}");
         before = velocity;
@@ -302,7 +303,7 @@ fn what_is_no_cam_is_refused_with_its_table() {
     }
 }
 
-/// At 4000 the tables differ by 1000: the slave comes to the new one within its limits, and is exact there.
+/// At 4000 the tables differ by 1000: the slave reaches the new one within its limits, and follows it exactly.
 #[test]
 fn new_numbers_hold_at_once_and_nothing_jumps() {
     let mut rig = rig();
@@ -320,14 +321,14 @@ fn new_numbers_hold_at_once_and_nothing_jumps() {
     for _ in 0..200 {
         rig.run(1);
         let step = (slave(&rig) - before.0).to_f64();
-        // 1e6 inc/s^2 is 1 inc per cycle and cycle.
+        // 1e6 inc/s^2 is 1 inc per cycle^2.
         assert!((step - before.1).abs() <= 1.000_001, "{step} behind {}", before.1);
         before = (slave(&rig), step);
     }
     assert_eq!((rig.int("x.in_sync"), slave(&rig)), (1, Position::whole(3_000)));
 }
 
-/// A period of 20000 in one cycle may be, 20001 not.
+/// A period of 20000 inc in one cycle is allowed, 20001 inc is not.
 #[test]
 fn a_master_that_runs_more_than_a_period_in_a_cycle_ends_it_with_an_error() {
     let mut rig = rig();
@@ -344,7 +345,7 @@ fn a_master_that_runs_more_than_a_period_in_a_cycle_ends_it_with_an_error() {
     assert_eq!(rig.state("x"), "ERROR_STOP");
 }
 
-/// Nothing of that would be seen by who reads no memory: a state behind the cam goes on bit for bit.
+/// Only the memory shows such an error: a state saved with an active cam continues bit for bit.
 #[test]
 fn a_state_goes_on_in_the_middle_of_a_period() {
     let mut rig = rig();

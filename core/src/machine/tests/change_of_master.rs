@@ -1,4 +1,4 @@
-//! Another master, ratio or mode while an axis is coupled and moves.
+//! Changes of master, ratio or mode while an axis is coupled and moves.
 
 use super::direction::set;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
@@ -16,10 +16,10 @@ use std::sync::Arc;
 
 const MARK: Object = Object::Io(0);
 const MASTERS: [Leader; 4] = [Leader::AxisCommand(LINE), Leader::AxisCommand(Y), Leader::Virtual, Leader::Sum(0)];
-/// Tables with the same slope everywhere, 3/4 and -1/2.
+/// Tables with a constant slope, 3/4 and -1/2.
 const SLOPES: [(i64, i64); 2] = [(3, 4), (-1, 2)];
 
-/// The line at 20, y at 12, the virtual master at 9 inc a cycle, and a sum of line and y; x stands.
+/// The line runs at 20 inc per cycle, y at 12, the virtual master at 9, and there is a sum of line and y; x is at rest.
 fn rig() -> Rig {
     let mut config = config(0);
     let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
@@ -60,7 +60,7 @@ fn place(rig: &Rig, axis: u16) -> Position {
     lead(rig, Leader::AxisCommand(axis))
 }
 
-/// How x is to follow next.
+/// Next coupling of x.
 #[derive(Clone, Copy, Debug)]
 struct Wish {
     master: usize,
@@ -69,9 +69,9 @@ struct Wish {
     ratio: (i64, i64),
     /// 0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT.
     engage: usize,
-    /// (inc/s^2)
+    /// Acceleration of the goal (inc/s^2).
     acceleration: f64,
-    /// Cycles until the next one.
+    /// Cycles until the next coupling.
     cycles: u64,
 }
 
@@ -84,7 +84,7 @@ impl Wish {
         self.mode >= 3
     }
 
-    /// The goal, given where its master is: a place of that comes in about 40 cycles.
+    /// Returns the goal for the present position of its master: AT_POSITION is reached in about 40 cycles.
     fn goal(&self, rig: &Rig) -> Synchronize {
         let leader = self.leader();
         let now = rig.machine.state.leads.get(leader);
@@ -112,7 +112,7 @@ impl Wish {
         }
     }
 
-    /// What it makes of each increment of its master.
+    /// Returns the slave travel per increment of the master, as a fraction.
     fn slope(&self) -> (i64, i64) {
         if self.is_cam() { SLOPES[self.mode - 3] } else { self.ratio }
     }
@@ -137,7 +137,7 @@ fn latch(rig: &mut Rig) {
     assert!(rig.plant.add_latch(Latch { object: MARK, edge: Edge::Rising, age_ns: Some(400_000), position: None }));
 }
 
-/// Gives one, runs for its cycles; `seen` looks at each cycle: velocity before and now.
+/// Gives a goal and runs for its cycles; `seen` checks each cycle with the velocity before and after it.
 fn follow(rig: &mut Rig, wish: &Wish, mut seen: impl FnMut(&Rig, f64, f64)) -> u64 {
     let goal = rig.give(Action::Synchronize(wish.goal(rig)));
     let mut before = rig.real("x.command.velocity");
@@ -156,8 +156,9 @@ fn follow(rig: &mut Rig, wish: &Wish, mut seen: impl FnMut(&Rig, f64, f64)) -> u
 proptest! {
     #![proptest_config(cases(120))]
 
-    /// From any coupling to any other one, at once, at a place or at a latch: the velocity makes no step beyond the acceleration of the goals, a cam,
-    /// which begins where it is whatever its slope, none beyond what the axis may; who follows x by a gear keeps it in each cycle.
+    /// From any coupling to any other, immediately, at a position or at a latch: a velocity step never exceeds the
+    /// acceleration of the goals. For a cam, which starts in place with any slope, it never exceeds the limit of the
+    /// axis. A follower of x keeps its gear ratio in each cycle.
     ///
     /// Proves: MACS-SYNC-04
     #[test]
@@ -168,7 +169,7 @@ proptest! {
         }
         let mut before: Option<Wish> = None;
         for wish in &wishes {
-            // A cam that begins exactly at its moment comes to its slope at once, as far as the axis may.
+            // A cam that starts exactly at its event reaches its slope at once, within the limits of the axis.
             let is_cam = wish.is_cam() || before.is_some_and(|before| before.is_cam());
             let asked = wish.acceleration.max(before.map_or(0.0, |before| before.acceleration));
             let most = if is_cam { 1e6 } else { asked } / 1e3 + 0.01;
@@ -185,7 +186,7 @@ proptest! {
         }
     }
 
-    /// Whatever comes beside: a lead ahead, offsets, a filter, a shift under way, counts of an encoder.
+    /// With further influences: a velocity lead, offsets, a filter, an active shift, counts of an encoder.
     #[test]
     fn whatever_comes_beside_no_change_is_a_step(
         wishes in prop::collection::vec((wish(), any::<bool>(), any::<bool>()), 2..5),
@@ -196,7 +197,7 @@ proptest! {
         let changes = [("syncffvel", ahead), ("syncposoffs", offset), ("syncofftime", time), ("syncvftime", filter)];
         let given = set(&mut rig, &changes);
         prop_assert!(rig.was_accepted(given));
-        // The belt runs before anything follows it.
+        // The belt runs before any axis follows it.
         for _ in 0..100 {
             rig.plant.jump_encoder(0, 15);
             rig.run(1);
@@ -210,7 +211,8 @@ proptest! {
             let goal = rig.give(Action::Synchronize(Synchronize { engage, ..goal }));
             prop_assert_eq!(rig.answer(goal), Ok(()), "{:?}", wish);
             let slope = (wish.slope().0 as f64 / wish.slope().1 as f64).abs();
-            // A count more or less, of the coupling before or of this one, geared and led ahead, is no acceleration.
+            // One count more or less, of the previous coupling or of this one, geared and with velocity lead, is not an
+            // acceleration.
             let counts = slopes.max(slope) * 1_000.0 * (1.0 + 2.0 * ahead as f64 / 1e3);
             slopes = slope;
             prop_assert!((rig.real("x.command.velocity") - before).abs() <= 1_000.0 + counts + 0.01);
@@ -234,10 +236,11 @@ proptest! {
         }
     }
 
-    /// What waits for its moment changes nothing until then: the coupling before goes on as one that nobody is to take over.
+    /// A goal that waits for its event changes nothing until then: the present coupling continues as if it were not to
+    /// be replaced.
     #[test]
     fn the_coupling_before_holds_until_the_next_begins(first in wish(), next in wish()) {
-        // Marks wait for nothing.
+        // MARKER does not wait.
         let (engage, mode) = (if next.engage == 0 { 2 } else { next.engage }, if next.mode == 2 { 1 } else { next.mode });
         let next = Wish { engage, mode, ..next };
         let (mut changed, mut kept) = (rig(), rig());
@@ -265,13 +268,13 @@ proptest! {
             changed.run(1);
             kept.run(1);
         }
-        // Also in the cycle in which it begins.
+        // Also in the cycle in which it starts.
         prop_assert_eq!(place(&changed, X), place(&kept, X));
         prop_assert!(waited > 25);
     }
 
-    /// From gears and cams to others, of whatever masters and ratios, nothing is lost but what rounding to 2^-32 inc makes of the remainder: once it is there, x
-    /// is where it was when that began, and slope * (way of the master since then).
+    /// From gears and cams to others, with any masters and ratios, only the rounding of the remainder to 2^-32 inc is
+    /// lost: once in sync, x is at its position at that moment + slope * (travel of the master since then).
     ///
     /// Proves: MACS-SYNC-02
     #[test]
@@ -282,7 +285,7 @@ proptest! {
             let wish = Wish { mode, engage: 0, acceleration: 1e6, cycles: 400, ..*wish };
             let goal = rig.give(Action::Synchronize(wish.goal(&rig)));
             prop_assert_eq!(rig.answer(goal), Ok(()));
-            // In the cycle of the command all still move as before.
+            // In the cycle of the command all axes still move as before.
             let (slave, master) = (place(&rig, X), lead(&rig, wish.leader()));
             rig.run_until("x.in_sync", 1);
             let (rise, length) = wish.slope();
@@ -295,13 +298,14 @@ proptest! {
         }
     }
 
-    /// In a chain the axis in the middle changes its master in motion, and the last one keeps its gear to it in each cycle.
+    /// In a chain the middle axis changes its master in motion, and the last axis keeps its gear ratio to it in each
+    /// cycle.
     #[test]
     fn a_master_that_changes_its_own_master_keeps_its_followers(
         wishes in prop::collection::vec(wish(), 1..4), ratio in prop::sample::select(vec![(1_i64, 2_i64), (-1, 1), (2, 3), (355, 452)]),
     ) {
         let mut rig = rig();
-        // y follows x, so that it is no master of it.
+        // y follows x, so it cannot be a master of x.
         rig.give(Action::Synchronize(couple(X, MASTERS[0], 1, 3)));
         rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), ratio.0, ratio.1)));
         rig.run(600);
@@ -320,7 +324,7 @@ proptest! {
         }
     }
 
-    /// A refused goal, and one that ends at its moment, leave the coupling as it was, to the last bit of its remainder.
+    /// A refused goal, and one that fails at its event, leave the coupling unchanged, to the last bit of its remainder.
     #[test]
     fn a_refused_goal_leaves_the_coupling_as_it_was(first in wish(), which in 0_usize..8, after in 1_u64..200) {
         let (mut refused, mut kept) = (rig(), rig());
@@ -343,7 +347,7 @@ proptest! {
                 Synchronize { engage, ..gear }
             }
         };
-        // A cam of the virtual master that is under way has an end to wait for.
+        // An active cam of the virtual master has an end that can be waited for.
         prop_assume!(which != 5 || first.master != 2 || !first.is_cam());
         let goal = refused.give(Action::Synchronize(bad));
         kept.run(1);
@@ -362,7 +366,8 @@ proptest! {
     }
 }
 
-/// Two axes swap who leads whom in one cycle, in motion: the order of the axes changes, and neither loses a cycle.
+/// Two axes exchange leader and follower in one cycle, in motion: the order of the axes changes, and neither loses a
+/// cycle.
 #[test]
 fn an_order_that_turns_round_in_motion_loses_nothing() {
     let mut rig = rig();
@@ -370,10 +375,10 @@ fn an_order_that_turns_round_in_motion_loses_nothing() {
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
     rig.run(500);
     assert_eq!((rig.int("x.in_sync"), rig.int("y.in_sync")), (1, 1));
-    // y cannot follow x as long as x follows y.
+    // y cannot follow x while x follows y.
     let loops = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
     assert_eq!(rig.answer(loops).expect_err("a loop").code, Code::LEADER_LOOP);
-    // The line gets faster all the time: who is a cycle behind is not where its gear says.
+    // The line accelerates continuously, so an axis that is a cycle late is not at the position of its gear.
     rig.give(Action::Move(Move { acceleration: 20_000.0, ..at(LINE, 50_000.0) }));
     for turn in 0..4 {
         let (first, second) = if turn % 2 == 0 { (X, Y) } else { (Y, X) };
@@ -384,10 +389,10 @@ fn an_order_that_turns_round_in_motion_loses_nothing() {
         let (line, leads, follows) = (place(&rig, LINE), place(&rig, first), place(&rig, second));
         for _ in 0..200 {
             rig.run(1);
-            // It was as fast already: neither has anything to catch up.
+            // The new follower already has the velocity: neither axis has anything to catch up.
             let half = (place(&rig, LINE) - line).raw().div_euclid(2);
             assert!(((place(&rig, first) - leads).raw() - half).abs() <= 1, "turn {turn}");
-            // What half an increment of the line left of the gear before is rounded once.
+            // A remainder of half an increment of the line from the previous gear is rounded once.
             let off = (place(&rig, second) - follows - (place(&rig, first) - leads)).raw();
             assert!(off.abs() <= 1, "turn {turn}: {off} units");
             assert_eq!((rig.int("x.in_sync"), rig.int("y.in_sync")), (1, 1), "turn {turn}");
@@ -395,7 +400,7 @@ fn an_order_that_turns_round_in_motion_loses_nothing() {
     }
 }
 
-/// A move takes the place of a coupling from the velocity that it has: to rest at a place, on at a speed, back.
+/// A move replaces a coupling from its present velocity: to rest at a position, on at a velocity, or back.
 #[test]
 fn a_move_takes_a_coupling_over_at_its_velocity() {
     for (what, request) in
@@ -427,8 +432,8 @@ fn a_move_takes_a_coupling_over_at_its_velocity() {
     }
 }
 
-/// At 20 inc a cycle and 1 : 2, led 10 cycles ahead, x is 100 inc further than its gear says. The same goal again, another ratio or another master of the same
-/// speed leave it where its drive is: with what it is led ahead, and not with that once more.
+/// At 20 inc per cycle and 1 : 2 with a lead of 10 cycles, x is 100 inc ahead of its gear. The same goal again, another
+/// ratio or another master of the same velocity leave x where its drive is: with the lead applied once, not twice.
 ///
 /// Proves: MACS-SYNC-15
 #[test]
@@ -451,14 +456,15 @@ fn who_is_led_ahead_is_led_no_further_by_a_change() {
         assert_eq!(rig.int("x.in_sync"), 1, "{engage:?}");
         assert!((ahead(&rig) - off).abs() <= 4, "{engage:?}: {} units", ahead(&rig) - off);
     }
-    // A cam of slope 3/4, and back: from 100 to 150 inc ahead of the place that the table says, and of the one where it began.
+    // A cam with slope 3/4, and back: the lead changes from 100 to 150 inc, relative to the position in the table and
+    // to the start position.
     let from = (place(&rig, X).to_f64() - 100.0, place(&rig, LINE).to_f64());
     rig.give(Action::Synchronize(Synchronize { cam: Some(cam(0, CamStart::Relative)), ..couple(X, MASTERS[0], 0, 0) }));
     let began = (from.0 + 10.0, from.1 + 20.0);
     rig.run(600);
     let way = place(&rig, X).to_f64() - began.0 - 0.75 * (place(&rig, LINE).to_f64() - began.1);
     assert!((way - 150.0).abs() < 1e-6, "{way}");
-    // Mode VELOCITY has no place to be ahead of.
+    // Mode VELOCITY has no position, so it has no lead.
     let velocity = rig.real("x.command.velocity");
     rig.give(Action::Synchronize(Synchronize { mode: SyncMode::Velocity, ..couple(X, MASTERS[0], 3, 4) }));
     for _ in 0..50 {

@@ -1,5 +1,5 @@
-//! Changes of target, limits, shape, override and stops at any moment: never beyond a limit, never moving without a goal,
-//! at rest on a whole increment in the end.
+//! Changes of target, limits, shape, override and stops at any moment: the axis never exceeds a limit, never moves
+//! without a goal, and finally rests on a whole increment.
 
 use super::rig::{Rig, X, at, cases, config, to};
 use crate::command::{Action, BufferMode, Move, MoveMode};
@@ -22,12 +22,12 @@ enum Deed {
     Halt,
     QuickStop,
     Cancel,
-    /// Of the goal that was given that many goals ago.
+    /// Cancels the goal that was given this many goals ago.
     CancelOlder(usize),
     Disable,
-    /// The drive fails.
+    /// A fault of the drive.
     Fault,
-    /// A setpoint, newly streamed.
+    /// A new streamed setpoint.
     Stream(f64),
 }
 
@@ -86,7 +86,7 @@ fn deed() -> impl Strategy<Value = Deed> {
     ]
 }
 
-/// What the board says of the command of x.
+/// Signals of the command of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     position: f64,
@@ -104,13 +104,13 @@ fn seen(rig: &Rig) -> Seen {
     }
 }
 
-/// Neither moves nor is about to: a stop with limited jerk may turn.
+/// Returns true if the command is at rest and remains at rest: a stop with limited jerk may reverse.
 fn stands(rig: &Rig) -> bool {
     let now = seen(rig);
     (now.velocity, now.acceleration) == (0.0, 0.0)
 }
 
-/// The first law that the step from `before` to `now` breaks.
+/// Returns the first rule that the step from `before` to `now` violates.
 fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool, inverted: bool) -> Option<String> {
     let near = 1.0 + 1e-9;
     if now.velocity.abs() > MAX_VELOCITY * near {
@@ -118,7 +118,7 @@ fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool, inve
     }
     let braking = now.velocity * now.acceleration < 0.0;
     let most = if braking { MAX_ACCELERATION / 2.0 } else { MAX_ACCELERATION };
-    // At a velocity of almost 0 it brakes and starts within one cycle.
+    // At a velocity near 0 the axis brakes and starts within one cycle.
     let turns = now.velocity.abs() <= MAX_ACCELERATION * CYCLE;
     if now.acceleration.abs() > if turns { MAX_ACCELERATION } else { most } * near {
         return Some(format!("acceleration {} at {}", now.acceleration, now.velocity));
@@ -132,14 +132,14 @@ fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool, inve
     if (now.velocity - before.velocity).abs() > MAX_ACCELERATION * CYCLE * near {
         return Some(format!("velocity from {} to {}", before.velocity, now.velocity));
     }
-    // Simpson's rule needs the middle; the trapezoidal one errs by a twelfth of the acceleration's change, and a stop ends
-    // on the increment below.
+    // Simpson's rule needs the midpoint; the error of the trapezoidal rule is a twelfth of the change of acceleration,
+    // and a stop ends on the increment below.
     let way = now.position - before.position - 0.5 * (now.velocity + before.velocity) * CYCLE;
     if way.abs() > MAX_ACCELERATION * CYCLE * CYCLE / 2.0 + 1.001 {
         return Some(format!("position off by {way}"));
     }
-    // Where a limit was set behind an axis at rest, it may only come back; a stop ends on the increment below, as the drive
-    // counts.
+    // If a limit was set behind an axis at rest, the axis may only return; a stop ends on the increment below, as the
+    // drive counts.
     let here = before.position;
     let (lowest, highest) = if inverted { (here, here.ceil()) } else { (here.floor(), here) };
     if now.position > high.max(highest) || now.position < low.min(lowest) {
@@ -156,11 +156,11 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
     (p.max_jerk, p.profile) = (Some(MAX_JERK), shape);
     (p.macs.posdrct, p.macs.revers) = sense;
     (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
-    // Limits that a velocity goal runs into are reported and no lock follows.
+    // Violations of limits by a velocity goal are reported without an error lock.
     p.error_reaction = 2;
     let mut rig = Rig::of(config);
     rig.enable();
-    // A jerk that was lowered in motion is one that the axis is beyond already.
+    // A jerk limit that was lowered in motion may be exceeded already.
     let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, Deed::Set("profile" | "max_jerk" | "jerkmin3", _)));
     let only_jerk = shape == 2 && !shapes_change;
     let (mut goals, mut before) = (Vec::new(), seen(&rig));
@@ -176,7 +176,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
             Deed::Cancel => Action::Cancel { goal: goals.last().copied().unwrap_or(0) },
             Deed::CancelOlder(back) => Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) },
             Deed::Disable => Action::Disable(AxisSet::one(X)),
-            // Something else that names no axis.
+            // Another request that names no axis.
             Deed::Fault | Deed::Stream(_) => Action::SetParameters([].into()),
         };
         let is_move = matches!(action, Action::Move(_));
@@ -202,10 +202,10 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
                 before = now;
                 continue;
             }
-            // A stop that its shape would lead beyond a limit brakes without shape, and ends there.
+            // A stop that would exceed a limit with its profile shape brakes without the shape, and ends at the limit.
             let at_limit =
                 [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, Deed::Move(_));
-            // What would swing back where that is forbidden stands at once.
+            // A motion that would swing back although this is forbidden stops at once.
             let is_held = sense.1 == 2 && now.velocity == 0.0;
             let broken = fault(
                 before,
@@ -243,7 +243,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
         before = seen(&rig);
     }
     rig.give(Action::Halt(AxisSet::one(X)));
-    // 100 mm/s with the least deceleration, in the longest shape.
+    // 100 mm/s with the lowest deceleration, in the longest shape.
     let ends = (0..20_000).any(|_| {
         rig.run(1);
         rig.state("x") != "DISCRETE_MOTION" && stands(&rig)
@@ -273,8 +273,9 @@ proptest! {
     }
 }
 
-/// A velocity goal with less jerk takes a braking motion over: its acceleration runs out so slowly that it swings back, and
-/// only then goes where it should. A stop would end behind its start, but turns beyond the limit ahead.
+/// A velocity goal with less jerk replaces a braking motion: the acceleration decreases so slowly that the axis swings
+/// back before it moves in the commanded direction. A stop would end behind its start, but would exceed the limit
+/// ahead.
 #[test]
 fn a_swing_back_begins_before_the_limit_ahead() {
     for (low, sign) in [(LOW, 1.0), (-HIGH, -1.0)] {
@@ -288,7 +289,7 @@ fn a_swing_back_begins_before_the_limit_ahead() {
         rig.enable();
         let deceleration = MAX_ACCELERATION / 4.0;
         rig.give(Action::Move(Move { velocity: MAX_VELOCITY, deceleration, jerk: MAX_JERK, ..to(X, ahead) }));
-        // It brakes with all that it may, and no more than 5 mm/s are left.
+        // The axis brakes with its maximum until no more than 5 mm/s are left.
         let left = 5_000.0;
         rig.run(50);
         while rig.real("x.command.velocity").abs() > left {
@@ -296,7 +297,7 @@ fn a_swing_back_begins_before_the_limit_ahead() {
         }
         assert_eq!(rig.real("x.command.acceleration"), sign * deceleration);
         let (row, _) = Row::find("max_jerk").unwrap();
-        // The acceleration takes 2 * 5 mm/s out before it is gone: the velocity turns on the way.
+        // The acceleration changes the velocity by 2 * 5 mm/s before it is 0: the velocity reverses in between.
         let jerk = deceleration * deceleration / (4.0 * left);
         rig.give(Action::SetParameters([Change { axis: X, row, value: Value::Real(jerk) }].into()));
         let goal = rig.give(Action::Move(Move { jerk, ..at(X, -sign * MAX_VELOCITY) }));
@@ -313,8 +314,8 @@ fn a_swing_back_begins_before_the_limit_ahead() {
     }
 }
 
-/// An S-ramp that has just begun to pass takes long to end its acceleration. Without the goal behind it there is no room for
-/// that before the limit.
+/// An S-ramp that has just started to blend needs long to reduce its acceleration. Without the next goal there is not
+/// enough distance for that before the limit.
 #[test]
 fn a_passage_whose_next_goal_is_cancelled_stops_before_the_limit() {
     for cycles in 100..160 {

@@ -1,4 +1,4 @@
-//! What is between motor and load, taken up: the load stands where it is asked to be.
+//! Compensation of backlash and pitch error between motor and load: the load is at the commanded position.
 
 mod load;
 mod meetings;
@@ -25,12 +25,12 @@ fn xy(points: &[(i64, i64)]) -> Table {
     Table::new(Form::Xy, &x, &y).expect("points")
 }
 
-/// A screw that is 60 inc too long at 20 mm, and right again at 50 mm; behind it, too short.
+/// A screw that is 60 inc too long at 20 mm, correct again at 50 mm, and too short after that.
 const PITCH: [(i64, i64); 4] = [(0, 0), (20_000, 60), (50_000, 0), (70_000, -25)];
 /// 0.04 mm.
 const BACKLASH: i64 = 40;
 
-/// x has that backlash and pitch error, each where it is given.
+/// Returns a cell in which x has this backlash and pitch error, if given.
 fn cell(delay: u32, backlash: i64, pitch: Option<&[(i64, i64)]>) -> MachineConfig {
     let mut config = config(delay);
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
@@ -59,7 +59,7 @@ fn home(rig: &mut Rig, method: i8) {
     panic!("homing by {method} never ended");
 }
 
-/// Its zero is where it stands.
+/// Returns a rig whose x has its zero at its present position.
 fn homed(config: MachineConfig) -> Rig {
     let mut rig = Rig::of(config);
     rig.enable();
@@ -73,7 +73,7 @@ fn set(rig: &mut Rig, key: &str, value: Value) {
     assert!(rig.was_accepted(sequence), "{key}");
 }
 
-/// x has an absolute encoder.
+/// Gives x an absolute encoder.
 fn absolute(mut config: MachineConfig) -> MachineConfig {
     let axis = &mut config.axes[1];
     axis.wired = Wired::Drive(Words::Absolute(Absolute { turns: 4096, ..Absolute::single_turn(8192) }));
@@ -82,12 +82,12 @@ fn absolute(mut config: MachineConfig) -> MachineConfig {
     config
 }
 
-/// Goes there, and waits until it stands.
+/// Moves to a target and waits until the axis is at rest.
 fn go(rig: &mut Rig, target: i64) {
     let goal = rig.give(Action::Move(to(X, target)));
     for _ in 0..20_000 {
         if rig.done(goal).len() == 1 {
-            // What was taken up last has come.
+            // The last compensation is complete.
             rig.run(60);
             assert_eq!(rig.int("x.command.position"), target);
             return;
@@ -101,7 +101,8 @@ fn compensation(rig: &Rig) -> i64 {
     rig.int("x.compensation")
 }
 
-/// By hand: 60 inc on 20 mm are 3 for each mm, less by 2 for each mm behind that; going down 40 less. Half an increment is rounded up.
+/// Calculated by hand: 60 inc on 20 mm are 3 for each mm, then 2 less for each mm; downwards 40 less. Half an increment
+/// is rounded up.
 #[test]
 fn the_motor_is_beyond_the_load_by_the_table_and_the_gap() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
@@ -127,7 +128,8 @@ fn the_motor_is_beyond_the_load_by_the_table_and_the_gap() {
     }
 }
 
-/// 25 mm/s against 10: in each cycle 25 inc of 40, then 15; the axis itself does not move, and nothing follows late.
+/// 25 mm/s against 10 mm/s: 25 of 40 inc in the first cycle, then 15. The axis itself does not move, and there is no
+/// following error.
 #[test]
 fn taking_up_is_no_motion_of_the_axis() {
     for delay in [0, 1, 7] {
@@ -145,7 +147,7 @@ fn taking_up_is_no_motion_of_the_axis() {
             let here = rig.int("x.actual.position");
             assert_eq!((rig.int("x.following_error"), rig.int("x.error")), (0, 0));
             assert!(here <= last && last - here <= 100, "delay {delay}: {last} to {here}");
-            // At rest and at constant speed the drive's velocity is that of the axis.
+            // At rest and at constant velocity the velocity of the drive equals that of the axis.
             assert!((rig.real("x.actual.velocity") - (here - last) as f64 * 1_000.0).abs() <= 1_000.0);
             last = here;
             let now = compensation(&rig);
@@ -158,7 +160,7 @@ fn taking_up_is_no_motion_of_the_axis() {
     }
 }
 
-/// A tenth of 100 mm/s where nobody says how fast: 10 inc a cycle.
+/// Without a given rate it is a tenth of 100 mm/s: 10 inc per cycle.
 #[test]
 fn the_rate_is_a_tenth_of_the_highest_velocity_unless_it_is_given() {
     for (given, cycles) in [(None, 4), (Some(1_000.0), 40), (Some(500.0), 80), (Some(40_000.0), 1)] {
@@ -177,13 +179,14 @@ fn the_rate_is_a_tenth_of_the_highest_velocity_unless_it_is_given() {
             rig.run(1);
             took += 1;
         }
-        // Half an increment a cycle shows with the second one.
+        // Half an increment per cycle is visible from the second cycle.
         let late = if given == Some(500.0) { 1 } else { 0 };
         assert_eq!(took + late, cycles, "{given:?}");
     }
 }
 
-/// Without a zero nobody knows where on its screw it is; with one it comes in by its rate, and goes again with the zero.
+/// Without a zero the position on the screw is unknown. With a zero the compensation is applied at its rate, and it is
+/// removed together with the zero.
 #[test]
 fn there_is_none_before_a_zero_is_known() {
     let mut config = cell(2, BACKLASH, Some(&[(0, 500), (100_000, 500)]));
@@ -211,7 +214,7 @@ fn there_is_none_before_a_zero_is_known() {
     assert_eq!((rig.int("x.homed"), compensation(&rig)), (0, 0));
 }
 
-/// The place on the screw is that of the axis' own zero, whatever coordinate a user takes.
+/// The position on the screw refers to the zero of the axis itself, in any user coordinate.
 #[test]
 fn another_coordinate_is_no_other_place_on_the_screw() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
@@ -231,7 +234,7 @@ fn another_coordinate_is_no_other_place_on_the_screw() {
     assert_eq!((compensation(&rig), rig.int("x.actual.count")), (20, 20_020));
 }
 
-/// A parameter changes what is asked for by the rate alone, at rest and in motion.
+/// A parameter change affects the command only at the compensation rate, at rest and in motion.
 #[test]
 fn a_parameter_makes_no_jump() {
     for moves in [false, true] {
@@ -260,7 +263,8 @@ fn a_parameter_makes_no_jump() {
     }
 }
 
-/// Nobody has looked at its motion before: what is set at rest begins with the next one, in its sense.
+/// The direction of earlier motion is unknown: a backlash that is set at rest applies from the next motion, in its
+/// direction.
 #[test]
 fn a_backlash_that_is_set_at_rest_begins_with_the_next_motion() {
     for (place, on, expected) in [(-50_000, -51_000, -40), (-50_000, -49_000, 0), (50_000, 49_000, -40)] {
@@ -274,13 +278,13 @@ fn a_backlash_that_is_set_at_rest_begins_with_the_next_motion() {
     }
 }
 
-/// A turn of 10 mm: its table begins anew with each.
+/// Revolution of 10 mm: the table starts again with each revolution.
 #[test]
 fn the_table_of_a_rotary_axis_begins_anew_with_each_turn() {
     let mut config = cell(0, 0, Some(&[(1_000, 20), (6_000, -20)]));
     config.axes[1].modulo = Modulo::new(10_000, 1);
     let mut rig = homed(config);
-    // From 6 mm to 11 mm up again by 40: 8 for each mm. The axis stands at 0 of its turn then.
+    // From 6 mm to 11 mm it rises by 40 inc: 8 inc for each mm. The axis is at 0 of its revolution then.
     for (target, expected) in [(1_000, 20), (3_500, 0), (6_000, -20), (8_500, 0), (0, 12)] {
         rig.give(Action::Move(to(X, target)));
         rig.run(1_000);
@@ -296,12 +300,12 @@ fn the_table_of_a_rotary_axis_begins_anew_with_each_turn() {
         most = most.max((compensation(&rig) - last).abs());
         assert_eq!(rig.int("x.following_error"), 0);
     }
-    // 0.008 of 100 inc a cycle.
+    // 0.008 of 100 inc per cycle.
     assert_eq!(most, 1);
 }
 
-/// A cycle at rest is passed over with it as without it; a motion is none that is calm. A zero that homing has found keeps vocabularies
-/// awake, so that the encoder tells it here.
+/// A cycle at rest is skipped with and without compensation; a motion with compensation does not use the fast path. A
+/// homed zero keeps vocabularies active, so the zero comes from an absolute encoder here.
 #[test]
 fn at_rest_it_costs_nothing() {
     use crate::axis::Pace;
@@ -322,7 +326,7 @@ fn at_rest_it_costs_nothing() {
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(100);
     assert_eq!(pace(&rig), Pace::Calm);
-    // Set in motion it ends the calm, and comes in.
+    // Set in motion, the backlash ends the fast path and is compensated.
     set(&mut rig, "compensation.backlash", Value::Int(BACKLASH));
     rig.run(20);
     assert_eq!(pace(&rig), Pace::Full);
@@ -378,7 +382,7 @@ fn what_cannot_have_a_pitch_error_is_refused() {
     assert_eq!(beyond, of("x", PitchProblem::Points(turn)));
 }
 
-/// Places of a table, targets, how fast, and for how many cycles.
+/// Returns the points of a random table.
 fn table() -> impl Strategy<Value = Vec<(i64, i64)>> {
     prop::collection::vec((10_i64..20_000, -1.0..=1.0_f64), 1..12).prop_map(|steps| {
         let mut points = vec![(-30_000, 17)];
@@ -393,8 +397,8 @@ fn table() -> impl Strategy<Value = Vec<(i64, i64)>> {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// In each cycle the actual position is counts - c, c as it was asked for a delay before; an ideal drive has no following error; c never
-    /// changes faster than its rate; and a machine that was restored goes on with the same.
+    /// In each cycle the actual position is counts - c, with the c commanded one delay earlier. An ideal drive has no
+    /// following error, c never changes faster than its rate, and a restored machine gives the same results.
     #[test]
     fn the_actual_position_is_counts_minus_what_was_asked_for(
         points in table(),
@@ -418,7 +422,7 @@ proptest! {
         rig.enable();
         home(&mut rig, 35);
         let step = rate.unwrap_or(10_000.0) / 1_000.0;
-        // The zero came with this cycle: what is asked for in it is not answered yet.
+        // The zero was set in this cycle: its command is not answered yet.
         let origin = rig.int("x.actual.count") - rig.int("x.actual.position");
         let mut past: VecDeque<i64> = std::iter::repeat_n(0, delay as usize).collect();
         past.push_back(compensation(&rig));
@@ -453,8 +457,8 @@ proptest! {
     }
 }
 
-/// 400 inc at 4000 inc/s take 100 ms, and the way back by 10 inc a few of them: the goal is done once the load is there, not once its counts less what
-/// is asked for are.
+/// 400 inc at 4000 inc/s take 100 ms, and the move back by 10 inc only a few ms. The goal is done when the load is at
+/// the target, not when counts minus commanded compensation are.
 #[test]
 fn a_goal_is_done_once_its_backlash_is_taken_up() {
     let mut config = cell(2, 400, None);
@@ -472,7 +476,8 @@ fn a_goal_is_done_once_its_backlash_is_taken_up() {
     assert!((100..150).contains(&cycles), "{cycles}");
 }
 
-/// A backlash of more than max_following_error is no encoder that stands: its counts move while the axis does not.
+/// A backlash larger than max_following_error is not detected as a blocked encoder: the counts move while the axis does
+/// not.
 #[test]
 fn a_motor_that_takes_up_does_not_stand() {
     let mut config = cell(0, 3_000, None);

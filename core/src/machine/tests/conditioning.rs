@@ -1,4 +1,4 @@
-//! What becomes of a master before the gear: stored backward motion, filter, offset, and what comes beside.
+//! Conditioning of a master before the gear: stored backward motion, filter, offset, and additional influences.
 
 use super::direction::set;
 use super::rig::{LINE, Rig, X, at, cases, config, couple, to};
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 pub(super) const TO_LINE: Leader = Leader::AxisCommand(LINE);
 pub(super) const TO_BELT: Leader = Leader::Encoder(0);
 
-/// x, with these parameters, on what leads it.
+/// Returns a rig in which x, with these parameters, follows this leader.
 pub(super) fn on(leader: Leader, (numerator, denominator): (i64, i64), changes: &[(&str, i64)]) -> Rig {
     let mut rig = Rig::enabled();
     let given = set(&mut rig, changes);
@@ -20,7 +20,7 @@ pub(super) fn on(leader: Leader, (numerator, denominator): (i64, i64), changes: 
     rig
 }
 
-/// The master goes gently: a fifth of what its slave can.
+/// The master accelerates with a fifth of the limit of its slave.
 pub(super) fn line_at(velocity: f64) -> Action {
     Action::Move(Move { acceleration: 200_000.0, ..at(LINE, velocity) })
 }
@@ -39,7 +39,7 @@ fn step_to(rig: &mut Rig, expected: i64) {
     assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync"), rig.int("x.sync.error")), (expected, 1, 0));
 }
 
-/// In increments of the master, positive is ahead in the direction of the coupling; back at 0 nothing is left.
+/// In increments of the master; positive is ahead in the direction of the coupling. Back at 0 nothing remains.
 /// Proves: MACS-SYNC-13
 #[test]
 fn an_offset_moves_the_slave_by_what_its_gear_makes_of_it() {
@@ -47,7 +47,7 @@ fn an_offset_moves_the_slave_by_what_its_gear_makes_of_it() {
         let mut rig = on(TO_LINE, ratio, &[("syncposoffs", 1_000)]);
         step_to(&mut rig, 500 * sign);
         set(&mut rig, &[("syncposoffs", -1_001)]);
-        // -500.5, floor.
+        // -500.5, rounded down.
         step_to(&mut rig, if sign > 0 { -501 } else { 500 });
         rig.give(line_to(300));
         rig.run(200);
@@ -67,7 +67,8 @@ fn coupled_by_velocity_there_is_no_offset() {
     assert_eq!(rig.int("x.command.position"), 0);
 }
 
-/// Distance 1000 and 500 ms: 2500 inc/s, 25000 inc/s^2. From a quarter of the distance on it takes d / v + 0.2 T, below 2 sqrt(d / a).
+/// Distance 1000 and 500 ms: 2500 inc/s, 25000 inc/s^2. From a quarter of the distance on it takes d / v + 0.2 T, below
+/// that 2 sqrt(d / a).
 /// Proves: MACS-SYNC-14
 #[test]
 fn an_offset_is_worked_off_in_its_time() {
@@ -92,7 +93,7 @@ fn an_offset_is_worked_off_in_its_time() {
     }
 }
 
-/// One that is changed on its way goes on from its velocity: nothing jumps, and nothing is lost.
+/// An offset that changes during its motion continues from the present velocity, without a step and without loss.
 /// Proves: MACS-SYNC-13, MACS-SYNC-14
 #[test]
 fn an_offset_may_change_on_its_way() {
@@ -109,7 +110,7 @@ fn an_offset_may_change_on_its_way() {
         at_once = at_once.max((velocity - before).abs());
         before = velocity;
     }
-    // 25000 inc/s^2 are 25 inc/s a cycle.
+    // 25000 inc/s^2 are 25 inc/s per cycle.
     assert!(at_once < 25.1, "{at_once}");
     step_to(&mut rig, -200);
 }
@@ -131,13 +132,14 @@ fn an_offset_that_its_gear_cannot_hold_is_refused() {
     assert!(rig.refusal(refused).contains("syncposoffs"));
 }
 
-/// Backward increments of the master are stored, and the next forward ones go into that; then it goes on.
+/// Backward increments of the master are stored, and the next forward increments reduce the store; then the slave moves
+/// on.
 /// Proves: MACS-SYNC-05
 #[test]
 fn backward_motion_is_stored() {
     for numerator in [1, -1] {
         let mut rig = on(TO_LINE, (numerator, 1), &[("synctype", 4)]);
-        // Where the gear turns it round, the master's way up is the backward one.
+        // If the gear reverses the direction, upwards is backwards for the master.
         let sign = numerator;
         let way = |up: i64| line_to(up * sign);
         rig.give(way(2_000));
@@ -154,7 +156,7 @@ fn backward_motion_is_stored() {
     }
 }
 
-/// A negative factor of the master is the direction that counts (SYNCFACTM -1).
+/// A negative factor of the master selects the forward direction (SYNCFACTM -1).
 /// Proves: MACS-SYNC-05
 #[test]
 fn a_turned_master_goes_backwards_where_it_counts_up() {
@@ -167,7 +169,7 @@ fn a_turned_master_goes_backwards_where_it_counts_up() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.buffer")), (500, 0));
 }
 
-/// SYNCTYPE holds from the next synchronize on.
+/// A change of SYNCTYPE applies from the next synchronize.
 #[test]
 fn the_options_are_those_of_the_beginning() {
     let mut rig = on(TO_LINE, (1, 1), &[("synctype", 0)]);
@@ -177,7 +179,7 @@ fn the_options_are_those_of_the_beginning() {
     assert_eq!(rig.int("x.command.position"), -500);
 }
 
-/// mencoder 500: tau 19.5 ms. From rest to v: after n ms v (1 - (1 - 1/19.5)^n) has come.
+/// mencoder 500: tau 19.5 ms. From rest to v: after n ms the velocity is v (1 - (1 - 1/19.5)^n).
 /// Proves: MACS-SYNC-07, MACS-SYNC-08
 #[test]
 fn coupled_by_velocity_it_follows_the_filtered_master() {
@@ -191,7 +193,7 @@ fn coupled_by_velocity_it_follows_the_filtered_master() {
         let expected = 3.0 * 5_000.0 * (1.0 - libm::pow(share, f64::from(n)));
         assert!((rig.real("x.command.velocity") - expected).abs() < 0.01, "{n}: {}", rig.real("x.command.velocity"));
     }
-    // Without counts of mencoder there is none.
+    // Without counts of mencoder there is no filter.
     rig.plant.jump_encoder(0, 5);
     set(&mut rig, &[("mencoder", 0)]);
     rig.plant.jump_encoder(0, 5);
@@ -199,7 +201,7 @@ fn coupled_by_velocity_it_follows_the_filtered_master() {
     assert_eq!(rig.real("x.command.velocity"), 15_000.0);
 }
 
-/// Positive values leave positions alone.
+/// Positive values do not filter positions.
 /// Proves: MACS-SYNC-08
 #[test]
 fn a_positive_time_filters_no_position() {
@@ -209,7 +211,7 @@ fn a_positive_time_filters_no_position() {
     assert_eq!((rig.int("x.command.position"), rig.real("x.sync.filter_error")), (1, 0.0));
 }
 
-/// The error of the filter is part of the sync error, comes back by a tenth of tau, and nothing of it stays.
+/// The filter error is part of the sync error, is reduced by a tenth of tau, and nothing of it remains.
 /// Proves: MACS-SYNC-09, MACS-SYNC-16
 #[test]
 fn a_filtered_position_arrives_in_the_end() {
@@ -224,13 +226,13 @@ fn a_filtered_position_arrives_in_the_end() {
         assert!((rig.int("x.sync.error") as f64 - exact).abs() <= 1.0);
         assert!((lacked * 355.0 / 113.0 - exact).abs() <= 2.0);
     }
-    // At 10 inc per ms some 20 ms of it are owed while it speeds up, at most 190 inc.
+    // At 10 inc per ms the filter error is about 20 ms of it during acceleration, at most 190 inc.
     assert!((50.0..190.0).contains(&most), "{most}");
     rig.run(5_000);
     assert_eq!((place(&rig, X).raw(), rig.real("x.sync.filter_error")), ((5_000_i128 << 32) * 355 / 113, 0.0));
 }
 
-/// Beyond 50 inc the tau falls by 1 ms per ms, not below 5 ms; below a fifth of that it comes back as slowly.
+/// Above 50 inc tau decreases by 1 ms per ms, down to 5 ms; below a fifth of that it increases as slowly.
 /// Proves: MACS-SYNC-11
 #[test]
 fn tau_of_the_filter_in_force_is_a_signal() {
@@ -258,7 +260,7 @@ fn tau_of_the_filter_in_force_is_a_signal() {
     assert_eq!(rig.real("x.sync.filter_tau"), 0.0);
 }
 
-/// Switched off in motion, what the filter owes comes within the limits of the axis.
+/// If the filter is switched off in motion, its error is removed within the limits of the axis.
 #[test]
 fn a_filter_that_is_switched_off_owes_nothing() {
     let mut rig = on(TO_LINE, (1, 1), &[("syncvftime", -200_000)]);
@@ -291,7 +293,7 @@ fn the_slave_is_led_ahead_by_a_share_of_its_velocity() {
     assert_eq!(rig.int("x.command.position"), 20_000);
 }
 
-/// 50 % of 20 mm/s: 10 to 30 mm/s, and no more than the goal's 25 or 40 mm/s.
+/// 50 % of 20 mm/s: 10 to 30 mm/s, and no more than 25 or 40 mm/s of the goal.
 /// Proves: MACS-SYNC-12, MACS-O-39
 #[test]
 fn while_it_catches_up_its_velocity_stays_in_the_band() {
@@ -312,7 +314,7 @@ fn while_it_catches_up_its_velocity_stays_in_the_band() {
     }
 }
 
-/// The same of an offset with its time: 2000 inc in 50 ms would be faster.
+/// The band also applies to an offset with a time: 2000 inc in 50 ms would be faster.
 /// Proves: MACS-SYNC-12, MACS-SYNC-14
 #[test]
 fn the_band_holds_for_an_offset_with_its_time() {
@@ -328,7 +330,8 @@ fn the_band_holds_for_an_offset_with_its_time() {
     assert_eq!(place(&rig, X), place(&rig, LINE) + Position::whole(2_000));
 }
 
-/// x stands 1000 inc ahead of its master, which has gone back (revers 2); syncofftime 500 for 1000 inc.
+/// Returns a rig with x 1000 inc ahead of its master, which has moved back (revers 2); syncofftime is 500 ms for 1000
+/// inc.
 pub(super) fn kept_back_by_the_rule() -> Rig {
     let mut config = config(0);
     let p = &mut config.axes[1].parameters;
@@ -344,8 +347,8 @@ pub(super) fn kept_back_by_the_rule() -> Rig {
     rig
 }
 
-/// revers 2: the master goes back by 1000 and comes again. Without a time the slave waits until it is there; with one it goes on at once, and
-/// works its error off in 500 ms beside.
+/// revers 2: the master moves back by 1000 inc and returns. Without a time the slave waits for it; with a time it moves
+/// on at once, and removes its error in 500 ms at the same time.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
 fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
@@ -355,7 +358,7 @@ fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
     assert_eq!(warnings, 1, "once, not in each cycle");
     rig.give(line_at(10_000.0));
     rig.run(60);
-    // It moves long before the master is where it was, slower by up to 2.5 mm/s.
+    // It moves long before the master has returned, slower by up to 2.5 mm/s.
     assert!(rig.int("line.command.position") < 3_100 && rig.int("x.command.position") > 3_200);
     let mut slowest = f64::INFINITY;
     for _ in 0..300 {
@@ -367,7 +370,7 @@ fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
     assert_eq!((place(&rig, X), rig.int("x.in_sync"), rig.int("x.sync.error")), (place(&rig, LINE), 1, 0));
 }
 
-/// Uncoupled and coupled anew, the slave begins with where both are.
+/// Uncoupled and coupled again, the slave starts with the present positions of both.
 #[test]
 fn each_coupling_begins_with_nothing_kept() {
     let mut rig = on(TO_LINE, (1, 1), &[("synctype", 4), ("syncvftime", -50_000)]);
@@ -383,8 +386,8 @@ fn each_coupling_begins_with_nothing_kept() {
     assert_eq!(rig.int("x.command.position"), 1_000);
 }
 
-/// A ratio that changes behind a filter, on a belt that shows 10 or 11 counts a cycle: the filter goes on with what it owes, so that the slave has no step in its velocity but
-/// that of the ratios, and at rest it lacks nothing of the belt.
+/// Change of ratio after a filter, on a belt that shows 10 or 11 counts per cycle: the filter keeps its error, so the
+/// velocity step of the slave is only that of the ratios, and at rest no belt travel is lost.
 /// Proves: MACS-SYNC-09, MACS-SYNC-02
 #[test]
 fn a_filter_goes_on_through_a_change_of_the_ratio() {
@@ -402,14 +405,15 @@ fn a_filter_goes_on_through_a_change_of_the_ratio() {
     run(&mut rig, 3_000, 21);
     rig.plant.jump_encoder(0, 10);
     rig.give(Action::Synchronize(couple(X, TO_BELT, 3, 1)));
-    // From 21 to 31.5 inc a cycle, half an increment in each; the filter leaves a twentieth of a count, three times, beside.
+    // From 21 to 31.5 inc per cycle, half an increment in each; in addition the filter passes a twentieth of a count,
+    // three times.
     let most = run(&mut rig, 1_000, 21);
     assert!(most <= 650.1, "{most}");
     run(&mut rig, 9_000, 0);
     assert_eq!((rig.int("x.in_sync"), rig.int("x.sync.error")), (1, 0));
     let belt = rig.int("belt.position");
     let led = rig.int("x.command.position");
-    // In the cycle of its command the gear before leads it yet; in steady motion nothing is owed.
+    // In the cycle of the command the previous gear is still active; in steady motion the filter error is 0.
     let first = 21 * 1_500 + 10;
     let expected = 2 * first + 3 * (belt - first);
     assert!((expected - 1..=expected).contains(&led), "{led} of {expected}");
@@ -417,8 +421,8 @@ fn a_filter_goes_on_through_a_change_of_the_ratio() {
 
 proptest! {
     #![proptest_config(cases(24))]
-    /// Whatever is changed on the way, at rest the slave is where its gear wants it, to 2^-32 inc: nothing of the master is lost, nor of
-    /// an offset; and no command exceeds the limits.
+    /// With any changes during motion, the slave is at rest where its gear requires, to 2^-32 inc: nothing of the
+    /// master or of an offset is lost, and no command exceeds the limits.
     /// Proves: MACS-SYNC-02, MACS-SYNC-09, MACS-SYNC-13
     #[test]
     fn nothing_is_lost_whatever_is_changed(

@@ -1,4 +1,4 @@
-//! The sense of rotation: what is turned over, where, and what is not.
+//! Direction polarity: which values are inverted, where, and which are not.
 
 mod mirror;
 mod reversing;
@@ -16,7 +16,7 @@ use crate::vocabulary::Order;
 
 const MS: u64 = 1_000_000;
 
-/// The rig's machine with that POSDRCT of x.
+/// Returns the machine of the rig with this POSDRCT of x.
 fn turned(posdrct: i64) -> MachineConfig {
     let mut config = config(0);
     config.axes[1].parameters.macs.posdrct = posdrct;
@@ -31,12 +31,12 @@ pub(super) fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
     rig.give(Action::SetParameters(changes.iter().map(change).collect()))
 }
 
-/// A servo drive of 5 ms behind its velocity loop.
+/// A servo drive with a lag of 5 ms in its velocity loop.
 fn servo(inverted: bool) -> Model {
     Model::Velocity(VelocityLag::new(5_000_000, MS).expect("a lag")).wired(inverted)
 }
 
-/// x closes its loop here.
+/// Returns a cell in which the loop of x is closed in the core.
 fn closed_here(posdrct: i64) -> MachineConfig {
     let mut config = turned(posdrct);
     config.axes[1].interface = Interface::Velocity;
@@ -44,8 +44,8 @@ fn closed_here(posdrct: i64) -> MachineConfig {
     config
 }
 
-/// Encoder at +500: APOS -500. POSA -1500 moves it to +1500, and all that is shown is in the user's sense but counts and
-/// outputs.
+/// Encoder at +500: APOS -500. POSA -1500 moves it to +1500. All values are shown in the user polarity, except counts
+/// and outputs.
 ///
 /// Proves: MACS-DIR-02, MACS-O-71
 #[test]
@@ -71,7 +71,7 @@ fn inverted_units_show_and_take_the_mirror() {
     assert_eq!((rig.int("x.following_error"), rig.int("x.error")), (0, 0));
 }
 
-/// What the reference selector shows of its last stop is a place like any other.
+/// The stop reference of the reference selector is inverted like any other position.
 #[test]
 fn the_stop_reference_turns_over_with_its_axis() {
     let mut rig = Rig::of(turned(1));
@@ -87,7 +87,7 @@ fn the_stop_reference_turns_over_with_its_axis() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.amc.stop_reference")), (-700, -700));
 }
 
-/// Limits are the user's as well: no goal beyond, and a velocity stops at them.
+/// Limits are in user units, too: no goal exceeds them, and a velocity goal stops at them.
 #[test]
 fn limits_are_in_the_units_of_the_axis() {
     let mut config = turned(-1);
@@ -101,7 +101,8 @@ fn limits_are_in_the_units_of_the_axis() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.actual.count")), (9_000, -9_000));
 }
 
-/// A slave of an inverted axis follows what the user sees; an inverted slave counts against its drive.
+/// The slave of an inverted axis follows the user position; an inverted slave counts in the direction opposite to its
+/// drive.
 ///
 /// Proves: MACS-DIR-02, MACS-DIR-04
 #[test]
@@ -121,8 +122,8 @@ fn gears_are_in_the_units_of_both_axes() {
     }
 }
 
-/// POSDRCT changes only while the axis is off; then its place becomes the mirror of what it was, and nothing moves: neither the
-/// axis nor who follows it.
+/// POSDRCT can only be changed while the axis is off. The position is then mirrored, and nothing moves: neither the
+/// axis nor its followers.
 #[test]
 fn turned_over_while_it_is_off_it_stays_where_it_is() {
     let mut rig = Rig::enabled();
@@ -130,7 +131,7 @@ fn turned_over_while_it_is_off_it_stays_where_it_is() {
     rig.run(1_000);
     let on = set(&mut rig, &[("posdrct", -1)]);
     assert!(rig.refusal(on).contains("posdrct") && rig.refusal(on).contains("disable"), "{}", rig.refusal(on));
-    // What it is already is no change.
+    // An unchanged value is not a change.
     let same = set(&mut rig, &[("posdrct", 1)]);
     assert!(rig.was_accepted(same));
     rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
@@ -160,7 +161,7 @@ fn turned_over_while_it_is_off_it_stays_where_it_is() {
     assert_eq!((rig.int("x.actual.count"), rig.int("y.command.position") - others.0), (2_000, 1_000));
 }
 
-/// A layer that comes back turns the axis over as a set does, and is refused while it is on.
+/// A restored layer inverts the axis like a set does, and is refused while the axis is on.
 #[test]
 fn a_reset_turns_it_back() {
     let mut rig = Rig::new();
@@ -179,7 +180,7 @@ fn a_reset_turns_it_back() {
     assert_eq!((rig.int("x.actual.position"), rig.int("x.command.position")), (700, 700));
 }
 
-/// What the drive caught in its own counts is shown as the user counts.
+/// A position latched in counts of the drive is shown in user polarity.
 #[test]
 fn latches_are_turned_over() {
     let mut rig = Rig::of(turned(-1));
@@ -191,8 +192,8 @@ fn latches_are_turned_over() {
     assert_eq!((rig.int("x.latch.position"), rig.int("x.actual.position")), (-480, -500));
 }
 
-/// A motor with its leads swapped: with POSDRCT 2 the loop holds it and moves it, raw counts stay raw, and the drive is asked
-/// for the opposite. Without, the same motor runs away.
+/// A motor with swapped leads: with POSDRCT 2 the loop holds it and moves it, raw counts stay raw, and the drive is
+/// commanded in the opposite direction. Without POSDRCT 2 the same motor runs away.
 ///
 /// Proves: MACS-DIR-03
 #[test]
@@ -256,8 +257,8 @@ fn what_cannot_be_turned_over_is_refused_with_a_sentence() {
     }
 }
 
-/// Open loop: speed and the outputs that choose a direction are those of the motor; a motor that turns the other way round with
-/// inverted units needs neither turned.
+/// Open loop: speed and direction outputs refer to the motor. A motor with reversed direction and inverted units needs
+/// neither inverted.
 #[test]
 fn an_open_loop_axis_turns_its_motor_as_it_is_wired() {
     for (posdrct, motor_sign, count_sign) in [(1, 1, 1), (-1, -1, -1), (2, -1, 1), (-2, 1, -1)] {
@@ -290,7 +291,8 @@ fn an_open_loop_axis_turns_its_motor_as_it_is_wired() {
     }
 }
 
-/// SYNCFACTM 2048, SYNCFACTS 55, master at 2048 qc: MAPOS is 2048 qc with a positive MENCODER, and 55 MU with a negative one.
+/// SYNCFACTM 2048, SYNCFACTS 55, master at 2048 qc: MAPOS is 2048 qc with a positive MENCODER, and 55 MU with a
+/// negative one.
 ///
 /// Proves: MACS-UNIT-09, MACS-O-06
 #[test]
@@ -313,15 +315,15 @@ fn a_negative_mencoder_shows_the_master_in_its_own_units() {
     }
 }
 
-/// Where a scaling factor was rounded, every revolution leaves a residue that only a marker takes out; the exact fraction leaves
-/// none. 2 pi 60 mm in 1/10 mm is 3769.91.. qc; rounded to 3770 a thousand revolutions are 88.8.. too much.
+/// With a rounded scaling factor every revolution leaves a residue that only a marker corrects; the exact fraction
+/// leaves none. 2 pi 60 mm in 1/10 mm is 3769.91.. qc; rounded to 3770 a thousand revolutions are 88.8.. too much.
 ///
 /// Proves: MACS-UNIT-08, MACS-O-07
 #[test]
 fn a_rounded_factor_drifts_by_its_rounding_and_an_exact_one_does_not() {
     let exact = std::f64::consts::TAU * 60.0 * 10.0;
     assert_eq!((exact.round(), (exact * 100.0).round()), (3_770.0, 376_991.0));
-    // Per revolution of the wheel (2000 qc of the master) the slave is to move by the circumference, here to 10^-4.
+    // Per revolution of the wheel (2000 qc of the master) the slave must move by the circumference, here to 10^-4.
     for (numerator, denominator, after_1000) in [(37_699_112, 2_000 * 10_000, 3_769_911), (3_770, 2_000, 3_770_000)] {
         let mut rig = Rig::enabled();
         rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(0), numerator, denominator)));
@@ -334,13 +336,13 @@ fn a_rounded_factor_drifts_by_its_rounding_and_an_exact_one_does_not() {
     assert!((drift - 88.8).abs() < 0.1, "{drift}");
 }
 
-/// REG_NORMTRACKERR = 100 * error / (velocity per ms), whatever the speed and its sign; 0 at rest.
+/// REG_NORMTRACKERR = 100 * error / (velocity per ms), for any velocity and sign; 0 at rest.
 ///
 /// Proves: MACS-SYS-03
 #[test]
 fn the_track_error_is_a_share_of_the_command_velocity() {
     let mut config = closed_here(1);
-    // velocity / kv: 10000 inc/s behind by 600 inc at kv 1: 60 ms, which is 6000 % of a ms.
+    // velocity / kv: at 10000 inc/s the lag is 600 inc with kv 1: 60 ms, which is 6000 % of 1 ms.
     config.axes[1].parameters.position_loop.kv = crate::regulator::KV;
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
     rig.enable();

@@ -1,4 +1,4 @@
-//! Cases at the edge: two things in one cycle, limits met exactly, numbers that no machine has.
+//! Boundary cases: two events in one cycle, limits met exactly, numbers outside the range of any machine.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::code::Code;
@@ -75,7 +75,7 @@ fn limits_that_the_motion_under_way_cannot_keep_are_refused() {
     let set = |rig: &mut Rig, limit| {
         rig.give(Action::SetParameters(Box::new([Change { axis: X, row, value: Value::Int(limit) }])))
     };
-    // 100 mm/s stop in 5 mm.
+    // 100 mm/s stop within 5 mm.
     let near = set(&mut rig, here + 300);
     assert!(rig.refusal(near).contains("which the motion under way reaches"));
     let far = set(&mut rig, here + 5_200);
@@ -123,7 +123,7 @@ fn a_follower_keeps_its_own_deceleration_and_a_standing_encoder_gives_it_no_more
 fn a_follower_that_lost_a_fast_leader_catches_it_again() {
     let mut rig = Rig::enabled();
     rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
-    // Slowly up to 80 inc a cycle, above the default velocity of 50; then a slip of 3 inc.
+    // Slowly up to 80 inc per cycle, above the default velocity of 50 inc per cycle; then a slip of 3 inc.
     for cycle in 0..3_000_i64 {
         let slip = if cycle == 2_000 { 3 } else { 0 };
         rig.plant.jump_encoder(0, (cycle / 10).min(80) + slip);
@@ -177,7 +177,7 @@ fn no_loop_is_left_when_one_of_two_couplings_of_a_cycle_is_refused() {
     assert_eq!(rig.refusal(last), "y: the axis would follow itself");
 }
 
-/// The key that gave the 0 is named: of the request, or the parameter that stands for it.
+/// The key with the value 0 is named: that of the request, or the parameter that replaces it.
 #[test]
 fn a_ratio_that_is_none_names_the_part_that_makes_it_so() {
     let mut rig = Rig::enabled();
@@ -189,7 +189,7 @@ fn a_ratio_that_is_none_names_the_part_that_makes_it_so() {
     let large = 1_i64 << 62;
     let refused = rig.give(geared(1, large));
     assert_eq!(rig.refusal(refused), format!("x: ratio 1 : {large} is none, as denominator is {large}; {rule}"));
-    // 0 : 0 is SYNCFACTS : SYNCFACTM.
+    // 0 : 0 selects SYNCFACTS : SYNCFACTM.
     let set = rig.set("syncfactm", Value::Int(0));
     assert!(rig.was_accepted(set));
     let refused = rig.give(geared(0, 0));
@@ -203,7 +203,7 @@ fn switching_off_and_on_again_ends_both_commands_whatever_the_delay() {
         rig.enable();
         let last = rig.give_all(vec![Action::Disable(x()), Action::Enable(x())]);
         rig.run(40);
-        // The enable came while the axis was still on its way off, or after it.
+        // The enable came while the axis was being switched off, or after that.
         let answered = rig.done(last).len() + usize::from(!rig.done(last - 1).is_empty());
         assert!(answered >= 1 && rig.done(last - 1).len() == 1, "delay {delay}");
         let again = rig.give(Action::Enable(x()));
@@ -264,9 +264,9 @@ fn numbers_that_no_machine_has_neither_jump_nor_panic() {
     assert!(rig.refusal(weak).contains("2^62"));
 }
 
-/// A turn of 333 1/3 inc, in thirds of an increment: half a turn is 166 2/3. SHORTEST goes up by it from wherever a
-/// goal has rested, though it rests on whole increments; and the place where a goal has rested is no turn away,
-/// whichever way is asked.
+/// Revolution of 333 1/3 inc, in thirds of an increment: half a revolution is 166 2/3. SHORTEST moves up by it from the
+/// end of any goal, although goals end on whole increments. The end position of a goal is never a revolution away, in
+/// any direction mode.
 #[test]
 fn half_a_turn_is_judged_before_rounding() {
     let mut config = config(0);
@@ -324,7 +324,7 @@ fn a_latch_of_raw_counts_is_found_beyond_the_wrap() {
         rig.machine.cycle(&inputs, Default::default(), &mut outputs);
     }
     let latch = rig.machine.events().iter().find(|event| event.kind == Kind::Latch).unwrap();
-    // The belt's first count, 50, is its position itself.
+    // The first count of the belt, 50, is its position.
     assert_eq!((latch.position.floor(), latch.age_ns), (count - 25, 500_000));
 }
 

@@ -1,4 +1,4 @@
-//! Cams that wait for their moment: the end of the one under way, a place of the leader.
+//! Cams that wait for an event: the end of the active cam, a position of the leader.
 
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
 use crate::code::Code;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 const TO_LINE: Leader = Leader::AxisCommand(LINE);
 
-/// Places of the tables.
+/// Indices of the tables.
 const KNIFE: u16 = 0;
 const FEED: u16 = 1;
 const ONCE: u16 = 2;
@@ -28,7 +28,7 @@ const AWAY: u16 = 3;
 /// Points of the tables; slopes and values need no rounding to 2^-32.
 fn points(table: u16) -> &'static [(i64, i64)] {
     match table {
-        // Back at its beginning.
+        // Ends at its start value.
         KNIFE => &[(0, 0), (1024, 512), (3072, 512), (4096, 0)],
         // 768 further in each period.
         FEED => &[(0, 0), (2048, 512), (3072, 768)],
@@ -75,7 +75,7 @@ fn place(rig: &Rig, axis: u16) -> Position {
     rig.machine.state.leads.get(Leader::AxisCommand(axis)).position
 }
 
-/// What the table says from its beginning on, over any number of periods, in units of 2^-32 inc.
+/// Returns the travel in the table from its start, over any number of periods, in units of 2^-32 inc.
 fn way(table: u16, x: i128) -> i128 {
     let points = points(table);
     let ((first_x, first), (length, last)) = (points[0], points[points.len() - 1]);
@@ -91,12 +91,13 @@ fn way(table: u16, x: i128) -> i128 {
     periods * one(last - first) + one(y0 - first) + rise
 }
 
-/// The line at 0.7 inc a cycle, so that nothing of the tables falls on a cycle.
+/// Moves the line at 0.7 inc per cycle, so that no point of the tables coincides with a cycle.
 fn run_line(rig: &mut Rig, to_place: i64) {
     rig.give(Action::Move(Move { velocity: 700.0, acceleration: 1e4, deceleration: 1e4, ..to(LINE, to_place) }));
 }
 
-/// Led 10 cycles ahead by a gear and then by a table: it is where that says once its leader rests.
+/// A slave with a lead of 10 cycles, first by a gear and then by a table, is at the position of the table once its
+/// leader is at rest.
 ///
 /// Proves: MACS-SYNC-15
 #[test]
@@ -130,7 +131,7 @@ fn at_the_end_the_next_table_begins_between_two_cycles() {
         assert_eq!(place(&rig, X).raw(), way(KNIFE, place(&rig, LINE).raw()));
         rig.run(1);
     }
-    // It ends with the cycle in which its end was passed, and the next cycle is all of the next table.
+    // The goal ends in the cycle in which the end is passed, and the next cycle belongs entirely to the next table.
     let done = rig.done(first)[0];
     assert_eq!((done.code, done.cycle, rig.int("x.sync.waiting")), (Code::NONE, rig.machine.next_cycle() - 1, 0));
     assert!(place(&rig, LINE).fraction() != 0.0);
@@ -153,7 +154,7 @@ fn backwards_the_next_table_begins_at_its_end() {
     rig.give(Action::Synchronize(on(FEED, CamStart::Relative, Engage::AtEnd)));
     run_line(&mut rig, -4_000);
     rig.run(8_000);
-    // From 0 on the feed runs back: a period of 768, and 928 of the last 1024 increments, with a quarter of them.
+    // From 0 on the feed runs back: a period of 768, and 928 of the last 1024 increments with slope 1/4.
     assert_eq!((rig.int("line.command.position"), rig.int("x.command.position")), (-4_000, -768 - 232));
     assert_eq!(place(&rig, X).raw(), way(FEED, place(&rig, LINE).raw()));
 }
@@ -174,14 +175,15 @@ fn at_a_place_the_next_table_begins_there_from_either_side() {
     }
 }
 
-/// An axis at rest begins where the leader passes, and what it loses while it speeds up it catches up.
+/// An axis at rest starts when the leader passes the position, and catches up the distance that it loses during
+/// acceleration.
 #[test]
 fn an_axis_at_rest_waits_for_its_leader() {
     let mut rig = rig();
     let next = rig.give(Action::Synchronize(on(FEED, CamStart::Relative, at_position(500))));
     rig.run(10);
     assert_eq!((rig.state("x"), rig.int("x.sync.waiting")), ("STANDSTILL", next as i64));
-    // 7 inc a cycle.
+    // 7 inc per cycle.
     rig.give(Action::Move(Move { velocity: 7_000.0, acceleration: 1e6, deceleration: 1e6, ..to(LINE, 2_000) }));
     while rig.int("line.command.position") < 500 {
         assert_eq!((rig.int("x.command.position"), rig.state("x")), (0, "STANDSTILL"));
@@ -193,7 +195,7 @@ fn an_axis_at_rest_waits_for_its_leader() {
     assert_eq!(place(&rig, X).raw(), way(FEED, 1_500 << 32));
 }
 
-/// Where it stands at the place already, it begins at once; a table with an offset begins in it.
+/// If the leader is already at the position, the cam starts at once; a table with an offset starts at the offset.
 #[test]
 fn a_leader_that_is_there_counts() {
     let mut rig = rig();
@@ -208,7 +210,7 @@ fn a_leader_that_is_there_counts() {
     assert_eq!(rig.int("x.command.position"), 256);
 }
 
-/// 2048.5 inc a turn; 100 is passed at 100 and, a turn later, at 2148.5.
+/// 2048.5 inc per revolution; position 100 is passed at 100 and, one revolution later, at 2148.5.
 #[test]
 fn a_place_in_the_turn_of_the_leader_is_its_next_pass() {
     let turn = Modulo::new(4_097, 2);
@@ -219,7 +221,7 @@ fn a_place_in_the_turn_of_the_leader_is_its_next_pass() {
     rig.give(Action::Synchronize(on(FEED, CamStart::Relative, engage)));
     run_line(&mut rig, 2_548);
     rig.run(4_000);
-    // 2548 - 2148.5 = 399.5, a quarter of it
+    // 2548 - 2148.5 = 399.5, and a quarter of it.
     assert_eq!(place(&rig, X), Position::from_f64(399.5 / 4.0));
     let turn = turn.expect("a turn");
     let at = Position::whole;
@@ -234,8 +236,8 @@ fn a_place_in_the_turn_of_the_leader_is_its_next_pass() {
     }
 }
 
-/// Of a latch 0.25 ms before its cycle, at 0.7 inc a cycle: from a cam of the line to the next one, and of an axis that rests; what leads
-/// absolutely is compared at the end of that cycle, as at a place.
+/// A latch 0.25 ms before its cycle, at 0.7 inc per cycle: from a cam of the line to the next one, and for an axis at
+/// rest. An absolute start is compared at the end of that cycle, as at a position.
 #[test]
 fn at_a_latch_the_next_table_begins_there() {
     use crate::drive::{Edge, Latch};
@@ -269,7 +271,8 @@ fn at_a_latch_the_next_table_begins_there() {
     }
 }
 
-/// The turn goes on from 498 in the cycle in which it is passed: the next goal waits for the next turn.
+/// The command comes in the cycle in which the leader is exactly at 498: this position has been passed, so the goal
+/// waits for the next revolution.
 #[test]
 fn a_place_that_was_just_passed_is_not_passed_again() {
     let mut rig = rig();
@@ -287,7 +290,8 @@ fn a_place_that_was_just_passed_is_not_passed_again() {
     assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
 }
 
-/// Backwards out of the old table, by a scale below 0, and forwards into the new one, which has an end: from its beginning on.
+/// Out of the previous table backwards, by a negative scale, and into the new one forwards, which has an end: from its
+/// start.
 #[test]
 fn the_new_cam_begins_where_it_runs_from() {
     let mut rig = rig();
@@ -301,9 +305,9 @@ fn the_new_cam_begins_where_it_runs_from() {
     rig.run(1_000);
     assert_eq!((rig.done(next).len(), rig.int("x.sync.waiting")), (0, 0));
     rig.run(1_000);
-    // Half of the way from 0 on, as the line goes.
+    // Half of the travel from 0 on, in the direction of the line.
     assert_eq!(rig.int("x.command.position"), 500);
-    // An offset does not begin it behind its end.
+    // An offset does not start the cam after its end.
     let back = Synchronize {
         cam: on(ONCE, CamStart::Relative, Engage::AtEnd)
             .cam
@@ -317,7 +321,7 @@ fn the_new_cam_begins_where_it_runs_from() {
     assert_eq!((rig.done(goal).len(), rig.int("x.command.position")), (0, 500 - 1_000));
 }
 
-/// The end is met exactly, and the new cam, which has an end, runs back: from its end on.
+/// The end is met exactly, and the new cam, which has an end, runs back from its end.
 #[test]
 fn an_end_that_is_met_exactly_is_one() {
     let mut rig = rig();
@@ -325,7 +329,7 @@ fn an_end_that_is_met_exactly_is_one() {
     let turned = on(ONCE, CamStart::Relative, Engage::AtEnd);
     let cam = turned.cam.map(|cam| CamIn { master_scale: Ratio::new(-1, 1).expect("a ratio"), ..cam });
     let next = rig.give(Action::Synchronize(Synchronize { cam, ..turned }));
-    // 2 inc a cycle, from 2 on: 4096 is one of them.
+    // 2 inc per cycle, starting from 2: 4096 is one of these positions.
     rig.give(Action::Move(Move { acceleration: 1e6, ..at(LINE, 2_000.0) }));
     rig.run_until("x.sync.waiting", 0);
     assert_eq!(place(&rig, LINE), Position::whole(4_096));
@@ -333,7 +337,7 @@ fn an_end_that_is_met_exactly_is_one() {
     assert_eq!((rig.int("x.command.position"), rig.done(next).len()), (-512, 0));
 }
 
-/// The encoder that leads is set there in motion, behind the axes: the cycle before ended elsewhere.
+/// The leading encoder is set to the position in motion, after the axes: the previous cycle ended elsewhere.
 #[test]
 fn a_place_that_the_leader_is_set_to_counts() {
     let mut rig = rig_of(|axis| axis.parameters.encoder.mencodertype = 10);
@@ -357,7 +361,8 @@ fn a_place_that_the_leader_is_set_to_counts() {
     assert_eq!((rig.int("x.sync.waiting"), rig.state("x")), (0, "SYNCHRONIZED_MOTION"));
 }
 
-/// With revers 1 the correction of a hand-over into a dwell is no reverse of the leader: the slave stands, and does not go back.
+/// With revers 1 the correction at a transition into a dwell is no reversal of the leader: the slave stands still, and
+/// does not move back.
 #[test]
 fn a_correction_is_no_reverse_of_the_leader() {
     let mut rig = rig_of(|axis| (axis.parameters.macs.revers, axis.parameters.max_acceleration) = (1, 1e9));
@@ -379,7 +384,8 @@ fn a_correction_is_no_reverse_of_the_leader() {
     }
 }
 
-/// The table behind the end is three times as steep: in the cycle behind it the slave is on it, with what its axis can do.
+/// The table after the end is three times as steep: in the next cycle the slave follows it, within the limits of its
+/// axis.
 #[test]
 fn a_change_of_slope_is_made_at_once_within_the_limits() {
     let mut rig = rig();
@@ -394,13 +400,13 @@ fn a_change_of_slope_is_made_at_once_within_the_limits() {
     rig.run_until("x.sync.waiting", 0);
     assert_eq!(rig.int("x.in_sync"), 1);
     rig.run(1);
-    // 0.35 inc a cycle more, where 1 is possible and 0.0001 was asked for to catch up.
+    // 0.35 inc per cycle more, where 1 is possible and 0.0001 was commanded for catching up.
     let exact = way(FEED, 3_072 << 32) + 3 * way(FEED, place(&rig, LINE).raw() - (3_072 << 32));
     assert_eq!((place(&rig, X).raw(), rig.int("x.in_sync")), (exact, 1));
     assert!(!rig.events.iter().any(|event| event.kind == Kind::Warning));
 }
 
-/// What is shifted goes on from cam to cam of one leader, and ends once.
+/// A shift continues from cam to cam of one leader, and ends once.
 #[test]
 fn shifts_go_on_from_cam_to_cam() {
     let mut rig = rig();
@@ -422,7 +428,7 @@ fn shifts_go_on_from_cam_to_cam() {
     assert_eq!((place(&rig, X).raw(), rig.int("x.sync.error")), (exact, 0));
 }
 
-/// Streamed setpoints have the axis: what waited does not take it from them.
+/// Streamed setpoints control the axis: a waiting goal does not replace them.
 #[test]
 fn a_stream_ends_the_wait() {
     let mut rig = rig();
@@ -432,7 +438,7 @@ fn a_stream_ends_the_wait() {
     assert_eq!((rig.done(goal)[0].code, rig.int("x.sync.waiting"), rig.int("x.reference")), (Code::REPLACED, 0, 9));
 }
 
-/// A state that was made up does not restore.
+/// An invalid state is not restored.
 #[test]
 fn a_wait_that_cannot_be_is_refused() {
     let sound = Modulo::new(10, 1).expect("a turn");
@@ -447,7 +453,8 @@ fn a_wait_that_cannot_be_is_refused() {
     assert_eq!((Ratio::ONE.is_sound(), cam.is_sound()), (true, false));
 }
 
-/// The slave does not slow down for an end behind which it goes on; without what waits it does again.
+/// The slave does not decelerate for an end if a waiting goal continues the motion; without the waiting goal it
+/// decelerates.
 #[test]
 fn a_cam_with_an_end_passes_into_the_next_one() {
     for waits in [true, false] {
@@ -461,7 +468,7 @@ fn a_cam_with_an_end_passes_into_the_next_one() {
         rig.give(Action::Move(Move { velocity: 20_000.0, acceleration: 1e5, deceleration: 1e5, ..to(LINE, 4_096) }));
         rig.run(1_000);
         assert_eq!(rig.done(first)[0].code, Code::NONE);
-        // 1024 of the first, and 2048 inc at a quarter.
+        // 1024 of the first cam, and 2048 inc at slope 1/4.
         let expected = if waits { (1_024 + 512, "SYNCHRONIZED_MOTION") } else { (1_024, "STANDSTILL") };
         assert_eq!((rig.int("x.command.position"), rig.state("x")), expected);
     }
@@ -479,14 +486,14 @@ fn absolute_at_its_moment_is_refused_where_the_slave_is_elsewhere_and_the_cam_go
     assert_eq!((done.code, rig.done(first).len()), (Code::CAM_AWAY, 0));
     let sentence = crate::text::sentence(&done, rig.machine.config());
     assert!(sentence.contains("the cam asks for a place that is 5 mm away"), "{sentence}");
-    // The knife is 1024 inc behind its end.
+    // The knife is 1024 inc after its end.
     assert_eq!((rig.int("x.command.position"), rig.state("x")), (512, "SYNCHRONIZED_MOTION"));
     let led = rig.give(Action::Synchronize(on(AWAY, CamStart::RampIn, Engage::AtEnd)));
     run_line(&mut rig, 9_216);
     rig.run(9_000);
     assert_eq!((rig.done(first)[0].code, rig.done(led).len()), (Code::NONE, 0));
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (5_256, 0));
-    // Where both are the same, nothing moves but the master.
+    // If both are at the same position, only the master moves.
     let same = rig.give(Action::Synchronize(on(AWAY, CamStart::Absolute, at_position(9_728))));
     run_line(&mut rig, 10_240);
     rig.run(3_000);
@@ -497,7 +504,7 @@ fn absolute_at_its_moment_is_refused_where_the_slave_is_elsewhere_and_the_cam_go
     assert_eq!(place(&rig, X).raw(), (5_000_i128 << 32) + way(AWAY, place(&rig, LINE).raw()));
 }
 
-/// Whatever stops or takes over the axis ends the wait, once.
+/// Every stop and every takeover of the axis ends the wait, once.
 #[test]
 fn the_wait_ends_with_what_ends_the_motion() {
     let waiting = on(FEED, CamStart::Relative, at_position(1_000_000));
@@ -516,7 +523,7 @@ fn the_wait_ends_with_what_ends_the_motion() {
             let mut rig = rig();
             let goal = rig.give(Action::Synchronize(waiting));
             if is_coupled {
-                // A coupling before it, which it does not end.
+                // A previous coupling, which is not ended by it.
                 rig.give(Action::Cancel { goal });
                 rig.give(Action::Synchronize(on(KNIFE, CamStart::Relative, Engage::Immediately)));
                 if matches!(action, Action::Cancel { .. }) {
@@ -534,7 +541,7 @@ fn the_wait_ends_with_what_ends_the_motion() {
     }
 }
 
-/// Cancelling the cam under way ends what waits for it, too; cancelling what waits does not end the cam.
+/// Cancelling the active cam also ends the waiting goal; cancelling the waiting goal does not end the cam.
 #[test]
 fn cancel_ends_one_of_both() {
     let mut rig = rig();
@@ -564,7 +571,7 @@ fn an_end_that_is_not_there_is_refused_and_loops_are() {
     assert_eq!(rig.refusal(other), no_cam);
     let fast = rig.give(Action::Synchronize(Synchronize { velocity: 1e9, ..at_end }));
     assert!(rig.refusal(fast).contains("max_velocity"));
-    // What waits counts as if it followed already.
+    // A waiting goal counts as if it followed already.
     let waits = rig.give(Action::Synchronize(Synchronize {
         leader: Some(Leader::AxisCommand(Y)),
         ..on(FEED, CamStart::Relative, at_position(9))
@@ -574,7 +581,7 @@ fn an_end_that_is_not_there_is_refused_and_loops_are() {
     assert_eq!(rig.answer(loops).expect_err("refused").code, Code::LEADER_LOOP);
 }
 
-/// One whose leader is lost while it waits stays where it is.
+/// An axis whose leader is lost while it waits stays in place.
 #[test]
 fn a_leader_that_is_lost_ends_the_wait() {
     let mut rig = rig();
@@ -588,8 +595,9 @@ fn a_leader_that_is_lost_ends_the_wait() {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Tables changed at ends and at places while the leader goes as it likes: behind each change the slave is where the old table has
-    /// brought it by then and the new one from there, to the last bit of the grid but for the scale of the slave.
+    /// Tables are changed at ends and at positions while the leader moves randomly. After each change the slave is at
+    /// the final position of the previous table plus the travel in the new one, to the last bit of the grid, except for
+    /// the scale of the slave.
     #[test]
     fn changes_lose_nothing(
         changes in prop::collection::vec((0_u16..2, any::<bool>(), -3_000_i64..3_000, -6_000_i64..6_000), 1..6),
@@ -603,7 +611,7 @@ proptest! {
         };
         rig.give(Action::Synchronize(with_scale(KNIFE, Engage::Immediately)));
         let exact = |raw: i128| (raw * i128::from(scale.0)).div_euclid(i128::from(scale.1));
-        // The table, where its beginning is on the line, and what came before.
+        // The table, the line position of its start, and the previous travel.
         let (mut table, mut origin, mut before) = (KNIFE, 0_i128, 0_i128);
         for (next, at_end, distance, target) in changes {
             let now = place(&rig, LINE).raw();
@@ -613,7 +621,7 @@ proptest! {
             prop_assert_eq!(rig.answer(goal), Ok(()));
             run_line(&mut rig, target);
             let period = i128::from(points(table)[points(table).len() - 1].0) << 32;
-            // Where it will engage: the next end ahead, or the place.
+            // Expected start: the next end ahead, or the position.
             let into = (now - origin).rem_euclid(period);
             for _ in 0..30_000 {
                 if rig.int("x.sync.waiting") == 0 || rig.state("line") == "STANDSTILL" { break }

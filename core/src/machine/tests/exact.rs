@@ -1,4 +1,4 @@
-//! A gear over very long ways, with everything that may happen on them.
+//! A gear over very long distances, with all kinds of changes.
 
 use super::direction::set;
 use super::rig::{LINE, Rig, X, at, config, couple};
@@ -13,7 +13,7 @@ const TO_LINE: Leader = Leader::AxisCommand(LINE);
 const RATIOS: [(i64, i64); 5] = [(355, 113), (-104_729, 99_991), (1, 1_009), (-7, 3), (99_991, 31_337)];
 const FASTEST: f64 = 2e11;
 
-/// Numbers that come one after the other, the same in every run.
+/// Pseudo-random numbers, the same in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -27,11 +27,11 @@ impl Numbers {
     }
 }
 
-/// What x has to have done, in 2^-32 inc, and how often that was rounded down.
+/// Expected travel of x, in 2^-32 inc, and the number of roundings down.
 struct Ledger {
     led: i128,
     roundings: i128,
-    /// Where the line was then.
+    /// Position of the line at the last update.
     seen: Position,
 }
 
@@ -61,8 +61,9 @@ fn phase(rig: &mut Rig, is_slave: bool, way: i64) {
     assert_eq!((rig.real("x.phase.slave"), rig.real("x.phase.master")), (0.0, 0.0));
 }
 
-/// 10^12 increments of the master, up and down, with LINESHAFT_LONG 10^14: ratios that change in motion, phase shifts of both sides, and offsets that come
-/// and go. The slave is where all that leads it, to one 2^-32 of an increment for each ratio that was left.
+/// 10^12 increments of the master, up and down, 10^14 with LINESHAFT_LONG: ratios change in motion, both sides are
+/// phase shifted, and offsets are set and removed. The slave is at the exact position, within 2^-32 of an increment for
+/// each former ratio.
 /// Proves: MACS-SYNC-02, MACS-SYNC-13
 #[test]
 fn a_million_millions_of_increments_leave_no_error() {
@@ -71,7 +72,7 @@ fn a_million_millions_of_increments_leave_no_error() {
     for axis in &mut config.axes {
         axis.parameters = AxisParameters { error_reaction: 2, ..AxisParameters::new(1e15, 1e15) };
     }
-    // The drive is no part of it: it cannot count so fast.
+    // The axis has no drive, which could not count at this velocity.
     config.axes[usize::from(X)].drive = None;
     let mut rig = Rig::of(config);
     rig.enable();
@@ -97,7 +98,7 @@ fn a_million_millions_of_increments_leave_no_error() {
                 }
                 let next = RATIOS[numbers.next(5) as usize];
                 rig.give(Action::Synchronize(couple(X, TO_LINE, next.0, next.1)));
-                // In the cycle of its command the gear before has moved it yet.
+                // In the cycle of the command the previous gear is still active.
                 ledger.settle(&rig, ratio);
                 ratio = next;
                 changes += 1;
@@ -111,11 +112,11 @@ fn a_million_millions_of_increments_leave_no_error() {
             2 => {
                 let by = numbers.between(5_000);
                 phase(&mut rig, false, by);
-                // A way of the master more.
+                // Additional travel of the master.
                 ledger.seen = ledger.seen - Position::whole(by);
             }
             _ => {
-                // What comes of an offset goes with it.
+                // The part of an offset that was executed is removed with it.
                 for offset in [numbers.between(20_000), 0] {
                     let given = set(&mut rig, &[("syncposoffs", offset)]);
                     assert!(rig.was_accepted(given), "{}", rig.refusal(given));

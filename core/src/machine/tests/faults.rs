@@ -1,6 +1,7 @@
-//! Random faults in random motions: each ends in its specified reaction in the cycle in which it can be seen, none in silence.
+//! Random faults in random motions: each causes its specified reaction in the cycle in which it can be detected, and
+//! none stays unreported.
 //!
-//! What is expected stands here a second time, from docs/spec/macs.md (ERR-02, LIM-08, A-17) and docs/errors.md.
+//! The expected reactions are repeated here from docs/spec/macs.md (ERR-02, LIM-08, A-17) and docs/errors.md.
 
 mod cut;
 mod idle;
@@ -25,38 +26,38 @@ const DOOR: usize = 1;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// The motor slips by so much: nothing but the following error tells it.
+    /// A slip of the motor (inc) that only the following error shows.
     Slip(i64),
-    /// The same under `max_encoder_jump`, also where the following error would bear it.
+    /// A slip with `max_encoder_jump` set, also within the following error limit.
     Jump(i64),
-    /// The line of the encoder is cut; the drive tells it.
+    /// The encoder line is cut, and the drive reports it.
     Cut,
     /// The drive reports a fault.
     Drive,
-    /// The drive goes away.
+    /// The connection to the drive is lost.
     Lost,
-    /// The limit switch ahead comes, or at rest that of rising counts.
+    /// The limit switch ahead is reached; at rest, the one in the direction of rising counts.
     Switch,
-    /// Both limit switches come.
+    /// Both limit switches are active.
     Both,
     /// The guard opens.
     Door,
     /// The emergency stop opens.
     Estop,
-    /// The index does not come while the axis looks for it.
+    /// The index is missing while the axis searches for it.
     LostIndex,
-    /// The reference switch never changes while the axis looks for it.
+    /// The reference switch never changes while the axis searches for it.
     StuckSwitch,
-    /// A limit switch sticks on the way to the reference switch.
+    /// A limit switch is stuck during the search for the reference switch.
     StuckLimit,
-    /// A velocity leads into a software limit.
+    /// A velocity goal reaches a software limit.
     VelocityIntoLimit,
-    /// What the axis follows leads it there.
+    /// The leader moves the axis into a software limit.
     LedIntoLimit,
 }
 
 impl Fault {
-    /// Which of them it is, as it is counted.
+    /// Returns the name under which the fault is counted.
     fn name(self) -> &'static str {
         match self {
             Fault::Slip(_) => "encoder jump, by the following error",
@@ -76,7 +77,7 @@ impl Fault {
         }
     }
 
-    /// What other axes may tell of it.
+    /// Returns the code that other axes may report because of this fault.
     fn reaches_others(self) -> Option<Code> {
         match self {
             Fault::Door => Some(Code::INTERLOCK),
@@ -86,7 +87,7 @@ impl Fault {
     }
 }
 
-/// Numbers that are the same in every run.
+/// Pseudo-random numbers, the same in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -96,7 +97,7 @@ impl Numbers {
     }
 }
 
-/// What an axis shows: on, brake, and whether it goes on as before.
+/// State of an axis: whether it is on, its brake, and whether it continues as before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shown {
     on: bool,
@@ -108,7 +109,7 @@ const fn shown(on: bool, brake: bool) -> Shown {
     Shown { on, brake, goes_on: false }
 }
 
-/// In the cycle of the error, and once the axis stands.
+/// Returns the expected states in the cycle of the error, and once the axis is at rest.
 fn by_errcond(errcond: i64) -> (Shown, Shown) {
     match errcond {
         0 => (shown(false, false), shown(false, false)),
@@ -124,9 +125,9 @@ fn expected(fault: Fault, errcond: i64, endswmod: i64) -> (Shown, Shown) {
     match fault {
         Fault::Slip(_) => by_errcond(errcond),
         Fault::Jump(_) => by_errcond(if errcond == 5 { 2 } else { errcond }),
-        // One that looked for its zero stops in any case, but it is not locked.
+        // A failed homing stops in any case, but without a lock.
         Fault::LostIndex | Fault::StuckSwitch | Fault::StuckLimit => by_errcond(errcond),
-        // It stops at the limit whatever the reaction is, which comes then.
+        // The axis stops at the limit with any reaction, and the reaction follows.
         Fault::VelocityIntoLimit | Fault::LedIntoLimit => {
             (shown(true, false), by_errcond(if errcond == 5 { 2 } else { errcond }).1)
         }
@@ -163,7 +164,7 @@ fn assign(rig: &mut Rig, key: &str, value: Value) {
     assert!(rig.was_accepted(sequence), "{key} {value:?}");
 }
 
-/// A motion of x of any kind.
+/// Starts a random motion of x.
 fn begin(rig: &mut Rig, numbers: &mut Numbers) {
     let sign = if numbers.below(2) == 0 { 1.0 } else { -1.0 };
     let velocity = sign * (10_000.0 + numbers.below(80_000) as f64);
@@ -183,7 +184,7 @@ fn begin(rig: &mut Rig, numbers: &mut Numbers) {
     rig.run(1 + numbers.below(250));
 }
 
-/// Brings a fault in; gives the code that it has to have.
+/// Injects a fault and returns its expected code.
 fn inject(rig: &mut Rig, fault: Fault) -> Code {
     let velocity = rig.real("x.command.velocity");
     let drive = rig.plant.drive(0).expect("x");
@@ -232,7 +233,7 @@ fn inject(rig: &mut Rig, fault: Fault) -> Code {
     }
 }
 
-/// The errors that an axis has told since the list was emptied.
+/// Returns the errors that an axis has reported since the list was emptied.
 fn errors(rig: &Rig, axis: u16) -> Vec<Code> {
     let of_axis = rig.events.iter().filter(|event| event.source == Object::Axis(axis));
     of_axis.filter(|event| event.kind == Kind::Error).map(|event| event.code).collect()
@@ -251,7 +252,7 @@ fn any_fault(numbers: &mut Numbers) -> Fault {
     let sign = if numbers.below(2) == 0 { 1 } else { -1 };
     match numbers.below(14) {
         0 => Fault::Slip(sign * (1_001 + numbers.below(5_000) as i64)),
-        // Beyond all of its motions; the following error bears 1000.
+        // Above the step of all its motions; the following error limit is 1000.
         1 => Fault::Jump(sign * (300 + numbers.below(3_000) as i64)),
         2 => Fault::Cut,
         3 => Fault::Drive,
@@ -268,7 +269,7 @@ fn any_fault(numbers: &mut Numbers) -> Fault {
     }
 }
 
-/// One fault from the first cycle to the recovery from it.
+/// Runs one fault from its first cycle to the recovery.
 fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
     rig.events.clear();
     let (errcond, endswmod) = (numbers.below(6) as i64, numbers.below(2) as i64);
@@ -298,7 +299,8 @@ fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
     if let Some(limit) = limit {
         let before =
             (limit - rig.int("x.actual.position")) * if code == Code::SOFTWARE_LIMIT_POSITIVE { 1 } else { -1 };
-        // Where the power goes then, it goes before the drive has done the last step; never behind the limit.
+        // If the reaction removes the power, this happens before the drive has made the last step, and never after the
+        // limit.
         let most = if matches!(errcond, 0 | 1 | 4) { 2 } else { 0 };
         assert!((0..=most).contains(&before), "{text}: it stands {before} before the limit");
     }
@@ -313,20 +315,20 @@ fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
     fault
 }
 
-/// The axis shows the error and does what it asks for, from this cycle to rest.
+/// Checks that the axis shows the error and its reaction, from this cycle until it is at rest.
 fn answers(rig: &mut Rig, code: Code, (at_once, at_rest): (Shown, Shown), text: &str) {
     assert_eq!(rig.int("x.error"), i64::from(code.0), "{text}");
-    // A stop that ends in its first cycle has done what comes behind it, too. Where the encoder has just gone, but not further than
-    // the following error may be, it is waited for.
+    // A stop that ends in its first cycle has also executed the following action. If the encoder jumped within the
+    // following error limit, the axis waits for it.
     let jumped = code == Code::ENCODER_JUMP && rig.int("x.following_error").abs() <= 1_000;
     let stands = rig.real("x.command.velocity") == 0.0 && !at_once.goes_on && !jumped;
     check(rig, if stands { at_rest } else { at_once }, text);
     if at_once.on && !at_once.goes_on {
-        // A command of this cycle was on its way already; the next one is that of the stop.
+        // A command of this cycle was already in progress; the next one is that of the stop.
         let now = rig.real("x.command.velocity").abs();
         rig.run(1);
         let next = rig.real("x.command.velocity").abs();
-        // At a software limit it stops there, and not before: with as much as that takes.
+        // At a software limit the axis stops exactly there, with the deceleration needed for that.
         let at_limit = matches!(code, Code::SOFTWARE_LIMIT_POSITIVE | Code::SOFTWARE_LIMIT_NEGATIVE);
         let least = if at_limit { 1.0 } else { 999.0 };
         assert!(next <= (now - least).max(0.0), "{text}: {now} to {next} is no stop with 1 inc/ms^2");

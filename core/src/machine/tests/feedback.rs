@@ -1,4 +1,4 @@
-//! Where positions come from: encoders that are absolute, shared, changed, disturbed or cut.
+//! Position sources: encoders that are absolute, shared, replaced, disturbed or cut.
 
 mod cable;
 mod disturbed;
@@ -20,7 +20,7 @@ use crate::object::AxisSet;
 use crate::parameter::{Change, Row, Value};
 use crate::position::Length;
 
-/// x closes its loop here.
+/// The loop of x is closed in the core.
 fn velocity_config() -> MachineConfig {
     let mut config = config(0);
     config.axes[1].interface = Interface::Velocity;
@@ -28,7 +28,7 @@ fn velocity_config() -> MachineConfig {
     config
 }
 
-/// x and y close their loops here, and both use the belt's encoder; x is the one that turns it.
+/// The loops of x and y are closed in the core, and both use the encoder of the belt; x moves it.
 fn shared_config() -> MachineConfig {
     let mut config = velocity_config();
     config.axes[2].interface = Interface::Velocity;
@@ -43,7 +43,7 @@ fn gray(steps: u32, turns: u32) -> Absolute {
     Absolute { turns, code: WordCode::Gray, ..Absolute::single_turn(steps) }
 }
 
-/// x with an absolute encoder that MACS corrects.
+/// Returns a rig in which x has an absolute encoder with MACS error correction.
 fn corrected() -> Rig {
     let mut config = velocity_config();
     config.axes[1].wired = Wired::Drive(Form::Absolute(Absolute { turns: 4096, ..gray(8192, 1) }));
@@ -71,7 +71,7 @@ fn zero(axis: u16, position: i64) -> Action {
     Action::SetPosition(SetPosition { axis, position: Length::whole(position) })
 }
 
-/// x at a velocity (inc/s), on an encoder that y, which is off, reads too.
+/// Returns a rig in which x runs at the returned velocity (inc/s), on an encoder that y, which is off, also reads.
 pub(super) fn moving_zero() -> (Rig, f64) {
     let mut rig = Rig::of(shared_config());
     rig.run(2);

@@ -1,4 +1,4 @@
-//! Function slots in the cycle: their order, what axes make of them, commands, tables.
+//! Function slots in the cycle: their order, their effect on axes, commands, tables.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, parameters, to};
 use crate::code::Code;
@@ -29,10 +29,10 @@ mod programs;
 mod random;
 pub(super) mod speeds;
 
-/// A rotary axis: 36000 inc a turn, 90 rpm.
+/// A rotary axis: 36000 inc per revolution, 90 rpm.
 const DISC: u16 = 3;
 
-/// line, x, y and a disc; in and lamp; words of 16, 32 and 64 bits, a real, a bit; a table.
+/// Cell with line, x, y and a disc; in and lamp; words of 16, 32 and 64 bits, a real, a bit; a table.
 fn cell(slots: Vec<SlotConfig>) -> MachineConfig {
     let io = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
     let memory = |name: &str, kind| MemoryConfig { name: name.into(), kind, initial: 0.0 };
@@ -66,7 +66,7 @@ fn slot(name: &str, number: u16, kind: Type) -> SlotConfig {
     SlotConfig::new(name.into(), number, kind)
 }
 
-/// A gear from a leader to an axis, with ratio 1.
+/// Returns a gear from a leader to an axis, with ratio 1.
 fn gear(name: &str, number: u16, source: Leader, axis: u16) -> SlotConfig {
     let mut slot = SlotConfig {
         source: SourceConfig::Lead(source),
@@ -90,12 +90,12 @@ fn with(slot: u16, order: Order, values: &[(u16, i64)]) -> Action {
     Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
 }
 
-/// The place of a field in its set.
+/// Returns the index of a field in its set.
 fn field(kind: Type, name: &str) -> u16 {
     kind.description().find(name).expect("a field").1 as u16
 }
 
-/// A machine with one gear from line to x, both on, line at 20 mm/s (20 inc a cycle).
+/// Returns a machine with one gear from line to x, both on, line at 20 mm/s (20 inc per cycle).
 pub(super) fn geared() -> Rig {
     let mut rig = Rig::of(cell(vec![gear("g", 5, Leader::AxisCommand(LINE), X)]));
     rig.enable();
@@ -113,7 +113,7 @@ fn an_axis_follows_from_the_cycle_behind_start_without_a_jump() {
     assert!(rig.was_accepted(started));
     assert_eq!((rig.int("x.command.position"), rig.state("x")), (before, "SYNCHRONIZED_MOTION"));
     assert_eq!((rig.int("x.reference"), rig.int("g.active"), rig.int("g.sink")), (8, 1, before));
-    // The slot reads the last cycle's command of the line, which moves 20 inc a cycle.
+    // The slot reads the command of the line of the last cycle; the line moves 20 inc per cycle.
     rig.run(1);
     assert_eq!((rig.int("x.command.position"), rig.real("x.command.velocity")), (before + 20, 20_000.0));
     rig.run(99);
@@ -132,7 +132,7 @@ fn reset_holds_what_the_sink_has_at_once_and_releases_the_axis() {
     assert_eq!((rig.int("x.command.position"), rig.int("g.sink"), rig.int("g.active")), (held, held, 0));
     rig.run(30);
     assert_eq!((rig.int("x.command.position"), rig.state("x"), rig.int("x.reference")), (held, "STANDSTILL", 0));
-    // What was the sink's is free for others.
+    // The axis is free for other commands after the sink.
     let moved = rig.give(Action::Move(to(X, held + 500)));
     assert!(rig.was_accepted(moved));
     rig.run(400);
@@ -158,7 +158,7 @@ fn a_function_runs_on_without_its_axis_which_follows_again_once_it_is_on() {
     let (there, sink) = (rig.int("x.command.position"), rig.int("g.sink"));
     rig.run(10);
     assert_eq!(rig.int("x.command.position") - there, rig.int("g.sink") - sink, "changes, not the value");
-    // Off and on again: the same.
+    // The same after switching off and on again.
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(200);
     assert_eq!((rig.state("x"), rig.int("x.reference"), rig.int("g.active")), ("DISABLED", 8, 1));
@@ -203,7 +203,7 @@ fn a_moving_axis_comes_to_the_velocity_of_the_sink_within_its_limits() {
     for _ in 0..200 {
         rig.run(1);
         let now = rig.real("x.command.velocity");
-        // Half of max_acceleration, and a count of a sink that is counted.
+        // Half of max_acceleration, and one count because the sink is in whole counts.
         assert!((now - before).abs() <= 500.0 + 1000.0 + 1e-6, "{before} {now}");
         before = now;
     }
@@ -225,7 +225,7 @@ fn a_sink_that_is_too_fast_is_an_error_of_its_axis() {
     rig.give(order(0, Order::Start));
     rig.run(10);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("SYNCHRONIZED_MOTION", 50_000.0));
-    // E1 takes ratio 3: 150 mm/s of 100.
+    // E1 selects ratio 3: 150 mm/s, while the maximum is 100 mm/s.
     rig.tamper = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", Code::FUNCTION_TOO_FAST.0.into()));
@@ -234,7 +234,7 @@ fn a_sink_that_is_too_fast_is_an_error_of_its_axis() {
         crate::text::sentence(told, rig.machine.config()),
         "x: its function asks for 150 mm/s; max_velocity is 100 mm/s"
     );
-    // The axis begins its cycle behind the slots: they see its error in the next one.
+    // The axis starts its cycle after the slots: they see its error in the next one.
     rig.run(1);
     assert_eq!(rig.int("g.active"), 0);
     rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -272,7 +272,7 @@ fn an_error_that_lets_the_axis_go_on_ends_a_function_all_the_same_where_it_is_to
     rig.give(order(0, Order::Start));
     rig.run(50);
     assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
-    // The drive stays where it is: a following error, which is told and goes on.
+    // The drive does not move: a following error, which is reported while the axis continues.
     rig.tamper = |inputs| inputs.drive[0].count = 0;
     rig.run(60);
     assert!(rig.events.iter().any(|event| event.code == Code::FOLLOWING_ERROR));
@@ -295,7 +295,7 @@ fn an_axis_that_cannot_move_refuses_start() {
     let refused = rig.give(order(0, Order::Start));
     assert_eq!(rig.answer(refused).expect_err("locked").code, Code::QUICK_STOPPED);
     assert_eq!((rig.int("g.active"), rig.int("g.error")), (0, 0));
-    // A coupling that would close a loop: x follows what y makes of x.
+    // A coupling that would close a loop: x follows a function of y, and y follows x.
     let mut rig = Rig::of(cell(vec![gear("g", 0, Leader::AxisCommand(Y), X)]));
     rig.enable();
     let coupled = rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
@@ -313,7 +313,7 @@ fn a_speed_runs_a_rotary_axis_on_its_ramp() {
     slot.outputs[0] = line(1);
     let mut rig = Rig::of(cell(vec![slot]));
     rig.enable();
-    // 60 rpm: one turn of 36000 inc a second.
+    // 60 rpm: one revolution of 36000 inc per second.
     let started = rig.give(with(0, Order::Start, &[(field(Type::Digdreh, "speed"), 600_000)]));
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
     rig.run(1);
@@ -323,11 +323,11 @@ fn a_speed_runs_a_rotary_axis_on_its_ramp() {
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (600_000, 0));
     rig.run(10);
-    // Half of max_acceleration, 1e6 inc/s^2, is 500 inc/s a cycle.
+    // Half of max_acceleration, 1e6 inc/s^2, is 500 inc/s per cycle.
     assert_eq!(rig.real("disc.command.velocity"), 5_000.0);
     rig.run(80);
     assert_eq!((rig.real("disc.command.velocity"), rig.int("disc.in_velocity")), (36_000.0, 1));
-    // Enable loss stops, on the ramp too.
+    // Loss of the enable stops the axis, during the ramp, too.
     rig.tamper = |inputs| inputs.digital[0] = 0b11;
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (0, 1));
@@ -396,7 +396,7 @@ fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
     assert_eq!((rig.int("d"), rig.int("e.active"), rig.int("e.error")), (70_000, 1, 0));
     let again = rig.give(order(0, Order::Start));
     assert_eq!(rig.answer(again).expect_err("active").code, Code::FUNCTION_ACTIVE);
-    // Staged values count once they are commanded.
+    // Staged values apply once they are commanded.
     rig.give(with(0, Order::Stage, &[(value, 3)]));
     rig.run(3);
     assert_eq!(rig.int("d"), 70_000);
@@ -404,7 +404,7 @@ fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
     assert_eq!(rig.answer(bad).expect_err("beyond i32").code, Code::FUNCTION_RANGE);
     rig.run(1);
     assert_eq!((rig.int("d"), rig.machine.slots()[0].staged()), (70_000, &[1, 3, 0][..]));
-    // The mode stays as it was started (A-12).
+    // The mode remains as at the start (A-12).
     rig.give(with(0, Order::ValueNew, &[(mode, 0)]));
     assert_eq!((rig.int("d"), rig.machine.slots()[0].active()), (3, &[1, 3, 0][..]));
     let read = rig.give(order(0, Order::ReadValue));
@@ -474,7 +474,7 @@ fn outputs_of_a_function_are_its_own_and_an_ao_takes_mv() {
     );
 }
 
-/// An output reaches 10 V: a given value beyond that is refused, one that a source brings is held to it.
+/// The full scale of an output is 10 V: a commanded value above it is refused, a value from a source is limited to it.
 #[test]
 fn an_ao_as_sink_gets_no_more_than_its_full_scale() {
     let mut slot = slot("e", 0, Type::Ecopy);
@@ -496,7 +496,7 @@ fn an_ao_as_sink_gets_no_more_than_its_full_scale() {
     }
 }
 
-/// Bits 0 and 1 of the mode choose the values for E1 = 0 and E1 = 1; without its bit a value has no effect.
+/// Bits 0 and 1 of the mode select the values for E1 = 0 and E1 = 1; without its bit a value has no effect.
 ///
 /// Proves: AMK-ECOPY-03
 #[test]
@@ -516,7 +516,7 @@ fn value_that_the_mode_of_ecopy_does_not_use_may_exceed_the_full_scale() {
             let given = rig.give(with(0, command, &values));
             assert!(rig.was_accepted(given), "{mode} {command:?}: {:?}", rig.answer(given));
         }
-        // The mode in force decides: the command has none.
+        // The mode in force applies: the command contains none.
         let refused = rig.give(with(0, Order::ValueNew, &[(used, 10_001)]));
         assert_eq!(rig.refusal(refused), format!("e: value_e1_{}: 10001 {range}", used - 1));
         rig.give(order(0, Order::Reset));
@@ -555,7 +555,7 @@ fn widths_cut_and_extend() {
     let mut rig = Rig::of(cell(slots));
     rig.give_all((0..3).map(|slot| order(slot, Order::Start)).collect());
     rig.give(Action::set_memory(2, f64::from(0x1_8001_u32)));
-    // 32768 + 1 in 16 bits is negative, and stays so in 32.
+    // 32768 + 1 is negative in 16 bits, and stays negative in 32.
     assert_eq!((rig.int("w"), rig.int("d"), rig.real("r")), (-32_767, -32_767, 98_305.0));
     rig.give(Action::set_memory(2, 3_000_000_000.0));
     assert_eq!((rig.int("w"), rig.real("r")), (24_064, -1_294_967_296.0));
@@ -573,7 +573,8 @@ fn parameters_of_axes_hold_as_they_were_while_a_function_leads() {
     assert_eq!(rig.int("x.error"), Code::FUNCTION_TOO_FAST.0.into(), "a limit counts at once");
 }
 
-/// Each kind of data holder by its name: counters of 16 bits, commands and actual positions of axes in 16 and 32 bits, words, sinks.
+/// Each kind of data source by its name: counters of 16 bits, commands and actual positions of axes in 16 and 32 bits,
+/// words, sinks.
 ///
 /// Proves: AMK-SRC-01, AMK-SRC-03, AMK-SRC-04, AMK-SRC-07, AMK-BCOM-17, AMK-BCOM-19, AMK-BCOM-20, AMK-BCOM-21, AMK-BCOM-22, AMK-BCOM-23, AMK-BCOM-26, AMK-BCOM-27,
 /// AMK-BCOM-30, AMK-BCOM-31, AMK-CTX-12, AMK-CTX-13, AMK-CTX-14, AMK-CTX-16, AMK-CTX-17, AMK-CTX-19, AMK-CTX-22

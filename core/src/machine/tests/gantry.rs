@@ -17,13 +17,13 @@ use crate::sim::{Model, SecondOrder};
 use crate::vocabulary::saia::Command;
 use proptest::prelude::*;
 
-/// Places of the drives of x.
+/// Indices of the drives of x.
 const FIRST: usize = 0;
 const SECOND: usize = 2;
 /// 0.2 mm.
 const MAX_SKEW: i64 = 200;
 
-/// x has two drives.
+/// Returns a cell in which x has two drives.
 fn cell() -> MachineConfig {
     let mut config = config(0);
     let x = &mut config.axes[usize::from(X)];
@@ -33,7 +33,7 @@ fn cell() -> MachineConfig {
     config
 }
 
-/// The second drive reads that many counts more when the first inputs come.
+/// Returns a rig whose second drive has this many counts more at the first inputs.
 fn apart(by: i64) -> Rig {
     let mut rig = Rig::of(cell());
     rig.plant.drive(SECOND).expect("it is simulated").jump(by);
@@ -59,11 +59,11 @@ fn errors(rig: &Rig) -> Vec<Code> {
     rig.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code).collect()
 }
 
-/// In each cycle both get the same control word, and the axis is on once both are.
+/// In each cycle both drives get the same control word, and the axis is on once both drives are.
 #[test]
 fn it_is_on_once_both_drives_are() {
     let mut rig = apart(0);
-    // The second one is slow: for 30 cycles it shows no more than switched on.
+    // The second drive is slow: for 30 cycles it reports only switched on.
     rig.tamper = |inputs: &mut Inputs| {
         if inputs.cycle < 30 && DriveState::from_status(inputs.drive[SECOND].status) == DriveState::Enabled {
             inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
@@ -82,7 +82,7 @@ fn it_is_on_once_both_drives_are() {
     assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
 }
 
-/// One that never comes on keeps the axis off, with the error of one drive.
+/// A drive that is never enabled keeps the axis off, with the error of a single drive.
 #[test]
 fn a_drive_that_does_not_come_on_switches_both_off() {
     let mut rig = apart(0);
@@ -92,7 +92,7 @@ fn a_drive_that_does_not_come_on_switches_both_off() {
     assert_eq!((errors(&rig), controls(&rig)), (vec![Code::ENABLE_TIMEOUT], [control::DISABLE_VOLTAGE; 2]));
 }
 
-/// Whatever counts the drives begin with, that is no skew: the second is led by what both stood apart.
+/// Different initial counts of the drives are no skew: the second drive gets setpoints with this difference.
 #[test]
 fn where_both_stand_is_square_unless_something_says_otherwise() {
     for by in [0, 7, -150, 1_000_000, i64::from(i32::MIN)] {
@@ -105,7 +105,8 @@ fn where_both_stand_is_square_unless_something_says_otherwise() {
     }
 }
 
-/// `square_offset` says where square is: the rest is skew, which it keeps up to max_skew, and with more is not switched on.
+/// `square_offset` defines the square position. The remaining difference is skew, which the axis keeps up to max_skew;
+/// above it the axis is not switched on.
 #[test]
 fn it_keeps_a_skew_within_the_limit_and_is_not_switched_on_beyond_it() {
     for by in [-201, -200, -1, 0, 200, 201] {
@@ -133,12 +134,12 @@ fn it_keeps_a_skew_within_the_limit_and_is_not_switched_on_beyond_it() {
     }
 }
 
-/// One side is held while the axis moves: in the cycle in which the skew is 201 inc both drives are without voltage.
+/// One side is held while the axis moves: in the cycle in which the skew exceeds 200 inc, both drives are switched off.
 #[test]
 fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
     for jammed in [FIRST, SECOND] {
         let mut rig = enabled(40);
-        // Nothing else is to stop it first.
+        // No other error must stop the axis first.
         rig.set("max_following_error", Value::Int(1_000_000));
         rig.give(Action::Move(at(X, 10_000.0)));
         rig.run(100);
@@ -149,11 +150,11 @@ fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
             assert_eq!((before <= MAX_SKEW, controls(&rig)), (true, [control::ENABLE; 2]));
             rig.run(1);
         }
-        // 10 inc in a cycle.
+        // 10 inc per cycle.
         assert_eq!((before, rig.int("x.skew").abs()), (200, 210));
         assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
         assert_eq!((errors(&rig), rig.state("x")), (vec![Code::SKEW], "ERROR_STOP"));
-        // It stays so: reset it may be, on it does not come.
+        // The state remains: a reset is possible, but the axis cannot be switched on.
         rig.run(5);
         rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(20);
@@ -162,7 +163,7 @@ fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
     }
 }
 
-/// A limit that is set counts in its cycle.
+/// A new limit applies in its cycle.
 #[test]
 fn a_new_limit_counts_at_once() {
     let mut rig = enabled(0);
@@ -177,7 +178,7 @@ fn a_new_limit_counts_at_once() {
     assert_eq!((rig.int("x.error"), controls(&rig)), (i64::from(Code::SKEW.0), [control::DISABLE_VOLTAGE; 2]));
 }
 
-/// What the reaction is asked to be.
+/// The reaction to a skew is selected by its own parameter.
 #[test]
 fn the_skew_has_a_reaction_of_its_own() {
     for (reaction, expected) in
@@ -197,7 +198,7 @@ fn the_skew_has_a_reaction_of_its_own() {
     }
 }
 
-/// A skew that grows in a stop, or while another error stops the axis, still takes the power of both.
+/// A skew that grows during a stop, or while another error stops the axis, also removes the power of both drives.
 #[test]
 fn the_skew_is_supervised_in_stops_too() {
     for stop in [Action::Halt(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
@@ -224,7 +225,7 @@ fn the_skew_is_supervised_in_stops_too() {
     );
 }
 
-/// Moves at 10 inc in a cycle with one drive held, until the error.
+/// Moves at 10 inc per cycle with one drive held, until the error.
 fn skewed(reaction: i64) -> Rig {
     let mut rig = enabled(0);
     rig.set("skew_reaction", Value::Int(reaction));
@@ -240,7 +241,7 @@ fn skewed(reaction: i64) -> Rig {
     rig
 }
 
-/// Beyond twice max_skew both are without voltage, whatever the reaction is: in a stop by itself, and where it only reports.
+/// Above twice max_skew both drives are switched off with any reaction: during its own stop, and if it only reports.
 #[test]
 fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
     for reaction in [2, 3, 5] {
@@ -255,7 +256,8 @@ fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
     }
 }
 
-/// While another error stops the axis, a skew that stops nothing more is told once; so is one that is only reported.
+/// While another error stops the axis, a skew without a further reaction is reported once; so is a skew with reaction
+/// report only.
 #[test]
 fn a_skew_beside_another_error_is_told_once() {
     for reaction in [2, 3, 4, 5] {
@@ -271,7 +273,7 @@ fn a_skew_beside_another_error_is_told_once() {
         let expected = [Code::HARDWARE_LIMIT_POSITIVE, Code::SKEW];
         assert_eq!((errors(&rig), controls(&rig)), (expected.to_vec(), [control::ENABLE; 2]), "{reaction}");
     }
-    // Beside one that only is reported, with a skew that is as well.
+    // Together with an error that is only reported, and a skew that is only reported, too.
     let mut rig = enabled(0);
     rig.set("skew_reaction", Value::Int(5));
     rig.set("error_reaction", Value::Int(5));
@@ -291,7 +293,7 @@ fn a_skew_beside_another_error_is_told_once() {
     assert_eq!((skews, controls(&rig)), (2, [control::ENABLE; 2]));
 }
 
-/// Reaction 4: while the second drive still runs, the axis has not stopped, though the first one stands.
+/// Reaction 4: while the second drive still runs, the axis has not stopped, even if the first drive stands still.
 #[test]
 fn a_drive_that_still_runs_has_not_stopped_by_itself() {
     for runs in [false, true] {
@@ -299,7 +301,7 @@ fn a_drive_that_still_runs_has_not_stopped_by_itself() {
         assert_eq!(controls(&rig), [control::QUICK_STOP; 2]);
         rig.plant.drive(FIRST).unwrap().jam(true);
         rig.tamper = if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
-        // Both show quick stop, however fast they are.
+        // Both drives report quick stop, at any velocity.
         rig.run(20);
         rig.give(Action::Disable(AxisSet::one(X)));
         rig.run(30);
@@ -307,7 +309,7 @@ fn a_drive_that_still_runs_has_not_stopped_by_itself() {
     }
 }
 
-/// A vocabulary switches it on no more than a command does, and what changes on the way to being on counts too.
+/// A vocabulary cannot switch the axis on either, and changes during the switch-on count, too.
 #[test]
 fn nothing_switches_it_on_beyond_the_limit() {
     let mut rig = apart(0);
@@ -323,7 +325,7 @@ fn nothing_switches_it_on_beyond_the_limit() {
     rig.give(saia_verb(&commands));
     for _ in 0..20 {
         rig.run(1);
-        // It is not even asked.
+        // The switch-on is not even commanded.
         assert_eq!(controls(&rig), [control::DISABLE_VOLTAGE; 2]);
     }
     rig.plant.drive(SECOND).unwrap().jump(-1);
@@ -345,7 +347,7 @@ fn nothing_switches_it_on_beyond_the_limit() {
     }
 }
 
-/// A second drive that tells no place is not switched on.
+/// A second drive without a valid position is not switched on.
 #[test]
 fn a_second_drive_without_a_place_is_not_switched_on() {
     let mut config = cell();
@@ -358,11 +360,11 @@ fn a_second_drive_without_a_place_is_not_switched_on() {
     assert_eq!(rig.refusal(sequence), "x: the second drive tells no position");
 }
 
-/// What is square, and what is held, are taken from words of one cycle.
+/// The square position and the held position are taken from inputs of the same cycle.
 #[test]
 fn what_is_held_is_of_fresh_words() {
     let mut rig = Rig::of(cell());
-    // Before it has told anything it repeats a word of long ago, and again while it is switched on.
+    // Before its first report the drive repeats an old word, and again while it is switched on.
     rig.tamper = |all: &mut Inputs| match all.cycle {
         0..3 => (all.drive[SECOND].fresh, all.drive[SECOND].count) = (false, -500),
         5..14 => all.drive[SECOND].fresh = false,
@@ -380,7 +382,7 @@ fn what_is_held_is_of_fresh_words() {
     assert_eq!((second - first, rig.int("x.skew"), rig.int("x.enabled"), errors(&rig)), (0, 0, 1, vec![]));
 }
 
-/// Absolute encoders tell anew how both stand once either counts anew; of others it is told that nobody knows.
+/// Absolute encoders show the skew again once either encoder restarts its count; for others it is reported as unknown.
 #[test]
 fn a_new_coordinate_of_absolute_encoders_shows_the_skew() {
     let moved: OfEither = [
@@ -404,7 +406,7 @@ fn a_new_coordinate_of_absolute_encoders_shows_the_skew() {
     }
 }
 
-/// What befalls the first drive, and the same of the second one.
+/// A modification of the inputs of the first drive, and the same of the second one.
 type OfEither = [fn(&mut Inputs); 2];
 
 fn absent(drive: &mut DriveInput) {
@@ -423,7 +425,8 @@ fn in_fault(drive: &mut DriveInput) {
     (drive.status, drive.fault) = (DriveState::Fault.status(), 0x2310);
 }
 
-/// An absence, a loss of the bus, a drive that switches itself off, a fault: of either, and both are without voltage in that cycle.
+/// An absence, a loss of the bus, a drive that switches itself off, a fault: for either drive, both are switched off in
+/// that cycle.
 #[test]
 fn what_fails_of_either_drive_stops_both_in_its_cycle() {
     let harms: [(OfEither, Code); 4] = [
@@ -441,13 +444,13 @@ fn what_fails_of_either_drive_stops_both_in_its_cycle() {
             rig.run(1);
             let found = (rig.int("x.error"), controls(&rig));
             assert_eq!(found, (i64::from(code.0), [control::DISABLE_VOLTAGE; 2]));
-            // The drive beside them is another axis'.
+            // The third drive belongs to another axis.
             assert_eq!(rig.outputs().drive[1].control, control::ENABLE);
         }
     }
 }
 
-/// Without new data from either for longer than missed_cycles.
+/// No new data from either drive for longer than missed_cycles.
 #[test]
 fn a_silence_of_either_drive_counts() {
     let silences: [fn(&mut Inputs); 2] = [|all| all.drive[FIRST].fresh = false, |all| all.drive[SECOND].fresh = false];
@@ -462,7 +465,7 @@ fn a_silence_of_either_drive_counts() {
     }
 }
 
-/// A word that is waited for is that of an earlier cycle, and no skew.
+/// During a wait for new data the last word belongs to an earlier cycle, so it is no skew.
 #[test]
 fn words_that_are_waited_for_are_no_skew() {
     let stale: [fn(&mut Inputs); 2] = [
@@ -481,7 +484,7 @@ fn words_that_are_waited_for_are_no_skew() {
     }
 }
 
-/// A fault of either is reset at both.
+/// A fault of either drive is reset at both.
 #[test]
 fn a_fault_of_the_second_drive_is_reset() {
     let mut rig = enabled(0);
@@ -495,8 +498,8 @@ fn a_fault_of_the_second_drive_is_reset() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// A coordinate of the second drive that begins anew, as when its power comes back, is no motion and no skew; but nobody knows any more whether
-/// it was moved meanwhile, and so the zero is lost.
+/// A coordinate of the second drive that starts again, as after its power-on, is neither a motion nor a skew. But it is
+/// unknown whether the drive was moved in between, so the zero is lost.
 #[test]
 fn a_new_coordinate_of_the_second_drive_is_no_motion() {
     let mut rig = enabled(0);
@@ -517,7 +520,8 @@ fn a_new_coordinate_of_the_second_drive_is_no_motion() {
     assert_eq!((rig.int("x.actual.count"), rig.int("x.second.count"), rig.int("x.skew")), (25_000, 5_000, 0));
 }
 
-/// Absolute encoders know their square, wherever their words begin anew; one that tells nothing any more takes the power of both.
+/// Absolute encoders give the square position, wherever their words start again; one that no longer reports a position
+/// switches both drives off.
 #[test]
 fn absolute_encoders_know_their_square() {
     for (by, skew) in [(300, 0), (300 - 40_000, 0), (300 + 80_000, 0), (340, 40), (260 - 40_000, -40)] {
@@ -554,7 +558,7 @@ fn the_limit_switch_of_either_drive_stops_it() {
     }
 }
 
-/// What parameters may not be set to.
+/// Parameter values that are refused.
 #[test]
 fn what_two_drives_cannot_do_is_refused_by_name() {
     let mut rig = apart(0);
@@ -593,7 +597,7 @@ fn two_drives_that_cannot_carry_an_axis_make_no_machine() {
     assert_eq!(sentence, Err(expected.to_owned()));
 }
 
-/// What may be asked of x in a cycle.
+/// Returns a random action on x for one cycle.
 fn action() -> impl Strategy<Value = Option<Action>> {
     let x = AxisSet::one(X);
     prop_oneof![
@@ -612,8 +616,8 @@ fn action() -> impl Strategy<Value = Option<Action>> {
 proptest! {
     #![proptest_config(cases(40))]
 
-    /// Whatever is commanded: both drives have the same control word, and the setpoints differ by what they stood apart when the axis came on.
-    /// A machine restored on the way does the same.
+    /// With any commands both drives have the same control word, and the setpoints differ by the initial difference of
+    /// the positions at switch-on. A machine restored in between gives the same results.
     #[test]
     fn both_drives_get_the_same_setpoint(
         by in -1_000_000_i64..1_000_000,

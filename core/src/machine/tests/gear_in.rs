@@ -1,4 +1,4 @@
-//! Gears that wait for their moment: a pair of places (MC_GearInPos), a latch (freeze start).
+//! Gears that wait for an event: a pair of positions (MC_GearInPos), a latch (freeze start).
 
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
@@ -14,7 +14,8 @@ use proptest::prelude::*;
 
 const TO_LINE: Leader = Leader::AxisCommand(LINE);
 const MARK: Object = Object::Io(0);
-/// What an axis of the rig may in a cycle (inc), and by how much that may change; half of it where nothing is asked for.
+/// Velocity limit of an axis of the rig (inc/cycle), and its acceleration limit (inc/cycle^2); half of both without
+/// explicit values.
 const FASTEST: f64 = 100.0;
 const RATE: f64 = 1.0;
 
@@ -35,12 +36,12 @@ fn pair(position: i64, slave: i64, distance: i64) -> Engage {
     Engage::InPosition { position, turn: None, slave, distance }
 }
 
-/// Of x to the line.
+/// Returns the coupling of x to the line.
 fn geared(numerator: i64, denominator: i64, engage: Engage) -> Action {
     Action::Synchronize(Synchronize { engage, ..couple(X, TO_LINE, numerator, denominator) })
 }
 
-/// The line to a place, at so many inc a cycle, with 1 inc a cycle and cycle.
+/// Moves the line to a position, at this many inc per cycle, with 1 inc/cycle^2.
 fn line(to_place: i64, speed: f64) -> Action {
     let (velocity, acceleration) = (speed * 1e3, 1e6);
     Action::Move(Move { velocity, acceleration, deceleration: acceleration, ..to(LINE, to_place) })
@@ -54,7 +55,7 @@ fn real(rig: &Rig, axis: u16) -> f64 {
     place(rig, axis).to_f64()
 }
 
-/// So many cycles, in each of which x keeps what it may, but for what its grid leaves out; `look` sees each of them.
+/// Runs cycles and checks in each that x keeps its limits, within the resolution of its grid; `look` sees each cycle.
 fn watch(rig: &mut Rig, cycles: usize, mut look: impl FnMut(&Rig)) {
     for _ in 0..cycles {
         let (from, before) = (real(rig, X), rig.real("x.command.velocity") / 1e3);
@@ -70,14 +71,14 @@ fn warnings(rig: &Rig) -> usize {
     rig.events.iter().filter(|event| matches!(event.kind, Kind::Warning | Kind::Error)).count()
 }
 
-/// Where the pair 10000, 3000 has x at 1 : 1 that stood at 1000, over 4000 of the line: y'' = (6 s - 6 s^2) / 4000, so that
-/// y = 4000 (s^3 - s^4 / 2).
+/// Position of x for the pair 10000, 3000 at 1 : 1 from rest at 1000, over 4000 inc of the line: y'' = (6 s - 6 s^2) /
+/// 4000, so that y = 4000 (s^3 - s^4 / 2).
 fn even(line: f64) -> f64 {
     let s = ((line - 6_000.0) / 4_000.0).clamp(0.0, 1.0);
     1_000.0 + 4_000.0 * (s * s * s - s * s * s * s / 2.0)
 }
 
-/// x at 1000, waiting for the pair 10000, 3000 over 4000 at 1 : 1.
+/// Sets x to 1000, waiting for the pair 10000, 3000 over 4000 at 1 : 1.
 fn waiting(rig: &mut Rig) -> u64 {
     rig.give(Action::Move(to(X, 1_000)));
     rig.run(500);
@@ -102,7 +103,7 @@ fn from_rest_it_goes_the_curve_and_is_exact_behind_the_pair() {
                 seen[0] += 1;
                 assert_eq!((real(rig, X), state), (1_000.0, ("STANDSTILL", goal as i64, 0)));
             }
-            // It is engaged in the cycle that passes its start, and on the curve from the next one on.
+            // It is engaged in the cycle that passes its start, and on the curve from the next cycle.
             () if now < 10_000.0 => {
                 seen[1] += 1;
                 assert_eq!(state, ("SYNCHRONIZED_MOTION", 0, 0));
@@ -116,19 +117,20 @@ fn from_rest_it_goes_the_curve_and_is_exact_behind_the_pair() {
             }
         }
     });
-    // 4000 inc at 19.7 each.
+    // 4000 inc at 19.7 inc each.
     assert!(seen[0] > 300 && (202..=204).contains(&seen[1]) && seen[2] > 300, "{seen:?}");
     assert_eq!((warnings(&rig), rig.done(goal).len()), (0, 0));
 }
 
-/// 1.5 : 1 from 0.5 : 1, which is what 10 inc a cycle are beside the line's 20: the bend is 1 in 4000 inc at most 1.5 / 4000 of it, times 400.
+/// 1.5 : 1 from 0.5 : 1, which is the ratio of 10 inc per cycle to the 20 inc of the line: the ratio changes by 1 in
+/// 4000 inc, by at most 1.5 / 4000 per inc, times 400.
 #[test]
 fn a_slave_that_moves_goes_on_from_its_velocity() {
     let mut rig = rig();
     rig.give(line(60_000, 20.0));
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(100);
-    // From now on it goes half of what the line does; then 4000 inc in the mean of 0.5 and 1.5.
+    // From now on it moves half the travel of the line; then 4000 inc at the mean of 0.5 and 1.5.
     let way = (16_000.0 - real(&rig, LINE)) / 2.0;
     let slave = (real(&rig, X) + way).round() as i64 + 4_000;
     let goal = rig.give(geared(3, 2, pair(20_000, slave, 4_000)));
@@ -147,8 +149,9 @@ fn a_slave_that_moves_goes_on_from_its_velocity() {
     assert!(passed > 300 && rig.done(goal).is_empty() && warnings(&rig) == 0);
 }
 
-/// x gains 1 inc a cycle in each, all that it may, and its start lies 19/20 of a cycle before the moment. Velocities from v to 60 over 200 cycles, from a
-/// gain of 1 to none, are a polynomial of 3rd order with a mean of (v + 60) / 2 + 200 / 12 that never gains more than at its start.
+/// x accelerates by 1 inc/cycle^2, its maximum, and its start is 19/20 of a cycle before the event. A velocity from v
+/// to 60 over 200 cycles, with an acceleration from 1 to 0, is a polynomial of 3rd order with a mean of (v + 60) / 2 +
+/// 200 / 12; its acceleration never exceeds that at its start.
 #[test]
 fn a_slave_that_speeds_up_goes_on_from_its_velocity_at_the_start() {
     let mut rig = rig();
@@ -172,7 +175,8 @@ fn a_slave_that_speeds_up_goes_on_from_its_velocity_at_the_start() {
     assert_eq!(place(&rig, X).raw(), (i128::from(slave.round() as i64) << 32) + way.raw() * 3);
 }
 
-/// Led 10 cycles ahead by the gear before, and by that of the pair: there, as behind it, the slave is where the pair says, and as far ahead as its velocity asks for.
+/// With a lead of 10 cycles by the previous gear and by that of the pair: at the pair and after it the slave is at the
+/// position of the pair plus the lead for its velocity.
 ///
 /// Proves: MACS-SYNC-15
 #[test]
@@ -194,7 +198,7 @@ fn a_pair_that_is_taken_over_is_one_of_places_without_the_lead() {
     }
 }
 
-/// The offset that stands when it begins is in the pair already; a new one shifts it by the difference.
+/// The offset at the start is included in the pair; a new offset shifts the slave by the difference.
 ///
 /// Proves: MACS-SYNC-14
 #[test]
@@ -213,7 +217,7 @@ fn the_offset_of_before_is_in_the_pair() {
     assert_eq!((rig.int("x.in_sync"), place(&rig, X) - place(&rig, LINE)), (1, Position::whole(-6_800)));
 }
 
-/// Geared 1 : 2 to the line before, it takes 3 : 2 over from there without a jump of velocity.
+/// From a gear of 1 : 2 to the line it changes to 3 : 2 without a velocity step.
 #[test]
 fn a_gear_of_the_same_leader_passes_into_the_pair() {
     let mut rig = rig();
@@ -235,7 +239,7 @@ fn a_gear_of_the_same_leader_passes_into_the_pair() {
     assert_eq!(place(&rig, X).raw(), (12_000_i128 << 32) + way.div_euclid(2));
 }
 
-/// The leader stops in the approach, goes back before the start and comes again: always the same curve.
+/// The leader stops during the approach, moves back before the start and returns: the curve is always the same.
 #[test]
 fn the_curve_is_one_of_the_leaders_place() {
     let mut rig = rig();
@@ -254,7 +258,7 @@ fn the_curve_is_one_of_the_leaders_place() {
     assert_eq!(place(&rig, X), Position::whole(1_000));
     rig.give(line(12_000, 17.3));
     watch(&mut rig, 600, |_| {});
-    // Behind the pair it is a gear: back before it there is no curve any more.
+    // After the pair it is a gear: back before the pair there is no curve any more.
     assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(5_000), 1));
     rig.give(line(7_000, 17.3));
     watch(&mut rig, 600, |_| {});
@@ -262,7 +266,8 @@ fn the_curve_is_one_of_the_leaders_place() {
     assert_eq!((warnings(&rig), rig.done(goal).len()), (0, 0));
 }
 
-/// Twice as fast in the middle of it, and then so fast that x cannot: it lags within its limits, says so, and comes to the pair's gear all the same.
+/// Twice as fast in the middle, and then too fast for x: x lags within its limits, reports this, and still reaches the
+/// gear of the pair.
 #[test]
 fn a_leader_that_runs_faster_never_drives_the_slave_beyond_its_limits() {
     let mut rig = rig();
@@ -274,7 +279,7 @@ fn a_leader_that_runs_faster_never_drives_the_slave_beyond_its_limits() {
     assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(53_000), 1));
 }
 
-/// 1000 is passed at 1000 + n * 4000: from 0 on the start, 2000 before it, is at 3000.
+/// 1000 is passed at 1000 + n * 4000: from 0 the start, 2000 before it, is at 3000.
 #[test]
 fn a_pair_in_the_turn_of_the_leader_is_the_next_one_that_leaves_the_way() {
     let engage = Engage::InPosition { position: 1_000, turn: Modulo::new(4_000, 1), slave: 1_100, distance: 2_000 };
@@ -285,7 +290,7 @@ fn a_pair_in_the_turn_of_the_leader_is_the_next_one_that_leaves_the_way() {
     assert!(rig.int("x.sync.waiting") != 0);
     watch(&mut rig, 1_000, |_| {});
     assert_eq!(place(&rig, X), Position::whole(1_100 + 9_000 - 5_000));
-    // The slave has a turn of its own: of 1100 + n * 3600 the one nearest to 7000 + 2000 / 2.
+    // The slave has a revolution of its own: of 1100 + n * 3600 the value nearest to 7000 + 2000 / 2 applies.
     let mut rig = rig_of(|axis| axis.modulo = Modulo::new(3_600, 1));
     rig.give(Action::Move(Move { mode: crate::command::MoveMode::Relative, ..to(X, 7_000) }));
     rig.run(1_000);
@@ -295,7 +300,7 @@ fn a_pair_in_the_turn_of_the_leader_is_the_next_one_that_leaves_the_way() {
     assert_eq!(place(&rig, X), Position::whole(7_200 + 1_100 + 4_000));
 }
 
-/// From above: the start lies above the place.
+/// From above: the start is above the position.
 #[test]
 fn a_leader_from_above_starts_above() {
     let mut rig = rig();
@@ -310,7 +315,8 @@ fn a_leader_from_above_starts_above() {
     assert_eq!((place(&rig, X), rig.done(goal).len(), warnings(&rig)), (Position::whole(-7_000), 0, 0));
 }
 
-/// The line at 20 inc a cycle: what is refused tells a distance that is just accepted. Once the line stands, the moment judges.
+/// The line at 20 inc per cycle: the refusal reports a distance that is just accepted. Once the line is at rest, the
+/// check takes place at the event.
 #[test]
 fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
     let mut rig = rig();
@@ -324,7 +330,8 @@ fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
     let refused = refused.expect("too short");
     assert_eq!((refused.code, refused.asked), (Code::ENGAGE_TOO_SHORT, Number::Count(100)));
     let Number::Count(least) = refused.limit else { panic!("{refused:?}") };
-    // An even way of 2 * 1000 needs 1.5 / 2000 * 400 = 0.3 of the 0.5; the largest bend of any way is more than 1 / length.
+    // A straight distance of 2 * 1000 needs 1.5 / 2000 * 400 = 0.3 of the 0.5; the largest curvature for any distance
+    // exceeds 1 / length.
     assert!((800..2_000).contains(&least), "{least}");
     assert_eq!(
         rig.refusal(goal),
@@ -332,11 +339,11 @@ fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
             "x: start_distance_increments 100 is too short for what the slave may do at the present speed of its leader; {least} is enough"
         )
     );
-    // No more than a quarter above one that is not.
+    // At most a quarter above a distance that is too short.
     let short = least * 4 / 5 - 1;
     assert_eq!(ask(&mut rig, short).1.map(|event| event.code), Some(Code::ENGAGE_TOO_SHORT));
     assert_eq!(ask(&mut rig, least).1, None);
-    // Faster than x may at all.
+    // Faster than the limit of x.
     rig.give(line(200_000_000, 90.0));
     rig.run(100);
     let fast = rig.give(geared(3, 2, pair(100_000, 1_000, 20_000)));
@@ -353,7 +360,7 @@ fn a_way_too_short_at_its_moment_ends_the_goal_there() {
     let done = rig.done(goal)[0];
     assert_eq!((done.code, done.asked), (Code::ENGAGE_TOO_SHORT, Number::Count(100)));
     assert_eq!((rig.state("x"), rig.int("x.command.position")), ("STANDSTILL", 0));
-    // No way is long enough for one that is to go back so far that it cannot come.
+    // No distance is long enough if the slave would have to move back too far to reach the pair.
     let mut rig = rig_of(|axis| axis.parameters.max_acceleration = 1e-3);
     rig.give(line(2_000_000_000, 90.0));
     rig.run(200);
@@ -376,7 +383,8 @@ fn a_leader_past_its_start_is_refused_with_what_is_missing() {
         )
     );
     rig.run(500);
-    // It stands at 9000: nobody knows where it goes. Away from the place it may come again; towards it, it is over.
+    // It is at rest at 9000, and its direction is unknown. If it moves away from the position it may return; if it
+    // moves toward it, it is too late.
     let goal = rig.give(geared(1, 1, pair(10_000, 2_000, 4_000)));
     rig.give(line(5_000, 20.0));
     rig.run(400);
@@ -390,13 +398,13 @@ fn a_leader_past_its_start_is_refused_with_what_is_missing() {
     rig.give(line(12_000, 20.0));
     rig.run(500);
     let done = rig.done(late)[0];
-    // It was at 9000, and moves by no more than 1 in the first cycle.
+    // It was at 9000, and moves by at most 1 in the first cycle.
     assert_eq!((done.code, done.asked, done.limit), (Code::ENGAGE_PASSED, Number::Count(3_001), Number::Count(4_000)));
-    // The gear before goes on.
+    // The previous gear continues.
     assert_eq!((rig.int("x.command.position"), rig.int("x.in_sync")), (4_000, 1));
 }
 
-/// Revers 2 forbids all ways back, 1 those that the master does not make.
+/// Revers 2 forbids all backward motion, 1 only that without the master.
 #[test]
 fn a_way_back_is_refused_where_revers_forbids_it() {
     let with_rule = |rule: i64| match rule {
@@ -405,7 +413,7 @@ fn a_way_back_is_refused_where_revers_forbids_it() {
     };
     for rule in [1, 2] {
         let mut rig = with_rule(rule);
-        // It stands at 0, and would have to come from behind 0.
+        // It is at rest at 0, and would have to approach from below 0.
         let stands = rig.give(geared(1, 1, pair(10_000, -500, 4_000)));
         assert!(rig.was_accepted(stands));
         rig.give(line(100_000, 20.0));
@@ -414,11 +422,11 @@ fn a_way_back_is_refused_where_revers_forbids_it() {
         assert_eq!(rig.refusal(moving), "x: the way to -0.5 mm leads backwards, which revers forbids");
         rig.run(400);
         assert_eq!((rig.done(stands)[0].code, rig.int("x.command.position")), (Code::REVERSE_FORBIDDEN, 0));
-        // Forwards all the way.
+        // Forwards all the time.
         let good = rig.give(geared(1, 1, pair(20_000, 2_000, 4_000)));
         rig.run(700);
         assert_eq!((rig.int("x.in_sync"), rig.done(good).len()), (1, 0));
-        // With a leader that comes from above x goes back with it.
+        // With a leader that moves downwards x moves backwards with it.
         let mut rig = with_rule(rule);
         rig.give(line(20_000, 90.0));
         rig.run(400);
@@ -449,7 +457,7 @@ fn cancel_ends_the_wait_and_the_approach() {
         rig.give(line(30_000, 20.0));
         rig.run_to("line.command.position", 8_000.0);
         let speed = rig.real("x.command.velocity");
-        // Half of the way: 3 s^2 - 2 s^3 = 1/2 of the line's speed.
+        // In the middle of the curve: 3 s^2 - 2 s^3 = 1/2 of the velocity of the line.
         assert!((speed - 10_000.0).abs() < 300.0, "{speed}");
         rig.give(Action::Cancel { goal });
         watch(&mut rig, 200, |_| {});
@@ -477,7 +485,8 @@ fn a_leader_that_is_lost_ends_the_wait_and_stops_the_approach() {
     }
 }
 
-/// A leader that is counted, at 7.3 inc a cycle: its curve is followed with what one count leaves, and the pair is exact.
+/// A leader with whole counts, at 7.3 inc per cycle: its curve is followed with a resolution of one count, and the pair
+/// is exact.
 #[test]
 fn a_counted_leader_leads_along_the_curve() {
     let mut rig = rig();
@@ -494,7 +503,7 @@ fn a_counted_leader_leads_along_the_curve() {
         rig.run(1);
         let belt = rig.int("belt.position");
         let step = real(&rig, X) - before.0;
-        // A count more or less is no acceleration.
+        // One count more or less is not an acceleration.
         assert!((step - before.1).abs() <= RATE + 1.0 + 1e-6, "{step}");
         if belt > 6_010 && belt < 10_000 {
             assert!((real(&rig, X) - even(belt as f64)).abs() < 1e-6);
@@ -505,7 +514,8 @@ fn a_counted_leader_leads_along_the_curve() {
     assert_eq!((rig.int("belt.position") > 14_000, warnings(&rig)), (true, 0));
 }
 
-/// 3 counts in 10 cycles, at 100 : 1 over 100: 150 * 0.3^2 / 100 is less than half of what x may, as one count in a cycle it were three times as much.
+/// 3 counts in 10 cycles, at 100 : 1 over 100: 150 * 0.3^2 / 100 is less than half of the limit of x; for one count per
+/// cycle it would be three times the limit.
 #[test]
 fn a_counted_leader_is_judged_by_its_speed_and_not_by_a_count() {
     let mut rig = rig();
@@ -530,7 +540,7 @@ fn a_counted_leader_is_judged_by_its_speed_and_not_by_a_count() {
     assert_eq!((rig.int("x.sync.waiting"), rig.state("x"), rig.done(goal).len()), (0, "SYNCHRONIZED_MOTION", 0));
 }
 
-/// Without a start distance it begins at the place, and catches up what it is away.
+/// Without a start distance it starts at the position, and catches up the distance.
 #[test]
 fn without_a_distance_the_pair_is_caught_up() {
     let mut rig = rig();
@@ -547,7 +557,7 @@ fn without_a_distance_the_pair_is_caught_up() {
     assert_eq!(place(&rig, X).raw(), (500_i128 << 32) + way.div_euclid(7));
 }
 
-/// By velocity there is no pair: it begins where the leader comes to the place, from either side.
+/// In mode VELOCITY there is no pair: it starts when the leader reaches the position, from either side.
 #[test]
 fn by_velocity_it_begins_at_the_place() {
     for (from, end) in [(0, 9_000), (9_000, 0)] {
@@ -572,7 +582,8 @@ fn by_velocity_it_begins_at_the_place() {
     }
 }
 
-/// Phase shifts in the approach: of the slave beside the curve, of the master along it; none of before counts for a pair.
+/// Phase shifts in the approach: a slave shift in addition to the curve, a master shift along it; earlier shifts do not
+/// count for a pair.
 #[test]
 fn shifts_in_the_approach_shift_it() {
     let mut rig = rig();
@@ -592,7 +603,7 @@ fn shifts_in_the_approach_shift_it() {
     assert_eq!(place(&rig, X) - place(&rig, LINE), Position::whole(7_000 - 10_000 + 100));
 }
 
-/// What is asked for and cannot be is no command.
+/// A request that cannot be fulfilled is refused.
 #[test]
 fn what_cannot_wait_is_refused() {
     let mut rig = rig();
@@ -619,7 +630,8 @@ fn on_event(numerator: i64, denominator: i64) -> Action {
     geared(numerator, denominator, Engage::OnEvent(MARK))
 }
 
-/// Other edges, other objects and what latches in the cycle of the command do not count; of several the first does.
+/// Other edges, other objects and latches in the cycle of the command do not count; of several latches the first
+/// counts.
 #[test]
 fn the_first_rising_latch_behind_the_command_engages() {
     let mut rig = rig();
@@ -641,13 +653,13 @@ fn the_first_rising_latch_behind_the_command_engages() {
     let origin = place(&rig, LINE) - Position::whole(15);
     rig.run(200);
     assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE) - origin, 1));
-    // Another one does not engage it anew.
+    // Another latch does not engage it again.
     latch(&mut rig, MARK, Edge::Rising, 250_000);
     rig.run(50);
     assert_eq!((place(&rig, X), rig.done(goal).len()), (place(&rig, LINE) - origin, 0));
 }
 
-/// Of the same ratio it goes on; with another one it catches up what one cycle cannot give, which is nothing to warn of.
+/// With the same ratio it continues; with another ratio it catches up what one cycle cannot provide, without a warning.
 #[test]
 fn another_ratio_at_a_latch_is_no_loss_of_synchronism() {
     for (numerator, cycles) in [(1, 1), (20, 400), (-5, 400)] {
@@ -665,7 +677,7 @@ fn another_ratio_at_a_latch_is_no_loss_of_synchronism() {
     }
 }
 
-/// What an encoder captures of itself is where it was, whatever the age.
+/// A position captured by the encoder itself counts, independent of the age.
 #[test]
 fn a_captured_position_of_the_leader_is_where_it_counts_from() {
     let mut rig = rig();
@@ -696,7 +708,7 @@ fn what_waits_for_a_latch_ends_as_any_wait_does() {
     latch(&mut rig, MARK, Edge::Rising, 0);
     rig.run(2);
     assert_eq!(rig.state("x"), "STANDSTILL");
-    // A drive that latches nothing.
+    // A drive that cannot latch.
     let mut config = config(0);
     if let Some(drive) = &mut config.axes[usize::from(Y)].drive {
         drive.latches = false;
@@ -707,7 +719,7 @@ fn what_waits_for_a_latch_ends_as_any_wait_does() {
     assert_eq!(rig.answer(none).expect_err("refused").code, Code::LATCH_NOT_OFFERED);
 }
 
-/// By velocity it begins then, and has no place to come to.
+/// In mode VELOCITY it starts at the latch, and has no position to reach.
 #[test]
 fn by_velocity_a_latch_begins_it() {
     let mut rig = rig();
@@ -725,8 +737,9 @@ fn by_velocity_a_latch_begins_it() {
 proptest! {
     #![proptest_config(cases(48))]
 
-    /// Whatever the age of the latch, the ratio and the line's speed: behind it the slave is where it stood, and ratio * (leader now - leader at the
-    /// latch), to 2^-32 inc. From a gear of the same leader it goes on where that had it at the latch.
+    /// For any age of the latch, ratio and velocity of the line: after the latch the slave is at its former position +
+    /// ratio * (leader now - leader at the latch), to 2^-32 inc. From a gear of the same leader it continues from the
+    /// gear position at the latch.
     ///
     /// Proves: AMC-EVT-05
     #[test]
@@ -763,12 +776,12 @@ proptest! {
         prop_assert_eq!(rig.int("x.in_sync"), 1);
         let from = (i128::from(stands) << 32) + before.map_or(0, |part| ratio(at - origin.raw(), (part, 5)));
         let way = ratio(place(&rig, LINE).raw() - at, (numerator, denominator));
-        // A gear before hands its remainder on, rounded to one unit.
+        // A previous gear hands over its remainder, rounded to one unit.
         let off = place(&rig, X).raw() - from - way;
         prop_assert!(off == 0 || before.is_some() && (0..=1).contains(&off), "{}", off);
     }
 
-    /// Whatever the leader does in the approach, its slave keeps its limits, and behind the pair it is exact.
+    /// With any motion of the leader in the approach, the slave keeps its limits, and after the pair it is exact.
     #[test]
     fn an_approach_keeps_the_limits(
         (numerator, denominator) in (prop::sample::select(vec![-3_i64, -1, 1, 2, 7]), 1_i64..6),

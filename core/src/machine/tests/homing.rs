@@ -1,4 +1,4 @@
-//! Homing on a way with switches and an index.
+//! Homing on a travel range with switches and an index.
 
 mod conditions;
 mod edges;
@@ -19,9 +19,9 @@ use crate::event::{Event, Kind, Number};
 use crate::parameter::{AxisParameters, Row, Value};
 use crate::sim::{Fixtures, Index, Model};
 
-/// Far beyond both ends.
+/// Far outside both ends.
 const FAR: i64 = i64::MAX / 4;
-/// The places of the ends of the way: there the limit switches are actuated.
+/// Positions of the ends of travel, where the limit switches are actuated.
 const LEFT_END: i64 = -20_000;
 const RIGHT_END: i64 = 20_000;
 
@@ -41,7 +41,8 @@ fn assign(p: &mut AxisParameters, key: &str, value: Value) {
     assert_eq!(row.assign(p, value), Ok(()), "{key}");
 }
 
-/// 10 inc a cycle to the switch, 1 inc a cycle in the last approach; one digital input, and that a sequence of MACS may run.
+/// Returns a cell with 10 inc per cycle to the switch and 1 inc per cycle in the last approach, with one digital input,
+/// in which sequences of MACS are allowed.
 fn cell(delay: u32) -> MachineConfig {
     let mut config = config(delay);
     config.io = vec![IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true }];
@@ -75,7 +76,7 @@ fn home(rig: &mut Rig, number: i64) -> u64 {
     rig.give(Action::HomeAxis(HomeAxis { axis: X, method: method(number) }))
 }
 
-/// Runs until the goal has ended and the axis stands, and gives its end.
+/// Runs until the goal has ended and the axis is at rest. Returns the end of the goal.
 fn run_to_end(rig: &mut Rig, sequence: u64) -> Event {
     for _ in 0..100_000 {
         if let [done] = rig.done(sequence)[..]
@@ -88,12 +89,12 @@ fn run_to_end(rig: &mut Rig, sequence: u64) -> Event {
     panic!("homing never ended: phase {}, at {}", rig.int("x.homing.phase"), rig.int("x.actual.position"));
 }
 
-/// Where the axis is on its way.
+/// Returns the position of the axis on its travel range.
 fn place(rig: &Rig, start: i64) -> i64 {
     start + rig.int("x.actual.count")
 }
 
-/// The place of its zero.
+/// Returns the position of the zero on the travel range.
 fn zero(rig: &Rig, start: i64) -> i64 {
     place(rig, start) - rig.int("x.actual.position")
 }

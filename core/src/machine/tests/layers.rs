@@ -1,4 +1,4 @@
-//! Layers Init, User and Program: what is in force when.
+//! Layers Init, User and Program: which values are in force at which time.
 
 use super::rig::{LINE, Rig, X, Y, cases, config, parameters, to};
 use crate::command::{Action, Command, Commands, Move, Source};
@@ -42,7 +42,7 @@ fn what_is_set_is_lost_with_the_power_and_what_is_saved_is_in_force_from_then_on
     assert_eq!(velocity(&rig), 60_000.0);
 }
 
-/// Parts of VELRES are told beside what they are parts of.
+/// Values in parts of VELRES are reported together with VELRES.
 #[test]
 fn a_part_beyond_velres_is_told_with_velres() {
     let mut rig = Rig::new();
@@ -56,7 +56,8 @@ fn a_part_beyond_velres_is_told_with_velres() {
     assert_eq!(rig.refusal(refused), "x: velres 5 must not be below dfltvel, dfltacc, home_vel or home_ramp 50");
 }
 
-/// In the words of MACS a limit is told beside the other one of MACS: in inverted units it is no view of its native one.
+/// A limit in terms of MACS is reported together with the other limit of MACS: in inverted units it is not a view of
+/// its native limit.
 #[test]
 fn limits_of_macs_that_contradict_are_told_in_its_words() {
     for posdrct in [1, -1] {
@@ -72,12 +73,12 @@ fn limits_of_macs_that_contradict_are_told_in_its_words() {
     }
 }
 
-/// Two views of one value in a set: whichever came last would count.
+/// Two views of one value in a set: the result would depend on the order.
 #[test]
 fn a_set_that_gives_one_value_twice_is_refused_in_either_order() {
     let pairs = [
         (("velmax", Value::Real(3000.0)), ("max_velocity", Value::Real(50_000.0))),
-        // The same number, but one stays when ENCODER changes and the other does not.
+        // The same number, but one remains constant when ENCODER changes and the other does not.
         (("velmax", Value::Real(3000.0)), ("max_velocity", Value::Real(100_000.0))),
         (("rampmin", Value::Int(500_000_000)), ("max_acceleration", Value::Real(300_000.0))),
         (("jerkmin", Value::Int(0)), ("max_jerk", Value::Real(1e6))),
@@ -97,7 +98,7 @@ fn a_set_that_gives_one_value_twice_is_refused_in_either_order() {
             assert_eq!(rig.machine.parameters(X), Some(&before), "{first:?} {second:?}");
         }
     }
-    // Where both say the same it makes no difference.
+    // If both views give the same value, it makes no difference.
     let mut rig = Rig::new();
     let lines = [change(X, "testwin", Value::Int(5)), change(X, "in_position_window", Value::Int(5))];
     let taken = rig.give(Action::SetParameters(lines.into()));
@@ -195,7 +196,8 @@ fn a_reset_waits_for_no_motion_and_leaves_the_one_under_way_alone() {
     assert_eq!(rig.int("x.command.position"), 60_000);
 }
 
-/// A saved selection would move the axis: it comes back with the power, not under it (AMC-SEL).
+/// A saved selection would move the axis: it becomes active after a power cycle, but not by a reset while the axis is
+/// on (AMC-SEL).
 #[test]
 fn a_reset_never_selects_a_reference_of_an_axis_that_is_on() {
     let mut rig = Rig::enabled();
@@ -223,7 +225,7 @@ fn the_power_goes_only_where_nothing_moves() {
     assert!(rig.refusal(refused).starts_with("line: line is not disabled"));
 }
 
-/// What the image shows is what is in force, and its version moves with it.
+/// The image shows the values in force, and its version changes with them.
 #[test]
 fn the_image_follows_every_change() {
     let mut rig = Rig::new();
@@ -269,7 +271,7 @@ fn some_changes() -> impl Strategy<Value = Vec<(u16, Change)>> {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// After its power came back a machine does what a new one does that begins with the same saved values.
+    /// After a power cycle a machine gives the same results as a new one with the same saved values.
     #[test]
     fn a_machine_after_a_power_cycle_is_a_new_one(changes in some_changes(), target in 1_i64..40_000) {
         let mut rig = Rig::new();
@@ -295,7 +297,7 @@ proptest! {
         let mut plants = [0, 1].map(|_| Plant::new(&config, &[Some(Model::Ideal); 2]));
         let (mut inputs, mut outputs) = (fresh.inputs(), fresh.outputs());
         let mut others = (fresh.inputs(), fresh.outputs());
-        // The cycle of the power counts no time.
+        // The cycle of the power-on counts no time.
         others.0.begin(0, 0);
         plants[1].read(&mut others.0);
         rig.machine.cycle(&others.0, Commands::default(), &mut others.1);

@@ -1,4 +1,4 @@
-//! Leaving a coupling at a place of the leader or of the axis (MC_GearOut, MC_CamOut).
+//! Leaving a coupling at a position of the leader or of the axis (MC_GearOut, MC_CamOut).
 
 use super::direction::set;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, parameters, to};
@@ -22,7 +22,7 @@ fn cell() -> MachineConfig {
     let mut config = config(0);
     let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
     config.io = vec![input("product"), input("label")];
-    // Half as far as its master, without end.
+    // Half the travel of its master, without end.
     let table = Table::new(Form::Xy, &[0, 4_096], &[0, 2_048]).expect("points");
     let table = Arc::new(table.with_cam(CamSetting::default()));
     config.tables = vec![TableConfig { name: "feed".into(), table }];
@@ -37,7 +37,7 @@ fn rig() -> Rig {
     rig
 }
 
-/// Half as far as the line, in one of the modes.
+/// Returns a coupling with half the travel of the line, in one of the modes.
 fn half(mode: &str) -> Synchronize {
     let gear = couple(X, TO_LINE, 1, 2);
     match mode {
@@ -62,8 +62,9 @@ fn code(rig: &Rig, goal: u64) -> Option<Code> {
     done.first().map(|event| event.code)
 }
 
-/// At 20 mm/s the line goes 20 inc in each cycle, x 10. The place lies 13 inc behind where the line is in some cycle: it is left in the next one, at 10
-/// inc a cycle, and comes to rest at its default of 0.5 m/s^2, half an inc a cycle and cycle, in 10^2 / 2 / 0.5 = 100 inc.
+/// At 20 mm/s the line moves 20 inc in each cycle, and x 10 inc. The position is 13 inc after the line position of some
+/// cycle: the coupling is left in the next cycle, at 10 inc per cycle, and x stops with its default of 0.5 m/s^2, half
+/// an inc/cycle^2, in 10^2 / 2 / 0.5 = 100 inc.
 #[test]
 fn each_mode_is_left_in_the_cycle_in_which_the_place_is_passed() {
     for mode in MODES {
@@ -95,7 +96,7 @@ fn each_mode_is_left_in_the_cycle_in_which_the_place_is_passed() {
                         cycles += 1;
                     }
                     assert!((99..102).contains(&cycles), "{what}: {cycles}");
-                    // It was in this cycle, with the motion of the coupling.
+                    // It was left in this cycle, with the motion of the coupling.
                     let left = place(&rig, X);
                     assert_eq!((rig.int("x.sync.leaving"), code(&rig, given)), (0, Some(Code::NONE)), "{what}");
                     assert_eq!(rig.done(given)[0].position, left);
@@ -149,7 +150,7 @@ fn now_is_the_cycle_of_the_command_and_the_goal_says_how() {
     }
 }
 
-/// One that stands at the place need not move; one that stands beside it, or goes the other way, waits.
+/// A leader at rest at the position need not move; one at rest next to it, or moving away from it, is waited for.
 #[test]
 fn a_leader_that_stands_at_the_place_is_there() {
     let mut rig = rig();
@@ -168,7 +169,8 @@ fn a_leader_that_stands_at_the_place_is_there() {
     assert_eq!((code(&rig, goal), rig.state("x")), (Some(Code::GEARED_OUT), "STANDSTILL"));
 }
 
-/// What leads need not be an axis: counts of an encoder, of which some fall behind the place, a sum that goes backwards, an actual position.
+/// Leaders other than an axis: counts of an encoder, of which some skip the position, a sum that moves backwards, an
+/// actual position.
 #[test]
 fn whatever_leads_comes_to_the_place() {
     let mut config = cell();
@@ -178,7 +180,7 @@ fn whatever_leads_comes_to_the_place() {
         let mut rig = Rig::of(config.clone());
         rig.enable();
         let goal = rig.give(Action::Synchronize(couple(X, leader, 1, 4)));
-        // An axis that stands at 0 has come there.
+        // An axis at rest at 0 has reached position 0.
         let given = rig.give(out(LeaveAt::Leader(place), None));
         if place == 0 {
             assert_eq!((code(&rig, given), code(&rig, goal)), (Some(Code::NONE), Some(Code::GEARED_OUT)));
@@ -195,7 +197,7 @@ fn whatever_leads_comes_to_the_place() {
     }
 }
 
-/// A new zero of the leader is no motion, and the place counts in the new coordinate.
+/// A new zero of the leader is not a motion, and the position refers to the new coordinate.
 #[test]
 fn a_new_zero_of_the_leader_passes_no_place() {
     let mut rig = rig();
@@ -214,7 +216,7 @@ fn a_new_zero_of_the_leader_passes_no_place() {
     assert_eq!(code(&rig, goal), Some(Code::GEARED_OUT));
 }
 
-/// What else ends the coupling ends the wait, with its own code; a refused goal does not.
+/// Any other end of the coupling ends the wait, with its own code; a refused goal does not.
 #[test]
 fn whatever_else_ends_the_coupling_drops_it() {
     fn jump(inputs: &mut Inputs) {
@@ -250,7 +252,7 @@ fn whatever_else_ends_the_coupling_drops_it() {
             (_, action) => _ = rig.give(action.expect("an action")),
         }
         assert_eq!((rig.int("x.sync.leaving"), code(&rig, given)), (0, Some(ends_with)), "{what}");
-        // And it is gone: a later coupling is not left there.
+        // The wait is removed: a later coupling is not left there.
         rig.tamper = |_| {};
         if what == "goal" {
             rig.run_to("line.command.position", 110_000.0);
@@ -259,7 +261,7 @@ fn whatever_else_ends_the_coupling_drops_it() {
     }
 }
 
-/// Its own cam ends before the place comes.
+/// The cam ends before the position is reached.
 #[test]
 fn the_end_of_a_cam_drops_it_as_well() {
     let mut config = cell();
@@ -289,11 +291,11 @@ fn an_axis_that_no_goal_couples_refuses_it() {
     refused(&mut rig);
     rig.give(Action::Halt(AxisSet::one(X)));
     rig.run_until("x.state", 1);
-    // It waits to engage.
+    // The axis waits to engage.
     let engage = Engage::AtPosition { position: 5_000, turn: None };
     rig.give(Action::Synchronize(Synchronize { engage, ..half("velocity") }));
     refused(&mut rig);
-    // It stops already.
+    // The axis is stopping already.
     rig.give(Action::Move(at(LINE, 20_000.0)));
     let goal = rig.give(Action::Synchronize(half("velocity")));
     rig.run(100);
@@ -327,7 +329,8 @@ fn what_a_request_does_not_mean_is_refused_by_name() {
     assert_eq!((axis, at, disengage), (X, LeaveAt::Axis((1 << 62) - 1), None));
 }
 
-/// A coupling that waits for its moment goes on waiting while the one before is left: out at one place, in at the next one.
+/// A coupling that waits for its event continues to wait while the previous one is left: out at one position, in at the
+/// next one.
 #[test]
 fn out_at_one_place_and_in_at_the_next() {
     let mut rig = rig();
@@ -345,7 +348,7 @@ fn out_at_one_place_and_in_at_the_next() {
     assert!((rig.real("x.command.velocity") - 10_000.0).abs() < 1e-3);
 }
 
-/// What shifts it while it is left leaves no jump either, and ends.
+/// A phase shift during the leaving causes no step either, and ends.
 #[test]
 fn a_shift_under_way_ends_with_the_coupling() {
     let shift = PhaseShift { shift: Length::whole(5_000), velocity: 5_000.0, acceleration: 100_000.0 };
@@ -377,7 +380,7 @@ fn a_shift_under_way_ends_with_the_coupling() {
     }
 }
 
-/// In a chain the next axis keeps its gear behind one that leaves its coupling.
+/// In a chain the next axis keeps its gear ratio to an axis that leaves its coupling.
 #[test]
 fn who_follows_the_axis_follows_it_out_of_its_coupling() {
     let mut rig = rig();
@@ -393,7 +396,7 @@ fn who_follows_the_axis_follows_it_out_of_its_coupling() {
         assert!(off(&rig).abs() < 1e-6, "{}", off(&rig));
         rig.run(1);
     }
-    // At rest it stands on a whole increment.
+    // At rest it is on a whole increment.
     assert!(off(&rig).abs() < 1.5 + 0.75, "{}", off(&rig));
     rig.run(50);
     assert!(off(&rig).abs() < 1e-6, "{}", off(&rig));
@@ -403,8 +406,9 @@ fn who_follows_the_axis_follows_it_out_of_its_coupling() {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Wherever the place is, in either direction, with a turn of the leader or of the axis or without: it is left in the first cycle in which
-    /// that comes to the place, and the command makes no step of velocity beyond the deceleration.
+    /// For any position, in either direction, with or without a revolution of the leader or of the axis: the coupling
+    /// is left in the first cycle that reaches the position, and no velocity step of the command exceeds the
+    /// deceleration.
     #[test]
     fn it_is_left_in_the_first_cycle_at_the_place(
         by_axis in any::<bool>(), turn in prop::option::of(1_000_i64..5_000), ahead in 40_i64..6_000, up in any::<bool>(),
@@ -423,7 +427,7 @@ proptest! {
         let goal = rig.give(Action::Synchronize(half(MODES[mode])));
         rig.run(100 + (200.0 * share) as u64);
         let start = place(&rig, of);
-        // The first place ahead that shows as the one asked for.
+        // The first position ahead that is displayed as the requested one.
         let ahead = turn.map_or(ahead, |turn| ahead.rem_euclid(turn).max(40).min(turn - 1));
         let target = start.nearest() + ahead * way as i64;
         let shown = turn.map_or(target, |turn| target.rem_euclid(turn));

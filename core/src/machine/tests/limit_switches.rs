@@ -1,4 +1,4 @@
-//! Limit switches: of the drive, of inputs, with both answers, on the way in and on the way back.
+//! Limit switches: of the drive, of inputs, with both reactions, in the motion toward the switch and back.
 
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
@@ -11,7 +11,7 @@ use crate::parameter::{AxisParameters, Change, Row, Value};
 use crate::sim::Fixtures;
 use proptest::prelude::*;
 
-/// Switches at -20 and 20 mm, and this of x.
+/// Returns a rig with switches at -20 and 20 mm, and with this change of x.
 fn rig_of(change: impl Fn(&mut AxisParameters)) -> Rig {
     let mut config = config(0);
     change(&mut config.axes[1].parameters);
@@ -30,7 +30,7 @@ fn code(code: Code) -> i64 {
     i64::from(code.0)
 }
 
-/// Runs x up into its switch with 50 mm/s; gives the cycle in which the switch was read first.
+/// Moves x upwards into its switch with 50 mm/s. Returns the cycle in which the switch was first read.
 fn run_into(rig: &mut Rig) -> u64 {
     let goal = rig.give(Action::Move(at(X, 50_000.0)));
     rig.run_until("x.limit.positive", 1);
@@ -48,12 +48,12 @@ fn the_edge_stops_the_axis_in_its_cycle_with_the_largest_deceleration() {
     assert_eq!((event.cycle, event.code), (cycle, Code::HARDWARE_LIMIT_POSITIVE));
     let sentence = crate::text::sentence(event, rig.machine.config());
     assert_eq!(sentence, "x: the positive limit switch was reached");
-    // The stop began a cycle ago, with the last command: 50 mm/s at 1000 mm/s^2 is 50 ms and 1.25 mm.
+    // The stop started one cycle ago, with the last command: 50 mm/s at 1000 mm/s^2 are 50 ms and 1.25 mm.
     let start = rig.int("x.command.position");
     assert_eq!(rig.real("x.command.velocity"), 49_000.0);
     rig.run(49);
     assert_eq!(rig.real("x.command.velocity"), 0.0);
-    // 1.25 mm of all less the 49.5 um of the first cycle.
+    // 1.25 mm in total less the 49.5 um of the first cycle.
     assert!((1_200..=1_201).contains(&(rig.int("x.command.position") - start)));
     rig.run(10);
     assert_eq!((rig.state("x"), rig.int("x.enabled")), ("ERROR_STOP", 1), "A-17: it stays in control");
@@ -62,7 +62,7 @@ fn the_edge_stops_the_axis_in_its_cycle_with_the_largest_deceleration() {
 /// Proves: MACS-LIM-08, MACS-ERR-02
 #[test]
 fn without_endswmod_the_error_reaction_decides_and_five_stops_too() {
-    // Reaction; then on and brake at once, and once it stands.
+    // Reaction; then power and brake in the cycle of the error, and at rest.
     for (reaction, at_once, at_rest) in [
         (0, (0, 0), (0, 0)),
         (1, (0, 1), (0, 1)),
@@ -115,7 +115,8 @@ fn an_axis_that_stands_on_its_switch_at_power_on_moves_only_away() {
     assert_eq!((rig.int("x.limit.negative"), error(&rig), rig.state("x")), (1, 0, "STANDSTILL"));
     let wrong = rig.give(Action::Move(at(X, -1_000.0)));
     assert_eq!(rig.refusal(wrong), "x: the negative limit switch is actuated; only the way back is open");
-    // A coupling is not known to lead into it before it moves: then it is stopped, with the same number.
+    // Before it moves it is unknown whether a coupling leads into the switch: the axis is stopped then, with the same
+    // code.
     let coupled = rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
     assert!(rig.was_accepted(coupled));
     rig.give(Action::Move(at(LINE, -20_000.0)));
@@ -134,7 +135,7 @@ fn an_axis_that_stands_on_its_switch_at_power_on_moves_only_away() {
 /// Proves: MACS-LIM-07
 #[test]
 fn an_assigned_input_is_a_limit_switch_by_its_sign() {
-    // Input 2, inverted: a contact that opens.
+    // Input 2, inverted: a normally closed contact.
     let mut config = config(0);
     for name in ["start", "end_switch"] {
         config.io.push(IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: false });
@@ -192,7 +193,7 @@ fn in_inverted_units_the_positive_switch_still_bounds_rising_counts() {
         x.macs.posdrct = -1;
         x.supervision.endswmod = 1;
     });
-    // Down in units is up in counts.
+    // Downwards in units is upwards in counts.
     rig.give(Action::Move(at(X, -50_000.0)));
     rig.run_until("x.limit.positive", 1);
     assert_eq!((rig.state("x"), error(&rig)), ("ERROR_STOP", code(Code::HARDWARE_LIMIT_POSITIVE)));
@@ -262,7 +263,8 @@ fn the_other_axes_go_on() {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Whatever moves the axis: from the cycle of the edge it gets no further into the switch than its stop takes.
+    /// With any source of motion: from the cycle of the edge, the axis moves into the switch by at most its stopping
+    /// distance.
     ///
     /// Proves: MACS-LIM-08, MACS-LIM-09
     #[test]
@@ -280,7 +282,7 @@ proptest! {
             }
             _ => {}
         }
-        // The way of a stop from the highest velocity, the cycle of the edge, and the ones of the drive.
+        // The distance of a stop from the maximum velocity, plus the cycle of the edge and the cycles of the drive.
         let most = 20_000.0 + 100_000.0 * 100_000.0 / 2e6 + 3.0 * 100.0;
         for cycle in 0..3_000 {
             if kind == 3 {
@@ -300,7 +302,8 @@ proptest! {
     }
 }
 
-/// What a switch tells while an error stops the axis is told beside that; with both of them no way is open.
+/// A switch that is reached while an error stops the axis is reported in addition; with both switches active no
+/// direction is free.
 ///
 /// Proves: MACS-LIM-09
 #[test]

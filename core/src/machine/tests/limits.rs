@@ -47,7 +47,7 @@ fn a_retarget_that_could_not_stop_before_the_limit_is_refused_and_the_old_goal_g
     while rig.int("x.command.position") < 40_000 {
         rig.run(1);
     }
-    // From 40 mm at 100 mm/s with 100 mm/s^2 it would run to 90 mm.
+    // From 40 mm at 100 mm/s with 100 mm/s^2 it would stop at 90 mm.
     let slow = rig.give(Action::Move(Move { deceleration: 1e5, ..to(X, 30_000) }));
     assert!(rig.refusal(slow).contains("beyond max_position, on its way"));
     rig.run_until("x.state", 1);
@@ -140,8 +140,8 @@ proptest! {
         }
     }
 
-    /// What a coupled axis does at its limit needs no more than its deceleration, however fast its leader runs and wherever
-    /// the limit lies between two steps.
+    /// At its limit a coupled axis needs no more than its deceleration, for any velocity of its leader and any position
+    /// of the limit between two steps.
     ///
     /// Proves: MACS-LIM-04
     #[test]
@@ -155,7 +155,7 @@ proptest! {
         p.max_deceleration = Some(500_000.0);
         let mut rig = Rig::of(config);
         rig.enable();
-        // Nearly there.
+        // Near the limit.
         let near = 20_000 - (velocity * velocity / 1e6) as i64 - (velocity / 5.0) as i64;
         rig.give(Action::Move(to(X, way * near)));
         rig.run_until("x.state", 1);

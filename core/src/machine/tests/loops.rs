@@ -1,4 +1,4 @@
-//! The position loop of interface velocity.
+//! Position loop of interface velocity.
 
 mod analog;
 mod dual;
@@ -22,7 +22,7 @@ use crate::sim::{Model, SecondOrder, VelocityLag};
 
 const MS: u64 = 1_000_000;
 
-/// x closes its loop here, y in its drive.
+/// The loop of x is closed in the core, that of y in its drive.
 fn velocity_config(delay: u32) -> MachineConfig {
     let mut config = config(delay);
     config.axes[1].interface = Interface::Velocity;
@@ -40,7 +40,7 @@ fn lag(ms: i64) -> Model {
     Model::Velocity(VelocityLag::new(ms * 1_000_000, MS).unwrap())
 }
 
-/// 6 m/min are 100 mm/s: 6 mm behind at kv 1, 3 mm at kv 2, whatever the drive lags, and by whichever name kv is given.
+/// 6 m/min are 100 mm/s: 6 mm behind at kv 1, 3 mm at kv 2, for any lag of the drive, and by either name of kv.
 ///
 /// Proves: WF-ORA-06, WF-CLC-03, WF-CLC-04, WF-MD-14
 #[test]
@@ -56,7 +56,7 @@ fn at_constant_speed_the_axis_is_v_by_kv_behind() {
             rig.run(2_000);
             let error = rig.int("x.regulator.error");
             assert!((error - behind).abs() <= 2, "{model:?}: {error}");
-            // Of the command a cycle before, 100 inc less.
+            // Relative to the command of the previous cycle, 100 inc less.
             assert!((rig.int("x.following_error") - (behind - 100)).abs() <= 2);
             assert!((rig.real("x.actual.velocity") - 99_990.0).abs() < 40.0);
             let output = rig.real("x.output.velocity");
@@ -81,7 +81,7 @@ fn a_move_lands_exactly_and_the_loop_is_quiet_then() {
     }
 }
 
-/// A slip of 15 mm asks for 250 mm/s, and the axis has 100.
+/// A slip of 15 mm requires 250 mm/s, and the axis has 100 mm/s.
 #[test]
 fn the_output_stays_within_max_velocity() {
     let mut rig = enabled(0, Model::Ideal);
@@ -96,7 +96,7 @@ fn the_output_stays_within_max_velocity() {
     assert_eq!(rig.int("x.error"), 0);
 }
 
-/// The following error is supervised as with any other drive, and reaction 2 stops on the loop.
+/// The following error is supervised as with any other drive, and reaction 2 stops with the loop closed.
 #[test]
 fn too_far_behind_is_an_error_and_the_loop_holds() {
     let mut rig = enabled(0, lag(5));
@@ -143,7 +143,7 @@ fn a_restored_machine_closes_the_same_loop() {
     assert_eq!(rig.int("x.actual.position"), -3);
 }
 
-/// A backend of one drive.
+/// A backend with one drive.
 struct One(usize, Capabilities);
 
 impl Backend for One {

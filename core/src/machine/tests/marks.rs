@@ -1,4 +1,4 @@
-//! Coupled by marks: products on a belt, labels on a roll that turns twice as far.
+//! Coupling by marks: products on a belt, labels on a roll with twice the travel.
 
 use super::direction::set;
 use super::rig::{LINE, Rig, X, config, couple};
@@ -17,22 +17,22 @@ use proptest::prelude::*;
 
 const TO_BELT: Leader = Leader::Encoder(0);
 const T_NS: f64 = 1e6;
-/// The first input for products, the second one for labels; edges that rise.
+/// The first input for products, the second one for labels; rising edges.
 const TYPES: [(&str, i64); 2] = [("syncmtypm", 12), ("syncmtyps", 22)];
 
-/// A world with a sensor for products on the belt, and one for labels on x.
+/// Simulated belt and roll: a sensor for products on the belt, and one for labels on x.
 pub(super) struct World {
     pub(super) rig: Rig,
-    /// Places of products that have not come yet, and where the belt is.
+    /// Positions of products that have not passed yet, and the position of the belt.
     pub(super) products: Vec<f64>,
     pub(super) belt: i64,
-    /// Every so far a label, the first one there.
+    /// Distance of the labels, and position of the first one.
     labels: (f64, f64),
-    /// Where x will be seen in the next cycle, and was in the last one.
+    /// Position of x in the next cycle, and in the last one.
     x: [i64; 2],
-    /// 1 or -1: how belt and x count.
+    /// Count direction of belt and x: 1 or -1.
     pub(super) sense: (f64, f64),
-    /// When the last ones came (cycles).
+    /// Times of the last product and label (cycles).
     product_at: f64,
     label_at: f64,
 }
@@ -58,7 +58,7 @@ fn by_marks() -> Action {
 }
 
 impl World {
-    /// Products every 1000 inc from `first` on, labels every 2000 from 300 on.
+    /// Returns a world with products every 1000 inc from `first` on, and labels every 2000 from 300 on.
     pub(super) fn new(first: f64, changes: &[(&str, i64)]) -> Self {
         Self::of(marked(changes), first)
     }
@@ -89,7 +89,7 @@ impl World {
         assert!(self.rig.plant.add_latch(Latch { object: Object::Io(input), edge, age_ns, position: None }));
     }
 
-    /// One cycle in which the belt moves by so much.
+    /// Runs one cycle in which the belt moves by `change` (inc).
     pub(super) fn cycle(&mut self, change: i64) {
         let now = self.rig.machine.next_cycle() as f64;
         self.rig.plant.jump_encoder(0, change);
@@ -120,7 +120,7 @@ impl World {
         }
     }
 
-    /// How far the last label came behind the last product, in increments of x at 20 inc a cycle.
+    /// Returns the distance of the last label after the last product, in increments of x at 20 inc per cycle.
     fn apart(&self) -> f64 {
         (self.label_at - self.product_at) * 20.0
     }
@@ -130,8 +130,9 @@ impl World {
     }
 }
 
-/// Products at 500, 1500 and so on, labels at 300: without marks a label comes 700 inc before its product, or 1300 behind. With them both come
-/// at once, whichever pair the start chooses, and the way that this takes is the one that it should.
+/// Products at 500, 1500 and so on, labels at 300: without marks a label passes 700 inc before its product, or 1300 inc
+/// after it. With marks both pass together, with any pair selected by the start, and after the expected correction
+/// distance.
 /// Proves: MACS-MARK-01, MACS-MARK-13, MACS-MARK-14, MACS-CMD-12
 #[test]
 fn labels_come_with_their_products() {
@@ -145,13 +146,14 @@ fn labels_come_with_their_products() {
         assert!(world.rig.real("x.marker.error").abs() < 1.0);
         assert_eq!((world.rig.int("x.in_sync"), world.rig.int("x.sync.error")), (1, 0));
         let way = (world.rig.int("x.command.position") - 2 * world.belt) as f64;
-        // What the drive is behind, a cycle, is part of it.
+        // The lag of the drive, one cycle, is included.
         assert!((way - ahead).abs() <= 40.0, "{start}: {way}");
         assert_eq!(world.events(Code::SYNC_LOST), 0);
     }
 }
 
-/// With a time the correction is a superimposed trapezoid: 1000 inc of the master in 400 ms are 3125 inc/s of it, 6250 of x.
+/// With a time the correction is a superimposed trapezoid: 1000 inc of the master in 400 ms are 3125 inc/s of the
+/// master, 6250 of x.
 /// Proves: MACS-MARK-13, MACS-SYNC-14
 #[test]
 fn a_correction_in_its_time_leaves_the_axis_synchronized() {
@@ -160,7 +162,7 @@ fn a_correction_in_its_time_leaves_the_axis_synchronized() {
     world.run(50, 10);
     let pair = world.rig.events.iter().find(|event| event.kind == Kind::Mark).expect("a pair");
     let sentence = crate::text::sentence(pair, world.rig.machine.config());
-    // What it still catches up is no affair of the marks.
+    // The distance still to be caught up is not part of the mark error.
     assert!(
         sentence.starts_with("x: marks -") && sentence.ends_with(" inc apart, corrected by -679.500 inc"),
         "{sentence}"
@@ -178,14 +180,15 @@ fn a_correction_in_its_time_leaves_the_axis_synchronized() {
     assert_eq!(world.rig.int("x.sync.error"), 0);
 }
 
-/// Filtered: 1000 inc of offset time are 10 marks at this speed, so that a tenth of an error comes with each, after the start is split over ten.
+/// Filtered: 1000 ms of offset time are 10 marks at this speed, so each mark corrects a tenth of an error, after the
+/// start correction is split over ten marks.
 /// Proves: MACS-MARK-12, MACS-MARK-13
 #[test]
 fn filtered_corrections_settle() {
     let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
     let mut world = World::new(500.0, &time);
     world.run(100, 10);
-    // It is coupled on the run.
+    // The axis is coupled in motion.
     world.rig.plant.jump_encoder(0, 10);
     world.belt += 10;
     world.couple();
@@ -198,22 +201,23 @@ fn filtered_corrections_settle() {
             all.push((error, correction));
         }
     }
-    // Seen a cycle late, the label is 20 inc further than it is led.
+    // Detected one cycle late, the label is 20 inc ahead of its command.
     let (first, split) = all[0];
     assert!(first < 0.0 && (split * 10.0 + 680.0).abs() <= 21.0, "{first} {split}");
     assert!(all.iter().skip(1).take(8).all(|(_, correction)| (correction - split).abs() < 30.0), "{all:?}");
     assert!(world.apart().abs() < 2.0, "{}", world.apart());
 }
 
-/// 10 inc a ms: 20 marks pass in syncmftime, of which MARKERFILTER is a third, and 10 in syncofftime, over which the start is split. A product
-/// that comes 60 inc late is 120 inc of the axis, of which the filter takes its part in the pair of that product.
+/// 10 inc per ms: 20 marks pass in syncmftime, of which MARKERFILTER is a third, and 10 in syncofftime, over which the
+/// start correction is split. A product that is 60 inc late is 120 inc of the axis, of which the filter takes its share
+/// in the pair of that product.
 /// Proves: MACS-MARK-09, MACS-MARK-12, MACS-MARK-13
 #[test]
 fn filters_and_start_correction_of_marks_are_signals() {
     let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
     let mut world = World::new(500.0, &time);
     world.run(100, 10);
-    // It is coupled on the run.
+    // The axis is coupled in motion.
     world.rig.plant.jump_encoder(0, 10);
     world.belt += 10;
     world.couple();
@@ -241,7 +245,7 @@ fn filters_and_start_correction_of_marks_are_signals() {
         most = most.min(shown(&world)[3]);
     }
     assert!((most + 120.0 / (20.0 / 3.0)).abs() < 0.5, "{most}");
-    // Without `syncmftime` they are 0 at once: no further pair is needed.
+    // Without `syncmftime` the signals are 0 at once: no further pair is needed.
     assert!(shown(&world)[0] > 1.0 && shown(&world)[1] > 1.0, "{:?}", shown(&world));
     world.rig.set("syncmftime", Value::Int(0));
     assert_eq!(shown(&world), [0.0; 4]);
@@ -250,7 +254,7 @@ fn filters_and_start_correction_of_marks_are_signals() {
     assert_eq!(shown(&world), [0.0; 4]);
 }
 
-/// Products a quarter of an increment behind 500, labels at 300.
+/// Products a quarter of an increment after 500, labels at 300.
 /// Proves: MACS-CMD-20
 #[test]
 fn places_of_marks_have_fractions() {
@@ -265,7 +269,8 @@ fn places_of_marks_have_fractions() {
     assert!(beyond.abs() < 1e-3, "{beyond}");
 }
 
-/// Products 1 % further apart: the average finds that, and the gear is corrected by it, so that nothing is left for the marks.
+/// Products with a 1 % larger distance: the average detects this, and the gear is corrected by it, so that no error is
+/// left for the marks.
 /// Proves: MACS-MARK-10, MACS-MARK-11, MACS-SYS-01
 #[test]
 fn the_gear_follows_the_average_distance() {
@@ -280,7 +285,7 @@ fn the_gear_follows_the_average_distance() {
     assert!((velocity - 20_000.0 / 1.01).abs() < 25.0, "{velocity}");
 }
 
-/// A mark outside its window, and one that stays away, correct nothing, and are told once.
+/// A mark outside its window and a missing mark correct nothing, and are reported once.
 /// Proves: MACS-MARK-07
 #[test]
 fn lost_and_extra_marks_correct_nothing() {
@@ -288,7 +293,7 @@ fn lost_and_extra_marks_correct_nothing() {
     world.couple();
     world.run(1_000, 10);
     assert_eq!((world.rig.int("x.marker.missed"), world.rig.int("x.marker.extra")), (0, 0));
-    // Two of them in the middle, one after the other, and one that is missing.
+    // Two additional marks in between, one after the other, and one that is missing.
     let next = world.products[0];
     world.products.splice(0..1, [next - 600.0, next - 400.0]);
     let way = |world: &World| world.rig.int("x.command.position") - 2 * world.belt;
@@ -301,14 +306,14 @@ fn lost_and_extra_marks_correct_nothing() {
     world.run(500, 10);
     assert_eq!((world.rig.int("x.sync.status") & 0b1_1000, world.rig.int("x.marker.missed")), (0, 1));
     assert!((way(&world) - before).abs() <= 1);
-    // A label that stays away is one of the axis.
+    // A missing label counts as a missing mark of the axis.
     world.labels.1 += 2_000_000.0 + 1_000.0;
     world.run(150, 10);
     assert_eq!(world.rig.int("x.sync.status") & 0b1_1000, 0b1_0000);
     assert!((way(&world) - before).abs() <= 1);
 }
 
-/// No correction is larger than it may be; a negative bound lets nothing be corrected.
+/// No correction exceeds its bound; a negative bound disables corrections.
 /// Proves: MACS-MARK-18
 #[test]
 fn corrections_stay_within_their_bound() {
@@ -320,12 +325,13 @@ fn corrections_stay_within_their_bound() {
             assert!(world.rig.real("x.marker.correction").abs() <= most);
         }
         let way = (world.rig.int("x.command.position") - 2 * world.belt).abs();
-        // 15 pairs or so.
+        // About 15 pairs.
         assert!(if largest > 0 { (500..=750).contains(&way) } else { way <= 40 }, "{way}");
     }
 }
 
-/// The offset is the master's, and in force with the first pair, or with 1000 more once its correction is done.
+/// The offset refers to the master, and is in force with the first pair, or with start 1000 more once its correction is
+/// done.
 /// Proves: MACS-SYNC-13, MACS-MARK-14
 #[test]
 fn labels_are_put_beside_their_products() {
@@ -343,7 +349,7 @@ fn labels_are_put_beside_their_products() {
     }
 }
 
-/// READY and FAULT stand in the status, and a fault is told once.
+/// READY and FAULT are bits of the status, and a fault is reported once.
 /// Proves: MACS-MARK-20, MACS-MARK-21, MACS-SYNC-16
 #[test]
 fn pairs_make_ready_and_fault() {
@@ -352,7 +358,7 @@ fn pairs_make_ready_and_fault() {
     world.couple();
     world.run(1_000, 10);
     assert_eq!(world.rig.int("x.sync.status") & 0b110, 0b010);
-    // Products that jump to and fro by more.
+    // Products that alternate by more than the accuracy.
     let jumping = world.products.iter().enumerate().map(|(place, at)| at + if place % 2 == 0 { 60.0 } else { 0.0 });
     world.products = jumping.collect();
     world.run(600, 10);
@@ -397,12 +403,13 @@ fn index_pulses_are_marks() {
     let (x, belt) = (rig.int("x.marker.position"), rig.int("x.marker.master"));
     assert_eq!((x.rem_euclid(2_000), belt % 1_000, belt), (300, 0, rig.int("belt.position") / 1_000 * 1_000));
     assert!((0..2_000).contains(&(rig.int("x.actual.position") - x)), "{x}");
-    // Zero at the belt is 300 at x, as seen a cycle later.
+    // Position 0 of the belt is 300 at x, as seen one cycle later.
     let way = rig.int("x.actual.position") - rig.int("belt.position") * 2;
     assert!((way - 300).abs() <= 1, "{way}");
 }
 
-/// An encoder without index pulses, and a drive without them, give no marks: a coupling that waits for them would wait for ever.
+/// An encoder without index pulses, and a drive without them, give no marks: a coupling that waits for them would wait
+/// forever.
 /// Proves: MACS-MARK-05
 #[test]
 fn an_index_pulse_of_what_has_none_is_refused() {
@@ -426,7 +433,7 @@ fn an_index_pulse_of_what_has_none_is_refused() {
     }
 }
 
-/// The virtual master gives a mark every vmencres, on which the drive's index comes.
+/// The virtual master gives a mark every vmencres, at which the index of the drive occurs.
 /// Proves: MACS-VM-06, MACS-MARK-05
 #[test]
 fn the_virtual_master_has_marks() {
@@ -451,7 +458,8 @@ fn the_virtual_master_has_marks() {
     assert!((way - 300).rem_euclid(2_000).min((300 - way).rem_euclid(2_000)) <= 1, "{way}");
 }
 
-/// It is no encoder that would have an input of its own, and an index that counts nothing gives no mark; an input that it names does.
+/// The virtual master is not an encoder with an input of its own, and an index without counts gives no mark; an
+/// assigned input does.
 /// Proves: MACS-MARK-05, MACS-VM-07
 #[test]
 fn a_virtual_master_without_marks_is_refused() {
@@ -485,7 +493,7 @@ fn a_virtual_master_without_marks_is_refused() {
     }
 }
 
-/// What cannot give marks, and starts that do not exist, are refused by name.
+/// Sources that cannot give marks, and unknown starts, are refused by name.
 /// Proves: MACS-MARK-14
 #[test]
 fn what_gives_no_marks_is_refused() {
@@ -520,7 +528,7 @@ fn what_gives_no_marks_is_refused() {
     assert!(rig.refusal(refused).contains("syncmfpar 64 asks with 64"), "{}", rig.refusal(refused));
 }
 
-/// What marks would take back is refused, by either door.
+/// Shifts that marks would correct away are refused: a superimposed move and a phase shift.
 #[test]
 fn nothing_else_shifts_an_axis_on_marks() {
     let mut world = World::new(500.0, &[("syncmstart", 6)]);
@@ -540,7 +548,7 @@ fn nothing_else_shifts_an_axis_on_marks() {
     assert_eq!(rig.refusal(goal), "x: syncmstart 3 goes by the distance of the marks, and syncmpulsm is 0");
 }
 
-/// Where the gear turns the belt round, where the belt runs backwards, and in cycles of 4 ms: the same.
+/// The same with a gear that inverts the belt, with a belt that runs backwards, and in cycles of 4 ms.
 /// Proves: MACS-MARK-13, MACS-SYNC-14
 #[test]
 fn marks_meet_in_all_senses_and_cycles() {
@@ -559,7 +567,7 @@ fn marks_meet_in_all_senses_and_cycles() {
     }
 }
 
-/// A correction that is spread over the way of the belt waits where that stands.
+/// A correction that is spread over the travel of the belt pauses while the belt is at rest.
 /// Proves: MACS-MARK-13
 #[test]
 fn a_spread_correction_stands_with_its_belt() {
@@ -575,14 +583,14 @@ fn a_spread_correction_stands_with_its_belt() {
     world.run(20, 10);
     let left = world.rig.int("x.sync.error");
     assert!((80..=100).contains(&left), "{left}");
-    // Where it has come to rest, nothing of that is done.
+    // At rest, no part of the correction is executed.
     world.run(400, 0);
     assert_eq!((world.rig.real("x.command.velocity"), world.rig.int("x.sync.error")), (0.0, left));
     world.run(1_000, 10);
     assert!(world.apart().abs() < 2.0);
 }
 
-/// A recording that begins in the middle of it goes on as the machine did.
+/// A machine restored from any point of a recording gives the same results.
 #[test]
 fn a_coupling_by_marks_is_restored() {
     let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000), ("syncvftime", -10_000)]);
@@ -592,7 +600,7 @@ fn a_coupling_by_marks_is_restored() {
     world.run(500, 10);
 }
 
-/// Stopped with its belt it stays; uncoupled nothing of the marks is shown any more.
+/// Stopped together with its belt it stays at rest; uncoupled, no signals of marks are shown any more.
 #[test]
 fn a_belt_that_stands_leaves_it_alone() {
     let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000)]);
@@ -607,7 +615,7 @@ fn a_belt_that_stands_leaves_it_alone() {
     assert_eq!((world.rig.real("x.marker.error"), world.rig.int("x.sync.status") & 0b1_1110), (0.0, 0));
 }
 
-/// How far labels were from their products (inc of the master): the mean and the largest of the second half of all.
+/// Distance of labels from their products (inc of the master): mean and maximum of the second half of all.
 #[derive(Debug)]
 struct Register {
     mean: f64,
@@ -616,7 +624,8 @@ struct Register {
     extra: i64,
 }
 
-/// So many products on a web that stretches by up to 0.1 % to and fro; of 100 marks 2 are lost, and 1 is false.
+/// Runs `count` products on a web that stretches by up to 0.1 % back and forth; of 100 marks 2 are lost, and 1 is
+/// false.
 fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
     let mut draw = 0x2545_F491_4F6C_DD1D_u64;
     let mut per_cent = move || {
@@ -645,7 +654,7 @@ fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
         world.cycle(10);
         if world.label_at != label {
             label = world.label_at;
-            // Where the web is when the label is there.
+            // Position of the web when the label passes.
             let web = world.belt as f64 - (world.rig.machine.next_cycle() as f64 - 1.0 - label) * 10.0;
             while places.peek().is_some_and(|place| *place < web - 500.0) {
                 places.next();
@@ -663,8 +672,8 @@ fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
     }
 }
 
-/// Without marks a web that stretches leaves labels anywhere; with them they stay on their products, whatever marks are lost or false. 10,000 of
-/// them with LINESHAFT_LONG.
+/// Without marks a stretching web leaves labels anywhere; with marks they stay on their products, also with lost and
+/// false marks. 10,000 products with LINESHAFT_LONG.
 /// Proves: MACS-MARK-07, MACS-MARK-13
 #[test]
 fn a_register_is_kept_on_a_web_that_stretches() {
@@ -684,8 +693,8 @@ fn a_register_is_kept_on_a_web_that_stretches() {
 
 proptest! {
     #![proptest_config(super::rig::cases(12))]
-    /// Whatever marks tremble, are lost or come too many, however fast the belt: no step of velocity is more than the axis may, and once they are
-    /// regular again, labels come with their products.
+    /// With marks that jitter, are lost or are added, at any velocity of the belt: no velocity step exceeds the limit
+    /// of the axis, and once the marks are regular again, labels pass with their products.
     /// Proves: MACS-MARK-13
     #[test]
     fn marks_settle_whatever_they_did(
@@ -717,7 +726,7 @@ proptest! {
         let mut before = world.rig.real("x.command.velocity");
         let mut check = |world: &World| {
             let velocity = world.rig.real("x.command.velocity");
-            // What one count of the belt leaves unknown comes on top.
+            // The resolution of one count of the belt is added.
             let fits = (velocity - before).abs() <= 1_000.0 + 2_000.0 * 1.2 && velocity.abs() <= 100_000.0 + 2_400.0;
             before = velocity;
             fits

@@ -1,4 +1,4 @@
-//! The master that MENCODERTYPE names, where a coupling names none.
+//! Master selected by MENCODERTYPE, for couplings that name no leader.
 
 use super::rig::{LINE, Rig, X, Y, config, couple, to};
 use crate::code::Code;
@@ -13,7 +13,7 @@ fn set(rig: &mut Rig, axis: u16, values: &[(&str, Value)]) -> u64 {
     rig.give(Action::SetParameters(values.iter().map(change).collect()))
 }
 
-/// x has this MENCODERTYPE before it is switched on.
+/// Returns a rig in which x has this MENCODERTYPE before it is switched on.
 fn rig(kind: i64) -> Rig {
     let mut cell = config(0);
     cell.io = vec![IoConfig { name: "stop".into(), kind: IoKind::DigitalInput, latch: false }];
@@ -29,7 +29,7 @@ fn follow(rig: &mut Rig) -> u64 {
     rig.give(Action::Synchronize(Synchronize { leader: None, ..request }))
 }
 
-/// Axis 1 is `line`. A new zero of the master is no motion.
+/// Axis 1 is `line`. A new zero of the master is not a motion.
 ///
 /// Proves: MACS-ENC-15
 #[test]
@@ -63,7 +63,7 @@ fn a_terminal_is_an_entry_of_encoders() {
     assert_eq!(rig.machine.state.axes[usize::from(X)].leader(), Some(Leader::Encoder(0)));
 }
 
-/// The default names none. Who is named is followed all the same.
+/// The default names no master. A named leader is still followed.
 ///
 /// Proves: MACS-ENC-14
 #[test]
@@ -81,8 +81,8 @@ fn numbers_that_name_nothing_are_refused_with_what_would() {
     }
 }
 
-/// A number beyond the axes or encoders of the cell, and the axis itself, which is axis 2: when it is set, and where a machine is to
-/// begin with what was saved.
+/// A number beyond the axes or encoders of the cell, and the axis itself, which is axis 2: refused when it is set, and
+/// when a machine is created with saved values.
 ///
 /// Proves: MACS-ENC-14
 #[test]
@@ -131,7 +131,8 @@ fn it_changes_while_the_axis_is_disabled_and_only_to_what_there_is() {
     assert!(rig.was_accepted(accepted));
 }
 
-/// It runs whoever follows, exactly; who follows has its change, geared. An abort stops it for good.
+/// The simulated master runs exactly, with or without followers; a follower moves by its change, geared. An abort stops
+/// it permanently.
 ///
 /// Proves: MACS-ENC-14, MACS-ENC-16
 #[test]
@@ -140,7 +141,7 @@ fn the_simulated_master_runs_with_its_velocity_until_an_abort() {
     stops_by(Code::INTERRUPTED, by_input);
 }
 
-/// The abort of the program stops it, too; a quick stop is none.
+/// The abort of the program stops it, too; a quick stop is not an abort.
 ///
 /// Proves: MACS-ENC-16, MACS-ERR-09
 #[test]
@@ -153,7 +154,7 @@ fn an_abort_stops_the_simulated_master_and_a_quick_stop_does_not() {
     rig.give(Action::QuickStop(AxisSet::first(3)));
     rig.run(10);
     assert_eq!((rig.state("x"), rig.real("x.master.velocity")), ("STOPPING", 1_000.0));
-    // Who is off is told, too.
+    // An axis that is off also gets the event.
     rig.give(Action::Disable(AxisSet::first(3)));
     rig.run(100);
     rig.give(Action::Abort);
@@ -167,7 +168,7 @@ fn stops_by(code: Code, abort: impl Fn(&mut Rig)) {
     let accepted = set(&mut rig, X, &velocity(-2_500.0));
     assert!(rig.was_accepted(accepted));
     rig.run(99);
-    // 2.5 inc a cycle, in the cycle of the command too.
+    // 2.5 inc per cycle, in the cycle of the command, too.
     assert_eq!((rig.real("x.master.position"), rig.real("x.master.velocity")), (-250.0, -2_500.0));
     set(&mut rig, X, &velocity(0.0));
     let request = couple(X, Leader::AxisCommand(Y), 2, 1);

@@ -1,4 +1,4 @@
-//! Zeros and errors where they meet others: followers, trajectories, users of one encoder, a first error that stops nothing.
+//! Zeros and errors together with followers, trajectories, users of one encoder, and a first error that stops nothing.
 
 use super::rig::{LINE, Rig, X, Y, config, couple, to};
 use super::trajectory::track;
@@ -30,7 +30,7 @@ fn trajectory(axis: u16) -> Action {
     Action::Trajectory(Arc::new(trajectory.unwrap()))
 }
 
-/// x and y read the belt's encoder, which x turns.
+/// x and y read the encoder of the belt, which x moves.
 fn shared() -> MachineConfig {
     let mut config = config(0);
     for axis in &mut config.axes[1..] {
@@ -41,8 +41,8 @@ fn shared() -> MachineConfig {
     config
 }
 
-/// A zero of the leader in one cycle with a trajectory of somebody else: who follows sees no motion, before it or behind it,
-/// and ROS hears of the limits.
+/// A zero of the leader in one cycle with a trajectory of another axis: followers see no motion, whether it is before
+/// or after it, and ROS gets the new limits.
 #[test]
 fn a_zero_beside_a_trajectory_moves_no_follower() {
     for first in [true, false] {
@@ -62,7 +62,8 @@ fn a_zero_beside_a_trajectory_moves_no_follower() {
     }
 }
 
-/// A hard zero moves the coordinate of the other users: their limits keep their places as those of the axis itself do.
+/// A hard zero shifts the coordinate of the other users: their limits keep their machine positions, as those of the
+/// axis itself do.
 ///
 /// Proves: MACS-LIM-01
 #[test]
@@ -85,7 +86,8 @@ fn a_hard_zero_keeps_the_limits_of_all_users_where_they_are() {
     }
 }
 
-/// The reference selector of another user keeps places of before: it lets the axis go, as it does for a zero of its own.
+/// The reference selector of another user refers to previous positions: it releases the axis, as it does for a zero of
+/// its own.
 #[test]
 fn a_hard_zero_takes_the_other_users_from_their_selectors() {
     let mut rig = Rig::of(shared());
@@ -106,7 +108,7 @@ fn a_hard_zero_takes_the_other_users_from_their_selectors() {
     assert_eq!(rig.int("y.command.position"), 100 + moved);
 }
 
-/// With error_reaction 5 a following error stops nothing; a jump stops the axis although that error is there.
+/// With error_reaction 5 a following error stops nothing; a jump stops the axis although that error is active.
 #[test]
 fn a_jump_stops_an_axis_whose_first_error_did_not() {
     let mut config = config(0);
@@ -129,7 +131,7 @@ fn a_jump_stops_an_axis_whose_first_error_did_not() {
     );
 }
 
-/// The pulses between two marks are as many as before when the coordinate between them was set anew.
+/// The number of pulses between two marks is unchanged if the coordinate is set between them.
 #[test]
 fn a_new_zero_between_two_marks_is_no_missing_pulse() {
     let mut config = config(0);

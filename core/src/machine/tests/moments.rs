@@ -1,6 +1,6 @@
-//! When a new value takes effect: what each row says is what the machine does.
+//! Time at which a new value takes effect: the machine acts as each parameter row states.
 //!
-//! Two machines do the same, and in one of them a row is set in between.
+//! Two machines run the same motions, and in one of them a parameter is set in between.
 
 use super::rig::{LINE, Rig, X, at, config, couple, to};
 use crate::command::{Action, Move, Synchronize};
@@ -24,7 +24,7 @@ fn set(rig: &mut Rig, changes: &[(&str, Value)]) {
     assert!(rig.was_accepted(sequence));
 }
 
-/// 3000 rpm at 500 lines are 100000 inc/s; all rates given as MACS gives them, and a shape that all of them bend.
+/// 3000 rpm at 500 lines are 100000 inc/s; all rates are relative, as in MACS, and the profile shape uses all of them.
 fn relative() -> MachineConfig {
     let mut config = config(0);
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -42,7 +42,7 @@ fn relative() -> MachineConfig {
     config
 }
 
-/// The command of x, bit by bit.
+/// Returns the bits of the command of x.
 fn command(rig: &Rig) -> [u64; 4] {
     let real = |name| rig.real(name).to_bits();
     let position = rig.int("x.command.position").cast_unsigned();
@@ -54,7 +54,7 @@ fn step(one: &mut Rig, other: &mut Rig) {
     other.run(1);
 }
 
-/// What x does until it stands.
+/// Returns the commands of x until it is at rest.
 fn course(rig: &mut Rig) -> Vec<[u64; 4]> {
     let mut course = Vec::new();
     while rig.state("x") != "STANDSTILL" || course.is_empty() {
@@ -65,7 +65,8 @@ fn course(rig: &mut Rig) -> Vec<[u64; 4]> {
     course
 }
 
-/// What a row of next motion is set to, so that the next motion differs. Those of the modules are set for a block.
+/// Returns values for the rows with effect on the next motion, so that the next motion differs. Those of the modules
+/// apply to a block.
 fn next_motion() -> Vec<(&'static str, Value)> {
     vec![
         ("max_velocity", Value::Real(60_000.0)),
@@ -89,7 +90,7 @@ fn next_motion() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Likewise of the positioning modules.
+/// Returns the same for the positioning modules.
 fn next_block() -> Vec<(&'static str, Value)> {
     vec![
         ("wf.md1", Value::Real(200_000.0)),
@@ -107,7 +108,8 @@ fn next_jog() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Gives both the same goal, sets the row in one of them after `wait` cycles: the course stays, and the next one is another.
+/// Gives both machines the same goal and sets the row in one of them after `wait` cycles: the motion is unchanged, and
+/// the next one differs.
 fn assert_keeps_until_the_next(name: &str, value: Value, wait: u64, [first, second]: [Action; 2]) {
     let [mut plain, mut changed] = [Rig::of(relative()), Rig::of(relative())];
     plain.enable();
@@ -153,7 +155,7 @@ fn every_row_of_next_motion_is_tried_here() {
 fn a_running_motion_keeps_what_it_began_with_and_the_next_one_differs() {
     for (key, value) in next_motion() {
         for wait in [20, 200, 900] {
-            // 60000 inc at 50000 inc/s: in the rise, at speed, in the fall.
+            // 60000 inc at 50000 inc/s: during acceleration, at constant velocity, during deceleration.
             assert_keeps_until_the_next(key, value, wait, [to(X, 60_000), to(X, 0)].map(Action::Move));
         }
     }
@@ -205,7 +207,7 @@ fn a_running_jog_keeps_its_speed_and_the_next_one_differs() {
     }
 }
 
-/// MACS-PROF-05: the profile runs in every cycle, whatever the period says.
+/// MACS-PROF-05: the profile runs in every cycle, with any period.
 /// Proves: MACS-PROF-05, MACS-STO-09
 #[test]
 fn the_period_of_the_profile_changes_no_motion() {
@@ -230,8 +232,8 @@ fn the_period_of_the_profile_changes_no_motion() {
     assert_eq!(changed.refusal(refused[1]), "x: proftime is 6; 1 to 5 is allowed");
 }
 
-/// VEL 500, ACC 500 and DEC 250 of VELRES 1000 are fields of a goal, in units. A goal without them takes DFLTVEL 250 and DFLTACC 125,
-/// whatever the one before it had, after a new PROFTIME as before it.
+/// VEL 500, ACC 500 and DEC 250 of VELRES 1000 are fields of a goal, in units. A goal without them uses DFLTVEL 250 and
+/// DFLTACC 125, independent of the previous goal, before and after a change of PROFTIME.
 ///
 /// Proves: MACS-CMD-08
 #[test]
@@ -254,7 +256,7 @@ fn the_rates_of_a_goal_are_its_own_or_parts_of_velres() {
     // From 0 to VELMAX in 500 ms * 1000 / 125, so that 25000 inc/s take 1 s and 12500 inc.
     let usual = [(500, 12_500.0), (1_000, 25_000.0), (2_000, 25_000.0), (2_500, 12_500.0), (3_000, 0.0)];
     let given = Move { velocity: 50_000.0, acceleration: 100_000.0, deceleration: 50_000.0, ..to(X, 150_000) };
-    // 500 ms up, 1000 ms down, and 62500 inc between.
+    // 500 ms of acceleration, 1000 ms of deceleration, and 62500 inc between them.
     let own = [(250, 25_000.0), (500, 50_000.0), (1_750, 50_000.0), (2_000, 37_500.0), (2_750, 0.0)];
     for (goal, proftime, course) in
         [(to(X, 50_000), 1, usual), (given, 2, own), (to(X, 200_000), 5, usual), (to(X, 250_000), 3, usual)]
@@ -267,7 +269,7 @@ fn the_rates_of_a_goal_are_its_own_or_parts_of_velres() {
             passed = ms;
             assert!((rig.real("x.command.velocity") - velocity).abs() < 0.001, "{goal:?} after {ms} ms");
             if ms < 1_000 {
-                // In motion too: it changes nothing of it.
+                // In motion, too: it does not change the motion.
                 set(&mut rig, &[("proftime", Value::Int(proftime % 5 + 1))]);
                 passed += 1;
             }
@@ -289,7 +291,7 @@ fn a_coupling_keeps_what_it_began_with_and_the_next_one_differs() {
     );
     let shown = |rig: &Rig| (command(rig), rig.int("x.sync.error"), rig.int("x.sync.status"));
     // The smallest window, with the sign of the error.
-    // Those of marks: tests/marks.rs.
+    // For the rows of marks see tests/marks.rs.
     for (key, value) in [("syncfactm", -3), ("syncfacts", 5), ("syncaccuracy", -1), ("synctype", 4)] {
         let [mut plain, mut changed] = [Rig::enabled(), Rig::enabled()];
         for rig in [&mut plain, &mut changed] {
@@ -306,7 +308,7 @@ fn a_coupling_keeps_what_it_began_with_and_the_next_one_differs() {
         }
         let mut differs = false;
         for rig in [&mut plain, &mut changed] {
-            // An offset is an error that is worked off.
+            // An offset is an error that is reduced gradually.
             let offset = Length::whole(2_000);
             let again = Synchronize { offset, ..couple(X, Leader::AxisCommand(LINE), 0, 0) };
             rig.give(Action::Synchronize(again));
@@ -319,7 +321,7 @@ fn a_coupling_keeps_what_it_began_with_and_the_next_one_differs() {
     }
 }
 
-/// Rows that act at once, and where that is shown; those of vocabularies in their own tests.
+/// Rows that act at once, with the tests that show it; those of vocabularies are in their own tests.
 const AT_ONCE: &[&str] = &[
     "min_position",
     "max_position",
@@ -349,7 +351,7 @@ const AT_ONCE: &[&str] = &[
     "i_refswitch",
     "i_poslimitsw",
     "i_neglimitsw",
-    // tests/feedback.rs.
+    // tests/feedback.rs
     "max_encoder_jump",
     "max_skew",
     "skew_reaction",
@@ -378,7 +380,7 @@ const AT_ONCE: &[&str] = &[
     "syncmwinm",
     "syncmwins",
     "syncsftime",
-    // Kept, and without effect.
+    // Stored, without effect.
     "proftime",
     // Read in each cycle by the position loop: closed_loop.yaml.
     "position_loop.kv",
@@ -429,7 +431,7 @@ const AT_ONCE: &[&str] = &[
     "jog_at_limit",
 ];
 
-/// Likewise, in limit_switches.rs and reactions.rs.
+/// The same, in limit_switches.rs and reactions.rs.
 const WATCHING: &[&str] = &[
     "testval",
     "endswmod",
@@ -485,7 +487,7 @@ fn a_limit_is_in_force_in_the_cycle_in_which_it_is_set() {
         set(&mut rig, &[(switch, Value::Int(0))]);
         assert_eq!(rig.int(signal), 0, "{switch}");
     }
-    // And in a motion without an end: it stops there.
+    // In a motion without an end: it stops at the limit.
     for key in ["max_position", "poslimit"] {
         let mut config = config(0);
         config.axes[usize::from(X)].parameters.max_position = Some(500_000);
@@ -513,7 +515,7 @@ fn an_override_bends_the_motion_of_the_next_cycle() {
     assert!(changed.real("x.command.velocity") < 50_000.0);
 }
 
-/// x with a soft drive.
+/// Returns a rig in which x has a soft drive.
 fn soft(bandwidth: f64) -> Rig {
     let mut config = config(0);
     config.axes[usize::from(X)].parameters =
@@ -623,8 +625,8 @@ fn what_is_computed_follows_in_the_cycle_of_the_set() {
     assert_eq!(shown(&rig, "velmaxqc"), Value::Int(3_276_800));
 }
 
-/// A jerk that comes into force in a ramp without one, and with which that ramp would take hours to turn round, is none of
-/// the stop's: it would drive the axis on, beyond all limits.
+/// A jerk limit that comes into force during a ramp without jerk limit, and that would need hours to reverse that ramp,
+/// does not apply to the stop: it would move the axis beyond all limits.
 #[test]
 fn a_motion_without_limit_of_jerk_stops_without_one() {
     for shape in [0, 1] {

@@ -1,4 +1,4 @@
-//! The state and the reference of an axis by what moves it, as docs/motion.md and the interface say.
+//! State and reference of an axis for each source of motion, as defined by docs/motion.md and the interface.
 
 use super::functions::{geared, order, speeds};
 use super::rig::{LINE, Rig, X, at, cam, config, couple, to};
@@ -16,7 +16,7 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"))).expect("a file of the repository")
 }
 
-/// Three cells of each row: what moves the axis, its state, its reference.
+/// Returns three cells of each row: the source of motion, the state, the reference.
 fn rows(page: &str) -> Vec<[String; 3]> {
     let lines = page.lines().skip_while(|line| !line.starts_with("| the axis is moved by |")).skip(2);
     let rows = lines.take_while(|line| line.starts_with('|')).map(|line| {
@@ -41,7 +41,7 @@ fn x_after(action: Action) -> (Rig, &'static str) {
     (rig, "x")
 }
 
-/// A machine in which that moves an axis, and the axis.
+/// Returns a machine in which this source moves an axis, and the name of the axis.
 fn moved_by(what: &str) -> (Rig, &'static str) {
     let gear = couple(X, Leader::AxisCommand(LINE), 1, 1);
     match what {
@@ -106,7 +106,7 @@ fn each_motion_shows_the_state_and_reference_of_the_table_in_motion_md() {
     }
 }
 
-/// The comment of a constant in the message names what moves the axis in that state, and no other one does.
+/// The comment of a constant in the message names the sources of motion in that state; no other comment names them.
 #[test]
 fn the_message_names_each_motion_at_its_state() {
     let message = read("msg/msg/AxisState.msg");

@@ -4,7 +4,7 @@ use crate::command::{Action, Move, MoveMode};
 use crate::position::{Length, Position};
 use proptest::prelude::*;
 
-/// 10 mm at the defaults: 50 mm/s, 500 mm/s^2: ramps of 100 ms and 2.5 mm each, 5 mm cruise: 300 ms.
+/// 10 mm with the defaults: 50 mm/s, 500 mm/s^2: ramps of 100 ms and 2.5 mm each, 5 mm at constant velocity: 300 ms.
 ///
 /// Proves: MACS-PROF-06, MACS-TGT-01
 #[test]
@@ -79,7 +79,7 @@ fn additive_counts_from_the_target_and_relative_from_the_command() {
         rig.give(Action::Move(to(X, 10_000)));
         rig.run(100); // 100 ms at 500 mm/s^2: 2.5 mm
         assert_eq!(rig.int("x.command.position"), 2_500);
-        // The command applies at the next cycle: 50 mm/s further, 50 inc.
+        // The command applies at the next cycle: 50 inc further, at 50 mm/s.
         rig.give(Action::Move(Move { mode, ..to(X, 5_000) }));
         rig.run_until("x.state", 1);
         let moved = if mode == MoveMode::Relative { 50 } else { 0 };
@@ -159,8 +159,8 @@ fn a_disabled_axis_refuses_goals() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// Targets, velocities, halts and rates at random cycles: never beyond the limits, never a jump of velocity, and in
-    /// the end at rest on a whole increment without a goal.
+    /// Targets, velocities, halts and rates at random cycles: the axis never exceeds the limits, never has a velocity
+    /// step, and is finally at rest on a whole increment without a goal.
     ///
     /// Proves: MACS-PROF-08
     #[test]

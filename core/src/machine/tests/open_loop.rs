@@ -20,7 +20,7 @@ fn open_config(delay: u32) -> MachineConfig {
     config
 }
 
-/// 50 ms to its speed, 100 ms of coasting: from 20 mm/s it coasts 2 mm.
+/// 50 ms of acceleration, 100 ms of coasting: from 20 mm/s it coasts 2 mm.
 fn motor() -> Model {
     Model::TwoSpeed(TwoSpeed::new(50_000_000, 100_000_000, MS).unwrap())
 }
@@ -42,7 +42,7 @@ fn running(velocity: f64) -> Rig {
     rig
 }
 
-/// No ramp: the drive is asked for the speed in the cycle of the order, and the command is where the axis is.
+/// No ramp: the speed is commanded in the cycle of the order, and the command position is the actual position.
 ///
 /// Proves: WF-OLC-01, WF-OLC-11
 #[test]
@@ -57,7 +57,7 @@ fn the_drive_runs_at_the_speed_and_the_command_is_where_it_is() {
         assert_eq!((rig.int("x.following_error"), rig.int("x.regulator.error"), rig.int("x.error")), (0, 0, 0));
     }
     assert_eq!((rig.state("x"), rig.real("x.actual.velocity")), ("CONTINUOUS_MOTION", 20_000.0));
-    // 20 inc in each of 1999 cycles, less what the motor lags: 20000 inc/s * 50 ms.
+    // 20 inc in each of 1999 cycles, less the lag of the motor: 20000 inc/s * 50 ms.
     assert_eq!(rig.int("x.actual.position"), 1_999 * 20 - 1_000);
     rig.order(X, speed(-5_000.0)).unwrap();
     rig.run(2_000);
@@ -83,7 +83,7 @@ fn switched_off_it_coasts_and_stands_when_it_does() {
         cycles += 1;
     }
     assert_eq!(rig.real("x.actual.velocity"), 0.0);
-    // One cycle more at speed was on its way. 2000 inc of coasting; the last half of one is held by friction.
+    // One more cycle at speed was already commanded. 2000 inc of coasting; friction holds the last half increment.
     let way = rig.int("x.actual.position") - from;
     assert!((2_019..=2_020).contains(&way), "{way}");
     // e^(-t / 100 ms) of 2000 inc is half an increment after 829 ms.
@@ -100,7 +100,7 @@ fn halt_disable_and_quick_stop_switch_the_speed_off_in_their_cycle() {
         assert_eq!((rig.real("x.output.velocity"), rig.int("x.enabled")), (0.0, 1), "{end}");
         assert!(rig.done(number).is_empty(), "{end}: it coasts still");
         rig.run(500);
-        // It keeps its drive until it stands.
+        // The drive stays enabled until the axis is at rest.
         assert_eq!((rig.done(number).len(), rig.int("x.enabled")), (0, 1), "{end}");
         rig.run(500);
         assert_eq!((rig.done(number).len(), rig.state("x")), (1, end));
@@ -211,7 +211,7 @@ fn speeds_that_are_none_change_nothing() {
     assert_eq!(rig.order(X, speed(1.0)).unwrap_err().code, Code::NOT_ENABLED);
 }
 
-/// Whatever has locked the axis, or asks it to home first: no speed is always to be had.
+/// With any lock of the axis, and with homing required: speed 0 is always accepted.
 ///
 /// Proves: WF-OST-10
 #[test]
@@ -234,7 +234,7 @@ fn no_speed_is_never_refused() {
     assert_eq!(rig.real("x.output.velocity"), 0.0);
 }
 
-/// An encoder that never shows rest must not keep an axis for ever: after 5 s it counts as standing.
+/// An encoder that never shows rest must not block an axis forever: after 5 s the axis counts as at rest.
 #[test]
 fn after_five_seconds_a_coasting_axis_counts_as_at_rest() {
     let slow = Model::TwoSpeed(TwoSpeed::new(0, 10_000_000_000, MS).unwrap());
@@ -250,7 +250,8 @@ fn after_five_seconds_a_coasting_axis_counts_as_at_rest() {
     assert!(rig.real("x.actual.velocity") > 50_000.0);
 }
 
-/// An order and a halt before the drive has heard of either: the axis does not stand only because nothing has come through.
+/// An order and a halt before the drive has received either: the axis does not count as at rest only because nothing
+/// has arrived.
 #[test]
 fn a_halt_waits_for_what_is_on_its_way_to_the_drive() {
     let mut rig = Rig::with(open_config(3), [Model::Ideal; 2]);
@@ -290,7 +291,7 @@ fn wired() -> MachineConfig {
     config
 }
 
-/// Until the vocabulary says otherwise every output is off, those that nobody has wired included.
+/// Until the vocabulary sets an output, every output is off, including outputs that are not wired.
 ///
 /// Proves: WF-DAC-01
 #[test]
@@ -305,8 +306,8 @@ fn outputs_of_an_axis_that_was_not_started_are_off() {
     }
 }
 
-/// Each signal reaches its own output, and only while the axis may run: Q and the voltage end with the speed, the
-/// direction stays while it coasts into its target, and an error leaves nothing.
+/// Each signal is written to its own output, and only while the axis may run: Q and the voltage end with the speed, the
+/// direction remains while the axis coasts to its target, and an error clears all of them.
 ///
 /// Proves: WF-OLC-09, WF-OLC-10, WF-DAC-01
 #[test]

@@ -1,4 +1,4 @@
-//! The order of a cycle: the errors that its inputs show come first, then its commands and the vocabularies.
+//! Order within a cycle: errors from its inputs come first, then its commands and the vocabularies.
 
 use super::rig::{Rig, X, Y, at, config, to};
 use crate::code::Code;
@@ -14,7 +14,7 @@ fn set(rig: &mut Rig, axis: u16, values: &[(&str, i64)]) {
     assert!(rig.was_accepted(sequence));
 }
 
-/// A command of the cycle in which the following error is found comes behind it, as it does behind a fault of the drive.
+/// A command in the cycle in which the following error is detected is handled after it, as after a fault of the drive.
 #[test]
 fn a_command_finds_the_error_of_its_cycle() {
     for reaction in [0, 2] {
@@ -44,7 +44,8 @@ fn a_command_finds_the_error_of_its_cycle() {
     }
 }
 
-/// An error of 500 inc lies beyond the window of the selector, and within what the axis may be off: it stops in that cycle.
+/// An error of 500 inc exceeds the window of the selector, and is within the following error limit of the axis: the
+/// axis stops in that cycle.
 ///
 /// Proves: AMC-STP-06
 #[test]
@@ -61,7 +62,7 @@ fn the_selector_stops_in_the_cycle_of_the_following_error() {
     assert_eq!((rig.state("y"), rig.real("y.command.velocity")), ("STANDSTILL", 0.0));
 }
 
-/// A disable of the cycle of an error finds it, and leaves it.
+/// A disable in the cycle of an error is handled after it, and does not clear it.
 #[test]
 fn a_disable_leaves_the_error_of_its_cycle() {
     let mut rig = Rig::enabled();

@@ -34,7 +34,7 @@ fn with_io() -> MachineConfig {
     config
 }
 
-/// Places in section `io`.
+/// Indices in section `io`.
 const P: u16 = 1;
 const Q: u16 = 3;
 const R: u16 = 5;
@@ -50,7 +50,7 @@ fn ready(config: MachineConfig) -> Rig {
     rig
 }
 
-/// O_ERROR, with both signs: high while there is an error, low while there is one; I_ERRCLR clears with its edge, as ERRCLR.
+/// O_ERROR, with both signs: high or low during an error; I_ERRCLR clears with its edge, like ERRCLR.
 ///
 /// Proves: MACS-IO-01, MACS-IO-07, MACS-IO-10, MACS-ERR-04
 #[test]
@@ -68,13 +68,13 @@ fn an_error_shows_and_an_edge_clears_it() {
         rig.run(3);
         assert_eq!((rig.int("p"), rig.state("x")), (shown, "ERROR_STOP"));
         assert_eq!(rig.outputs().digital(0), shown == 1);
-        // The wrong edge does nothing: the level it comes from was there before.
+        // The wrong edge has no effect: the input already had the level before.
         rig.run(50);
         assert_eq!(rig.state("x"), "ERROR_STOP");
         rig.plant.set_digital(1, !idle);
         rig.run(10);
         assert_eq!((rig.int("p"), rig.state("x")), (1 - shown, "DISABLED"), "{output} {input}");
-        // The level alone clears nothing: the next error stays.
+        // The level alone clears nothing: the next error remains.
         rig.plant.drive(0).unwrap().inject_fault(0x8611);
         rig.give(Action::Enable(AxisSet::first(3)));
         rig.run(50);
@@ -85,7 +85,7 @@ fn an_error_shows_and_an_edge_clears_it() {
     }
 }
 
-/// An error whose cause stays comes back: the drive is away.
+/// An error with a persistent cause returns: the drive is missing.
 ///
 /// Proves: MACS-IO-10
 #[test]
@@ -101,7 +101,7 @@ fn an_edge_cannot_clear_what_goes_on() {
     assert_eq!(rig.state("y"), "STANDSTILL", "nothing was wrong with it");
 }
 
-/// The output shows the command, not the motor: it is on while the axis is told to move at all.
+/// The output shows the command, not the motor: it is on while the axis has a motion command.
 ///
 /// Proves: MACS-IO-06
 #[test]
@@ -121,7 +121,7 @@ fn a_motion_command_shows() {
         rig.give(Action::Halt(AxisSet::first(3)));
         rig.run(500);
         assert_eq!(rig.int("q"), 1 - on);
-        // Of another axis nothing is shown.
+        // Motion of another axis is not shown.
         rig.give(Action::Move(to(Y, 5_000)));
         assert_eq!(rig.int("q"), 1 - on);
     }
@@ -155,7 +155,7 @@ fn only_a_program_opens_the_brake() {
     }
 }
 
-/// I_BREAK ends what runs and locks it; I_CONTINUE lets it take goals again, and so does reset_errors.
+/// I_BREAK ends all motion and locks the axes; I_CONTINUE allows goals again, and so does reset_errors.
 ///
 /// Proves: MACS-IO-08, MACS-IO-09
 #[test]
@@ -175,7 +175,7 @@ fn a_break_stops_all_until_continue() {
     assert_eq!((rig.state("x"), rig.state("line"), rig.state("y")), ("STOPPING", "STOPPING", "STOPPING"));
     let ended = rig.done(goal);
     assert_eq!((ended.len(), ended[0].code.0), (1, 10_341));
-    // 50 mm/s with 1 m/s^2: 50 ms, and no more.
+    // 50 mm/s with 1 m/s^2: at most 50 ms.
     rig.run(51);
     assert_eq!(rig.real("x.command.velocity"), 0.0);
     let refused = rig.give(Action::Move(to(X, 0)));
@@ -188,7 +188,7 @@ fn a_break_stops_all_until_continue() {
     assert_eq!((rig.state("x"), rig.state("line")), ("STANDSTILL", "STANDSTILL"));
     let again = rig.give(Action::Move(to(X, 0)));
     assert!(rig.was_accepted(again));
-    // A quick stop is not resumed by it.
+    // A quick stop is not released by I_CONTINUE.
     rig.give(Action::QuickStop(AxisSet::first(3)));
     rig.run(500);
     rig.plant.set_digital(1, true);
@@ -196,7 +196,7 @@ fn a_break_stops_all_until_continue() {
     rig.plant.set_digital(1, false);
     rig.run(2);
     assert_eq!(rig.state("x"), "STOPPING");
-    // Nor is one that comes on top of a break.
+    // A quick stop after a break is not released, either.
     rig.give(Action::ResetErrors(AxisSet::first(3)));
     rig.run(5);
     rig.plant.set_digital(0, true);
@@ -219,8 +219,8 @@ fn a_break_stops_all_until_continue() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// The selector is without a reference from the cycle of the edge on, as after a quick stop: the cycle behind it refuses every
-/// selection, also that of what was in force.
+/// The selector has no reference from the cycle of the edge on, as after a quick stop: the next cycle refuses every
+/// selection, including the previous one.
 ///
 /// Proves: MACS-IO-08
 #[test]
@@ -245,7 +245,7 @@ fn a_break_takes_the_reference_of_the_selector_in_its_cycle() {
     assert_eq!((rig.refusal(x - 1), rig.refusal(x)), (format!("line: {why}"), format!("x: {why}")));
 }
 
-/// A quick stop keeps its lock: a break on top of it is nothing that I_CONTINUE could take back.
+/// A quick stop keeps its lock: I_CONTINUE cannot release a break after a quick stop.
 ///
 /// Proves: MACS-IO-08, MACS-IO-09
 #[test]
@@ -265,7 +265,7 @@ fn a_break_on_a_quick_stop_unlocks_nothing() {
     assert_eq!(rig.refusal(refused), "x: quick_stop has locked the axis; reset_errors first");
 }
 
-/// A level that is there when the machine starts, or when a parameter names it, is no edge.
+/// A level that exists when the machine starts, or when a parameter selects the input, is not an edge.
 ///
 /// Proves: MACS-IO-01
 #[test]
@@ -288,7 +288,8 @@ fn a_level_is_no_edge() {
     assert_eq!(rig.state("x"), "STOPPING");
 }
 
-/// filt += (reading - filt) / n every ms, in cycles of any length; 0 leaves the reading alone. The second input is never smoothed.
+/// filt += (reading - filt) / n every ms, in cycles of any length; with 0 the reading is unmodified. The second input
+/// is never smoothed.
 ///
 /// Proves: MACS-IO-14
 #[test]
@@ -305,14 +306,14 @@ fn analog_input_1_is_smoothed() {
         rig.mirror();
         rig.plant.set_analog(0, 10.0);
         rig.plant.set_analog(1, 10.0);
-        // Up to a whole number of ms, whatever has passed of one before.
+        // Up to a whole number of ms, including any previous fraction.
         let cycles = 20_000_000 / cycle_ns;
         rig.run(cycles);
         let after = |readings: usize| 10.0 - (0..readings).fold(8.0, |left, _| left * 0.9);
         let level = rig.real("level");
         assert!((level - after(20)).abs() < 1e-9, "{cycle_ns}: {level}, not {}", after(20));
         assert_eq!(rig.real("other"), 10.0);
-        // What is set in a cycle counts in that cycle: half of what is left, and then all of it.
+        // A value applies in the cycle in which it is set: half of the remaining difference, and then all of it.
         if cycle_ns == 1_000_000 {
             rig.give(set(MACHINE, "ainftime", 2));
             let level = rig.real("level");
@@ -323,7 +324,7 @@ fn analog_input_1_is_smoothed() {
     }
 }
 
-/// A filtered input takes a level that has stood for its time, to the cycle; what is shorter is not seen at all.
+/// A filtered input takes a level that was stable for the filter time, to the cycle; shorter pulses are ignored.
 #[test]
 fn a_filter_keeps_short_pulses_out() {
     let mut cell = with_io();
@@ -353,7 +354,7 @@ fn a_filter_keeps_short_pulses_out() {
     assert_eq!(rig.int("b"), 0);
 }
 
-/// OUT and OUTAN reach every output but those that an axis switches by itself, and nothing else.
+/// OUT and OUTAN set every output except those that an axis switches itself, and nothing else.
 ///
 /// Proves: MACS-IO-03
 #[test]
@@ -399,7 +400,7 @@ fn outputs_are_set_and_stay() {
     assert_eq!((rig.int("q"), rig.real("speed")), (1, -2.5));
 }
 
-/// An analog output on CAN may reach less than 10 V, or more.
+/// The full scale of an analog output on CAN may be below or above 10 V.
 #[test]
 fn an_analog_output_takes_its_full_scale_and_no_more() {
     let mut config = with_io();
@@ -413,7 +414,7 @@ fn an_analog_output_takes_its_full_scale_and_no_more() {
     assert_eq!(rig.real("speed"), -24.0);
 }
 
-/// Numbers of inputs and outputs that the cell has not are refused, when the machine is made and while it runs.
+/// Numbers of inputs and outputs that the cell does not have are refused, when the machine is created and at run time.
 ///
 /// Proves: MACS-IO-01
 #[test]
@@ -452,8 +453,8 @@ fn numbers_of_inputs_and_outputs_must_be_there() {
     }
 }
 
-/// Parameters of the machine have layers as those of axes have: set, saved with all, brought back, deleted; power brings the
-/// saved ones back and takes the outputs away.
+/// Parameters of the machine have layers like those of axes: set, saved with all axes, restored, deleted; a power cycle
+/// restores the saved values and switches the outputs off.
 ///
 /// Proves: MACS-STO-02, MACS-STO-04, MACS-STO-05
 #[test]
@@ -489,8 +490,9 @@ fn parameters_of_the_machine_have_layers() {
     assert_eq!(error(&rig), [1, 1]);
 }
 
-/// A drive without a sign in its reference: it gets the amount, and one output the direction, or two outputs the enables; with
-/// the motor off both are 0. The axis moves as one with a sign does, also where POSDRCT turns its motor over.
+/// A drive without a sign in its reference: it gets the amount, and one output the direction, or two outputs the
+/// enables; with the motor off both are 0. The axis moves like one with a signed reference, also if POSDRCT inverts its
+/// motor.
 ///
 /// Proves: MACS-DIR-08, MACS-DIR-09
 #[test]
@@ -503,7 +505,7 @@ fn outputs_tell_the_sign_of_a_unipolar_reference() {
             cell.axes[1].interface = Interface::Velocity;
             (cell.axes[1].parameters.macs.posdrct, cell.axes[1].parameters.macs.revers) = (posdrct, revers);
             cell.axes[1].parameters.max_following_error = 5_000;
-            // The lead is what the loop needs: v / Kv.
+            // The lag is that of the loop: v / Kv.
             let model = Model::Velocity(VelocityLag::new(5_000_000, 1_000_000).unwrap()).wired(posdrct.abs() == 2);
             let mut rig = Rig::with(cell, [model, Model::Ideal]);
             rig.plant.install(0, &Mechanics { sign: Some(sign), ..Mechanics::default() });
@@ -528,7 +530,7 @@ fn outputs_tell_the_sign_of_a_unipolar_reference() {
                 }
                 assert_eq!(rig.done(goal).len(), 1, "{posdrct} {revers}: {}", rig.state("x"));
                 assert!((rig.int("x.actual.position") - target).abs() <= 2, "{posdrct} {revers} {target}");
-                // Both senses would mean that it was driven against itself.
+                // Both directions at once would mean that the outputs work against each other.
                 assert_ne!(seen[0], seen[1], "{posdrct} {revers} {target}");
             }
             rig.give(Action::Disable(AxisSet::first(3)));

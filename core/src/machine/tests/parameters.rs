@@ -26,7 +26,7 @@ fn a_set_is_checked_whole_and_changes_all_or_nothing() {
         set(&mut rig, &[change("min_position", Value::Int(10)), change("max_position", Value::Int(10))]);
     assert_eq!(rig.refusal(contradiction), "x: min_position 0.01 mm must be below max_position 0.01 mm");
     assert_eq!(rig.machine.parameters(X), Some(&before));
-    // Each alone would contradict the other's old value: as a set they agree.
+    // Each alone would conflict with the previous value of the other: as a set they agree.
     let good = set(&mut rig, &[change("min_position", Value::Int(100)), change("max_position", Value::Int(200))]);
     assert!(rig.was_accepted(good));
     let again = set(&mut rig, &[change("min_position", Value::Int(300)), change("max_position", Value::Int(400))]);
@@ -176,7 +176,7 @@ fn inputs_show_on_the_board() {
     assert_eq!((rig.int("start"), rig.int("stop"), rig.int("lamp"), rig.real("feed")), (0, 1, 0, -2.5));
 }
 
-/// in a set the sense of rotation counts first, wherever it stands.
+/// in a set the direction polarity is applied first, in any order.
 #[test]
 fn a_set_means_the_same_wherever_the_sense_of_rotation_stands_in_it() {
     let int = |key, value| change(key, Value::Int(value));

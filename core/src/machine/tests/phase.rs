@@ -35,7 +35,7 @@ fn place(rig: &Rig, axis: u16) -> Position {
     rig.machine.state.leads.get(Leader::AxisCommand(axis)).position
 }
 
-/// The line at 20 mm/s, and x at 355 : 113 behind it.
+/// Returns a rig with the line at 20 mm/s, followed by x with 355 : 113.
 fn geared() -> Rig {
     let mut rig = Rig::enabled();
     rig.give(Action::Synchronize(couple(X, TO_LINE, 355, 113)));
@@ -45,7 +45,7 @@ fn geared() -> Rig {
     rig
 }
 
-/// 7/3 inc of the slave stay below the grid of increments, and are kept.
+/// 7/3 inc of the slave are not a whole number of increments, and are kept.
 #[test]
 fn a_shift_of_the_slave_stays_to_2_to_the_minus_32() {
     let mut rig = geared();
@@ -59,12 +59,12 @@ fn a_shift_of_the_slave_stays_to_2_to_the_minus_32() {
     assert_eq!((place(&rig, X).raw(), rig.state("x")), (exact, "SYNCHRONIZED_MOTION"));
 }
 
-/// The gear makes of a shifted master what it makes of any: slave = floor(355 (master + shift) / 113).
+/// The gear handles a shifted master like any master: slave = floor(355 (master + shift) / 113).
 #[test]
 fn a_shift_of_the_master_is_motion_of_the_master() {
     let mut rig = geared();
     let k = rig.machine.next_cycle();
-    // 5 mm/s and 50 mm/s^2 at the master: 0.1 s up, 0.1 s at 5 inc a cycle, 0.1 s down.
+    // 5 mm/s and 50 mm/s^2 at the master: 0.1 s of acceleration, 0.1 s at 5 inc per cycle, 0.1 s of deceleration.
     let goal = rig.give(master(amount(Length::whole(-1_000), 5_000.0, 50_000.0)));
     rig.run(50);
     assert!((rig.real("x.command.velocity") - (20_000.0 - 2_500.0) * 355.0 / 113.0).abs() < 1.0);
@@ -73,7 +73,7 @@ fn a_shift_of_the_master_is_motion_of_the_master() {
     let left = rig.real("x.phase.master");
     rig.run(250);
     assert!((0.6..0.8).contains(&left), "{left}");
-    // 1000 inc at 5 inc a cycle are 200 cycles, and one ramp of 100 more; what rounding leaves takes a cycle.
+    // 1000 inc at 5 inc per cycle are 200 cycles, plus one ramp of 100; the rounding remainder takes one cycle.
     let done = rig.done(goal)[0];
     assert_eq!((done.code, rig.real("x.phase.master")), (Code::NONE, 0.0));
     assert!((k + 299..=k + 301).contains(&done.cycle), "{} from {k}", done.cycle);
@@ -108,7 +108,7 @@ fn a_cam_goes_where_a_shifted_master_leads_it() {
     rig.run(3_000);
     // A period of 6000, and half of the rise of the next one.
     assert_eq!((rig.done(goal)[0].code, rig.int("x.command.position")), (Code::NONE, 8_000));
-    // Back over the end of a period, while the line goes the same way.
+    // Back over the end of a period, while the line moves in the same direction.
     rig.give(Action::Move(Move { velocity: 10_000.0, acceleration: 1e5, deceleration: 1e5, ..to(LINE, 4_000) }));
     rig.give(master(amount(Length::whole(-12_000), 20_000.0, 100_000.0)));
     rig.run(3_000);
@@ -116,7 +116,7 @@ fn a_cam_goes_where_a_shifted_master_leads_it() {
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (4_000, 0));
 }
 
-/// The sum of a belt and the line leads a cam, and is shifted: 1000 + 300 - 200, at half.
+/// The sum of a belt and the line leads a cam, and is shifted: 1000 + 300 - 200, divided by two.
 #[test]
 fn a_sum_leads_a_cam_and_is_shifted() {
     let half = Table::new(Form::Xy, &[0, 4_000], &[0, 2_000]).expect("points").with_cam(CamSetting::default());
@@ -144,7 +144,7 @@ fn a_new_shift_takes_the_place_of_one_that_moves() {
         let first = rig.give(side(amount(Length::whole(10_000), 10_000.0, 100_000.0)));
         rig.run(499);
         let second = rig.give(side(amount(Length::whole(-500), 10_000.0, 100_000.0)));
-        // 0.1 s up, 0.4 s at 10 inc a cycle.
+        // 0.1 s of acceleration, 0.4 s at 10 inc per cycle.
         let from = rig.int("x.command.position");
         assert!((4_490..=4_510).contains(&from), "{from}");
         rig.run(2_000);
@@ -154,7 +154,7 @@ fn a_new_shift_takes_the_place_of_one_that_moves() {
     }
 }
 
-/// A shift that moves leaves to the one that takes its place what it had itself; one of the slave takes its share.
+/// A shift that replaces an active one may use the velocity of that one; an active shift of the slave reduces it.
 #[test]
 fn what_is_left_is_told_without_the_shift_that_ends() {
     let mut rig = Rig::enabled();
@@ -175,7 +175,8 @@ fn what_is_left_is_told_without_the_shift_that_ends() {
     assert_eq!(rig.answer(slow).expect_err("refused").code, Code::RATE_TOO_LOW);
 }
 
-/// The master of a cam may not run more than its length in a cycle; where it does in the end, the shift is answered all the same.
+/// The master of a cam must not move by more than its length in a cycle; if it finally does, the shift is still
+/// answered.
 #[test]
 fn a_shift_is_answered_though_its_last_cycle_fails() {
     let half = Table::new(Form::Xy, &[0, 100], &[0, 50]).expect("points").with_cam(CamSetting::default());
@@ -198,7 +199,7 @@ fn a_shift_is_answered_though_its_last_cycle_fails() {
     rig.run(100);
     rig.give(Action::Synchronize(Synchronize { cam: Some(cam), ..couple(X, Leader::Encoder(0), 0, 0) }));
     let goal = rig.give(master(amount(Length::whole(50), 60_000.0, 1e12)));
-    // 50 of the shift and 60 of the belt in one cycle.
+    // 50 inc of the shift and 60 inc of the belt in one cycle.
     rig.plant.jump_encoder(0, 60);
     rig.run(5);
     assert_eq!((rig.done(goal).len(), rig.int("x.error")), (1, i64::from(Code::CAM_MASTER_TOO_FAST.0)));
@@ -216,14 +217,14 @@ fn a_cancelled_shift_slows_down_and_stays_where_it_is() {
         assert!(rig.was_accepted(cancel));
         assert_eq!((rig.real("x.phase.slave"), rig.real("x.phase.master")), (0.0, 0.0), "nothing is to come");
         rig.run(500);
-        // 500 + 200 cycles at 10, and 500 down.
+        // 500 + 200 cycles at 10, and 500 of deceleration.
         assert!((2_980..=3_020).contains(&rig.int("x.command.position")), "{}", rig.int("x.command.position"));
         assert_eq!((rig.done(goal)[0].code, rig.done(coupling).len()), (Code::CANCELLED, 0));
         assert_eq!((rig.int("x.sync.error"), rig.real("x.command.velocity")), (0, 0.0));
     }
 }
 
-/// Both sides, and the coupling: each goal is told its end once.
+/// Both sides, and the coupling: the end of each goal is reported once.
 #[test]
 fn a_shift_ends_with_its_coupling() {
     let shift = amount(Length::whole(10_000), 10_000.0, 100_000.0);
@@ -265,7 +266,7 @@ fn what_cannot_be_shifted_is_refused() {
     rig.give(Action::Synchronize(couple(X, TO_LINE, 2, 1)));
     rig.give(Action::Move(Move { velocity: 10_000.0, ..at(LINE, 10_000.0) }));
     rig.run(200);
-    // 40.1 mm/s are 80.2 at the slave, which has 20 already.
+    // 40.1 mm/s are 80.2 at the slave, which already has 20.
     let fast = rig.give(master(PhaseShift { velocity: 40_100.0, ..shift }));
     assert_eq!(rig.refusal(fast), "x: velocity 80.2 mm/s is more than the motion under way leaves: 80 mm/s");
     let steep = rig.give(master(PhaseShift { acceleration: 600_000.0, ..shift }));
@@ -301,7 +302,7 @@ fn what_cannot_be_shifted_is_refused() {
     assert!(rig.refusal(goal).starts_with("y: the axis is not coupled"));
 }
 
-/// 1.5 mm are 1500 inc of the axis; 1.5 inc of a leader without units, and of none of them an angle.
+/// 1.5 mm are 1500 inc of the axis, but 1.5 inc of a leader without units; an angle converts to neither.
 #[test]
 fn amounts_are_made_increments_of_each_scale_that_leads() {
     let config = config(0);
@@ -337,7 +338,8 @@ fn amounts_are_made_increments_of_each_scale_that_leads() {
 proptest! {
     #![proptest_config(cases(40))]
 
-    /// Shifts of both sides, whatever the leader does meanwhile: the slave is where gear and shifts say, and within its limits.
+    /// Shifts of both sides, with any motion of the leader: the slave is at the position given by gear and shifts, and
+    /// within its limits.
     #[test]
     fn shifts_add_up_exactly(
         numerator in prop_oneof![-400_i64..-1, 1_i64..400],
@@ -372,7 +374,7 @@ proptest! {
     }
 }
 
-/// A leader that a shift moves into a limit of the slave stops it there, as any leader does.
+/// A leader that a shift moves into a limit of the slave stops the slave there, like any leader.
 #[test]
 fn a_shift_does_not_lead_beyond_a_limit() {
     let mut config = config(0);

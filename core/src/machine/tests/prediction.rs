@@ -1,7 +1,9 @@
-//! A gear behind a coarse master that trembles and swings, on a drive with a delay: what filter and prediction make of its error.
+//! A gear with a coarse master with count noise and oscillation, on a drive with a delay: effect of filter and
+//! prediction on the error.
 //!
-//! The master goes 5 counts a ms on average, 20 % more and less twice a second, and its counts tremble by up to 1 either way; the slave goes 40
-//! increments a count, 4 cycles behind its command. `LINESHAFT_LONG=1` and `--nocapture` print a table.
+//! The master moves 5 counts per ms on average. Its velocity oscillates by 20 % with 2 Hz, and its counts jitter by up
+//! to 1 in either direction. The slave moves 40 increments per count, 4 cycles behind its command. `LINESHAFT_LONG=1`
+//! and `--nocapture` print a table.
 
 use super::direction::set;
 use super::rig::{Rig, X, config, couple};
@@ -10,22 +12,22 @@ use crate::object::Leader;
 use crate::parameter::AxisParameters;
 
 const RATIO: f64 = 40.0;
-/// Of the bus (cycles); one more is that of any drive.
+/// Delay of the bus (cycles); any drive adds one more.
 const DELAY: u32 = 3;
 const SPEED: f64 = 5.0;
 
-/// What a slave did in 8 s, from the second one on (inc).
+/// Error of a slave over 8 s, starting from the second one (inc).
 #[derive(Debug)]
 struct Errors {
     mean: f64,
-    /// Around the mean.
+    /// Deviation from the mean.
     rms: f64,
     peak: f64,
-    /// Change of the command's velocity in a cycle, rms.
+    /// Change of the command velocity per cycle, rms.
     rough: f64,
 }
 
-/// Where the shaft of the master really is (counts).
+/// Returns the real shaft position of the master (counts).
 fn shaft(ms: f64) -> f64 {
     let omega = 2.0 * std::f64::consts::TAU / 1e3;
     SPEED * ms + 0.2 * SPEED / omega * (1.0 - libm::cos(omega * ms))
@@ -65,8 +67,9 @@ fn errors(changes: &[(&str, i64)]) -> Errors {
     Errors { mean, rms: (squares / count - mean * mean).sqrt(), peak, rough: (rough / count).sqrt() }
 }
 
-/// Four cycles behind at 200 inc a cycle are 800 inc, of which a prediction over 4 ms leaves nothing, but makes a rough motion of what the counts tremble. A
-/// filter makes it even, and costs what a swing is faster than it: the shorter one is the better one here.
+/// Four cycles of delay at 200 inc per cycle are 800 inc. A prediction over 4 ms removes this lag, but amplifies the
+/// count noise. A filter smooths it, at the cost of the oscillation above its bandwidth: the shorter filter is the
+/// better one here.
 /// Proves: MACS-SYNC-15, MACS-SYNC-09
 #[test]
 fn a_prediction_over_the_delay_takes_the_lag_away() {
@@ -80,12 +83,12 @@ fn a_prediction_over_the_delay_takes_the_lag_away() {
         );
         errors
     });
-    // A count is rounded down: half of one, 20 inc, is missing on average.
+    // A count is rounded down: half a count, 20 inc, is missing on average.
     assert!((plain.mean - 820.0).abs() < 8.0, "{plain:?}");
     for predicted in [&ahead, &both, &slow] {
         assert!((predicted.mean - 20.0).abs() < 8.0, "{predicted:?}");
     }
-    // 20 % of the swing is 160 inc either way: 113 rms.
+    // 20 % of oscillation are 160 inc in either direction: 113 rms.
     assert!((plain.rms - 113.0).abs() < 12.0, "{plain:?}");
     assert!(both.peak < plain.peak / 2.0 && both.peak < ahead.peak && both.peak < slow.peak, "{both:?}");
     assert!(ahead.rough > 3.0 * plain.rough && both.rough < ahead.rough / 5.0, "{both:?}");

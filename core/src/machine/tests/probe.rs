@@ -1,4 +1,4 @@
-//! Touch probe to position: a search, a latch between two cycles, and the way from there.
+//! Touch probe to position: a search, a latch between two cycles, and the motion from there.
 
 use super::rig::{LINE, Rig, X, Y, config, to};
 use crate::code::Code;
@@ -13,7 +13,7 @@ use crate::position::{Length, Position};
 const MARK: Object = Object::Io(0);
 const OTHER: Object = Object::Io(1);
 
-/// With x and y switched on, and two inputs that latch.
+/// Returns a rig with x and y switched on, and two inputs that latch.
 fn rig() -> Rig {
     let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
     let mut rig = Rig::of(crate::config::MachineConfig { io: vec![input("mark"), input("other")], ..config(0) });
@@ -41,8 +41,8 @@ fn latch(rig: &mut Rig, object: Object, edge: Edge, age_ns: u32) {
     assert!(rig.plant.add_latch(Latch { object, edge, age_ns: Some(age_ns), position: None }));
 }
 
-/// Begins a goal and latches 101 cycles later, 350 us before that cycle. The command is at 3800 inc and at speed then; the
-/// actual position, a cycle behind, is 3750 inc: 17.5 inc behind it at the latch, 3732.5 inc.
+/// Starts a goal and latches 101 cycles later, 350 us before that cycle. The command is at 3800 inc and at constant
+/// velocity then; the actual position, one cycle behind, is 3750 inc: at the latch it was 17.5 inc less, 3732.5 inc.
 fn found(rig: &mut Rig, request: Probe) -> u64 {
     let goal = rig.give(Action::Probe(request));
     assert!(rig.was_accepted(goal));
@@ -69,7 +69,7 @@ fn position(rig: &Rig) -> f64 {
     rig.int("x.command.position") as f64 + rig.real("x.command.fraction")
 }
 
-/// Runs until the axis stands, and gives lowest and highest command position; no cycle asks for more than 1 m/s^2.
+/// Runs until the axis is at rest. Returns the lowest and highest command position; no cycle exceeds 1 m/s^2.
 fn run_to_rest(rig: &mut Rig) -> (f64, f64) {
     let (mut low, mut high) = (position(rig), position(rig));
     for _ in 0..10_000 {
@@ -95,7 +95,7 @@ fn set(rig: &mut Rig, key: &str, value: i64) {
     assert!(rig.was_accepted(sequence));
 }
 
-/// 3732.5 + 10000 - 0.25 is 13732.25, which is 13732: rounding both parts by themselves would give 13733.
+/// 3732.5 + 10000 - 0.25 is 13732.25, rounded 13732: rounding both parts separately would give 13733.
 #[test]
 fn the_end_counts_from_the_place_between_two_cycles_and_is_rounded_once() {
     let mut rig = rig();
@@ -116,7 +116,7 @@ fn the_end_counts_from_the_place_between_two_cycles_and_is_rounded_once() {
     assert_eq!((done.len(), position(&rig)), (1, 13_732.0));
 }
 
-/// It stops at 3800 + 1250 inc at best.
+/// The axis stops at 3800 + 1250 inc at the earliest.
 #[test]
 fn an_end_behind_the_mark_or_too_near_is_passed_and_returned_to() {
     for (distance, end) in [(-2_000, 1_733.0), (500, 4_233.0), (0, 3_733.0), (-100_000, -96_268.0)] {
@@ -170,7 +170,7 @@ fn a_search_without_its_latch_is_missed() {
     assert_eq!((position(&rig), marks(&rig, goal).len()), (3_000.0, 0), "it is over");
 }
 
-/// Its index is none: pulses come with the position.
+/// The index of the drive is not affected: pulses are reported with the position.
 #[test]
 fn a_latch_of_a_drive_that_has_none_is_not_waited_for() {
     let mut config = config(0);
@@ -225,7 +225,7 @@ fn each_edge_is_taken_by_who_asks_for_it() {
     }
 }
 
-/// The raw count of its own drive is exact, whatever the age says; that of another object only gives the age.
+/// The raw count of its own drive is exact, independent of the age; a latch of another object only gives the age.
 #[test]
 fn a_position_that_the_own_device_caught_is_taken_as_it_is() {
     for (object, raw, end) in [(Object::Axis(X), 3_704, 4_704.0), (Object::Axis(2), 0, 4_750.0)] {
@@ -239,7 +239,7 @@ fn a_position_that_the_own_device_caught_is_taken_as_it_is() {
     }
 }
 
-/// A virtual axis stands where it is told to: at 3800 inc in that cycle.
+/// The position of a virtual axis is its command: 3800 inc in that cycle.
 #[test]
 fn a_virtual_axis_probes_its_command() {
     let mut rig = rig();
@@ -269,7 +269,7 @@ fn a_goal_that_waits_begins_when_the_probe_is_done_and_not_before() {
         assert_eq!((rig.done(goal)[0].code, position(&rig)), (Code::NONE, 13_733.0), "{mode:?}");
         assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "DISCRETE_MOTION"));
         run_to_rest(&mut rig);
-        // What the rounding left out, half an increment, counts on: 13732.5 + 2000.
+        // The rounding remainder, half an increment, is included: 13732.5 + 2000.
         assert_eq!(ends(&rig, next), [(Code::NONE, 15_733)], "{mode:?}");
     }
 }
@@ -286,7 +286,7 @@ fn a_waiting_goal_that_the_end_of_the_probe_forbids_is_refused_when_its_turn_com
     assert_eq!(ends(&rig, goal), [(Code::NONE, 93_733)]);
 }
 
-/// What is superimposed goes on: its 1000 inc are added to the end as far as they were still to come.
+/// A superimposed motion continues: the remaining part of its 1000 inc is added to the end position.
 #[test]
 fn a_superimposed_motion_goes_on_across_the_mark() {
     let mut rig = rig();
@@ -410,7 +410,7 @@ fn a_probe_needs_an_axis_that_can_move() {
     assert_eq!(rig.done(goal)[0].code, Code::POSITION_OUT_OF_RANGE);
 }
 
-/// What is refused changes nothing: the axis stands, and what moves it goes on.
+/// A refusal changes nothing: an axis at rest stays at rest, and an active motion continues.
 #[test]
 fn a_probe_whose_input_is_active_is_refused_before_motion() {
     let mut rig = rig();
@@ -436,7 +436,8 @@ fn a_probe_whose_input_is_active_is_refused_before_motion() {
     assert!(rig.was_accepted(accepted), "the axis has left the mark");
 }
 
-/// The level behind the edge is the active one: 1 for a rising edge, 0 for a falling one. Whichever comes first always comes.
+/// The active level is the one after the edge: 1 for a rising edge, 0 for a falling one. With both edges, the first
+/// edge can always occur.
 #[test]
 fn the_edge_says_which_level_of_the_input_is_active() {
     use ProbeEdge::{Both, Falling, Rising};
@@ -456,7 +457,7 @@ fn the_edge_says_which_level_of_the_input_is_active() {
             assert!(rig.refusal(goal).contains(sentence), "{}", rig.refusal(goal));
         }
     }
-    // Another input, and what has no level: the drive of the axis and its index.
+    // Another input, and sources without a level: the drive of the axis and its index.
     let mut rig = rig();
     rig.tamper = mark_is_high;
     for source in [OTHER, Object::Encoder(0), Object::Axis(X)] {
@@ -467,7 +468,7 @@ fn the_edge_says_which_level_of_the_input_is_active() {
     assert!(rig.was_accepted(index));
 }
 
-/// Its latch was there before the goal, so that the goal never takes it.
+/// Its latch was before the goal, so the goal never takes it.
 #[test]
 fn an_edge_in_the_cycle_of_the_probe_leaves_its_input_active() {
     let mut rig = rig();
@@ -499,7 +500,7 @@ fn an_active_input_may_be_allowed_and_the_next_edge_counts() {
     assert_eq!(rig.answer(next).unwrap_err().code, Code::PROBE_INPUT_ACTIVE);
 }
 
-/// Latches are those of the terminal. A filter of 5 ms shows its level 5 cycles later.
+/// Latches are those of the terminal. A filter of 5 ms shows the level 5 cycles later.
 #[test]
 fn a_filter_does_not_hide_that_an_input_is_active() {
     let filtered = || {

@@ -1,4 +1,4 @@
-//! What errors do to an axis and to the others, the target window, and the contacts of the cell.
+//! Effect of errors on an axis and on the others, the target window, and the contacts of the cell.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::axis::Safety;
@@ -20,7 +20,7 @@ fn code(code: Code) -> i64 {
     i64::from(code.0)
 }
 
-/// The command is checked once the errors of its cycle are known.
+/// The command is checked after the errors of its cycle are known.
 ///
 /// Proves: MACS-ERR-03
 #[test]
@@ -47,7 +47,7 @@ fn an_enable_in_the_cycle_of_an_error_switches_nothing_on() {
 /// Proves: MACS-ERR-05
 #[test]
 fn a_following_error_stops_all_axes_each_by_its_own_reaction_in_the_same_cycle() {
-    // The one with the error stands before or behind the other.
+    // The axis with the error is before or after the other one.
     for (place, failed, other) in [(0, "x", "y"), (1, "y", "x")] {
         let mut config = config(0);
         for (axis, reaction) in [(1, 0), (2, 2)] {
@@ -69,7 +69,7 @@ fn a_following_error_stops_all_axes_each_by_its_own_reaction_in_the_same_cycle()
             (rig.state("x"), rig.state("y"), rig.state("line")),
             ("ERROR_STOP", "ERROR_STOP", "CONTINUOUS_MOTION")
         );
-        // x coasts, y stops in control.
+        // x coasts, y stops under control.
         assert_eq!((rig.int("x.enabled"), rig.int("y.enabled")), (0, 1));
         assert_eq!(rig.outputs().drive[0].control, 0, "no voltage in the cycle of the error");
         assert!(rig.real("y.command.velocity") > 0.0);
@@ -92,7 +92,7 @@ fn unless_it_asks_for_that_an_axis_keeps_its_following_error_to_itself() {
     assert_eq!((rig.int("x.error"), rig.int("y.error"), rig.state("y")), (10_201, 0, "CONTINUOUS_MOTION"));
 }
 
-/// An axis that is off has nothing to stop.
+/// An axis that is off has no motion to stop.
 #[test]
 fn an_axis_that_is_off_is_not_concerned() {
     let mut config = config(0);
@@ -111,7 +111,7 @@ fn an_error_that_only_is_reported_is_told_again_while_it_lasts() {
     let mut config = config(0);
     config.axes[1].parameters.error_reaction = 5;
     config.axes[1].parameters.supervision.following_error_stops_all = 1;
-    // Its position is never reached: the simulated drive has to be pushed away again and again.
+    // The simulated drive corrects its position, so it has to be pushed away repeatedly.
     let mut rig = Rig::of(config);
     rig.enable();
     let before = rig.machine.next_cycle();
@@ -122,11 +122,11 @@ fn an_error_that_only_is_reported_is_told_again_while_it_lasts() {
     let told = errors(&rig).into_iter().filter(|event| event.code == Code::FOLLOWING_ERROR);
     assert_eq!(told.map(|event| event.cycle - before).collect::<Vec<_>>(), [0, 1_000, 2_000]);
     assert_eq!((rig.int("x.error"), rig.state("x")), (10_201, "STANDSTILL"));
-    // each axis by its own reaction, that of y is 2.
+    // each axis has its own reaction, that of y is 2.
     assert_eq!((rig.int("y.error"), rig.state("y")), (10_224, "ERROR_STOP"));
 }
 
-/// O-25: 300 ms with two axes: 300/(2*20) = 7.5 -> 7, an error when seen more often; with one: 15.
+/// O-25: 300 ms with two axes: 300/(2*20) = 7.5 -> 7, an error if detected more often; with one axis: 15.
 ///
 /// Proves: MACS-O-25, MACS-ERR-07
 #[test]
@@ -139,7 +139,7 @@ fn round_robin_looks_at_each_axis_in_turn_and_counts() {
         parameters.supervision.following_error_check = 1;
         let mut rig = Rig::of(config);
         rig.give(Action::Enable(AxisSet::one(X)));
-        // x is the first in turn: it is looked at every axes * 20 ms, from 0 on.
+        // x is the first in turn: it is checked every axes * 20 ms, from 0 on.
         let round = 20 * axes as u64;
         while rig.machine.next_cycle() < 10 * round + 1 {
             rig.run(1);
@@ -154,8 +154,8 @@ fn round_robin_looks_at_each_axis_in_turn_and_counts() {
     }
 }
 
-/// O-26: with 500 lines the guide value of POSERR, which its row names, is a revolution of 2000 qc; as much is tolerated, one
-/// more is an error.
+/// O-26: with 500 lines the guide value of POSERR, which its row names, is a revolution of 2000 qc: this much is
+/// tolerated, one more is an error.
 ///
 /// Proves: MACS-O-26, MACS-ERR-06
 #[test]
@@ -165,7 +165,7 @@ fn a_revolution_of_following_error_is_tolerated_and_no_more() {
     for (slip, error) in [(2_000, 0), (-2_000, 0), (2_001, 10_201), (-2_001, 10_201)] {
         let mut config = config(0);
         let parameters = &mut config.axes[1].parameters;
-        // 60 rpm are a revolution in a second.
+        // 60 rpm are one revolution per second.
         let given = [("encoder", Value::Int(500)), ("velmax", Value::Real(60.0)), ("poserr", Value::Int(2_000))];
         for (key, value) in given {
             assert_eq!(row(key).assign(parameters, value), Ok(()), "{key}");
@@ -179,7 +179,7 @@ fn a_revolution_of_following_error_is_tolerated_and_no_more() {
     }
 }
 
-/// Seen once within its limit it counts from 0 again.
+/// If it is once within its limit, it counts from 0 again.
 ///
 /// Proves: MACS-ERR-07
 #[test]
@@ -191,7 +191,7 @@ fn round_robin_forgets_what_is_not_in_succession() {
     let mut rig = Rig::of(config);
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(60);
-    // Two looks of three find it.
+    // Two of three checks detect it.
     for look in 0..30 {
         for _ in 0..20 {
             if look % 3 != 2 {
@@ -203,7 +203,8 @@ fn round_robin_forgets_what_is_not_in_succession() {
     assert_eq!(rig.int("x.error"), 0);
 }
 
-/// A drive that settles in steps: what the simulation reads after the command rests. Proves: MACS-TGT-03
+/// A drive that settles in steps: the readings of the simulation after the command is at rest.
+/// Proves: MACS-TGT-03
 #[test]
 fn with_testval_two_readings_have_to_be_near_to_each_other() {
     let mut config = config(0);
@@ -213,14 +214,15 @@ fn with_testval_two_readings_have_to_be_near_to_each_other() {
     rig.enable();
     let goal = rig.give(Action::Move(to(X, 10_000)));
     rig.run_until("x.command.position", 10_000);
-    // Inside the window, 20 inc away in turn: never two readings nearer than 10 at an odd distance of 5 ms.
+    // Within the window, alternating by 20 inc: two readings at an odd distance of 5 ms never differ by less than 10
+    // inc.
     for cycle in 0..50 {
         let by = if cycle % 2 == 0 { 40 } else { 60 };
         rig.plant.drive(0).unwrap().jump(by);
         rig.run(1);
         assert!(rig.done(goal).is_empty(), "cycle {cycle}");
     }
-    // From now on it keeps still: a reading within 5 ms, and the one after it.
+    // From now on it stands still: a reading within 5 ms, and the one after it.
     let still = rig.machine.next_cycle();
     rig.run_until("x.state", 1);
     let waited = rig.machine.next_cycle() - still;
@@ -228,7 +230,8 @@ fn with_testval_two_readings_have_to_be_near_to_each_other() {
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
 }
 
-/// Arrival comes testtim after the profile at the earliest. Proves: MACS-TGT-03, MACS-TGT-05
+/// The target is reached at the earliest testtim after the profile.
+/// Proves: MACS-TGT-03, MACS-TGT-05
 #[test]
 fn two_readings_take_the_time_between_them() {
     for (time, cycles) in [(0, 0), (3, 3), (10, 10)] {
@@ -241,7 +244,7 @@ fn two_readings_take_the_time_between_them() {
         while rig.int("x.command.position") != 10_000 || rig.real("x.command.velocity") != 0.0 {
             rig.run(1);
         }
-        // The ideal drive is a cycle behind, 0 at the end of a ramp: the first two readings may differ.
+        // The ideal drive is one cycle behind, 0 at the end of a ramp: the first two readings may differ.
         let waited = rig.run_until("x.state", 1);
         assert!(waited >= cycles && waited <= 2 * cycles, "{time} ms: {waited}");
     }
@@ -272,7 +275,8 @@ fn a_window_that_is_never_reached_is_told_of_once_and_the_goal_waits_on() {
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
 }
 
-/// While it waits for its window an axis is watched as ever. Proves: MACS-TGT-07
+/// An axis that waits for its window is supervised as usual.
+/// Proves: MACS-TGT-07
 #[test]
 fn the_wait_for_the_window_blocks_no_supervision() {
     let mut config = config(0);
@@ -288,7 +292,7 @@ fn the_wait_for_the_window_blocks_no_supervision() {
     assert_eq!((rig.int("x.error"), rig.done(goal)[0].code), (10_201, Code::FOLLOWING_ERROR));
 }
 
-/// The cell's contacts on inputs 1 and 2.
+/// Returns a cell with its contacts on inputs 1 and 2.
 fn guarded() -> MachineConfig {
     let mut config = config(0);
     for name in ["start", "estop", "door"] {
@@ -318,7 +322,7 @@ fn an_emergency_stop_stops_all_axes_and_takes_their_power() {
         assert_eq!((rig.state(axis), rig.int(&format!("{axis}.error"))), ("ERROR_STOP", code(Code::EMERGENCY_STOP)));
     }
     assert!(goals.iter().all(|goal| rig.done(*goal)[0].code == Code::EMERGENCY_STOP));
-    // The stop goes on from the last command without a jump.
+    // The stop continues from the last command without a jump.
     assert!((48..=50).contains(&(rig.int("x.command.position") - before)));
     rig.run(51);
     for axis in ["x", "y"] {
@@ -326,7 +330,7 @@ fn an_emergency_stop_stops_all_axes_and_takes_their_power() {
         assert_eq!(shown, [0, 1], "{axis}: off, and the brake closed");
     }
     assert_eq!(rig.outputs().drive[0].control, 0);
-    // While it is open the error comes back after each reset, and nothing is switched on.
+    // While it is open the error returns after each reset, and nothing is switched on.
     let reset = rig.give(Action::ResetErrors(AxisSet::first(3)));
     rig.run(2);
     assert_eq!((rig.done(reset)[0].code, rig.state("x")), (Code::EMERGENCY_STOP, "ERROR_STOP"));
@@ -347,7 +351,7 @@ fn an_interlock_stops_all_axes_and_holds_them() {
     rig.plant.set_digital(2, false);
     rig.run(60);
     assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.enabled")), ("ERROR_STOP", code(Code::INTERLOCK), 1));
-    // The emergency stop takes the power of what is held.
+    // The emergency stop removes the power of an axis that is held.
     rig.plant.set_digital(1, false);
     rig.run(2);
     assert_eq!((rig.int("x.enabled"), rig.int("x.brake"), rig.int("x.error")), (0, 1, code(Code::INTERLOCK)));
@@ -371,7 +375,7 @@ fn with_an_open_contact_nothing_is_switched_on_or_begins() {
     rig.enable();
 }
 
-/// Whatever begins a motion, on an axis that needs no enable.
+/// Every command that starts a motion, on an axis that needs no enable.
 #[test]
 fn with_an_open_contact_every_word_that_moves_is_refused() {
     let fast = [(Register::Veloc, 50_000), (Register::Accel, 1_000_000), (Register::DestP, 1_000)];
@@ -406,7 +410,8 @@ fn with_an_open_contact_every_word_that_moves_is_refused() {
     }
 }
 
-/// A virtual axis at rest has no error by an open contact: its selector is set back, and closing starts nothing.
+/// A virtual axis at rest has no error from an open contact: its selector is reset, and closing the contact starts
+/// nothing.
 #[test]
 fn with_an_open_contact_no_reference_is_selected() {
     let change = |key: &str, value| {
@@ -444,7 +449,8 @@ fn a_contact_that_opens_while_a_drive_switches_on_keeps_it_off() {
     assert_eq!(rig.done(enable)[0].code, Code::EMERGENCY_STOP);
 }
 
-/// The first error stands, with how the axis stood before its reaction. Proves: MACS-ERR-04
+/// The first error is kept, with the state of the axis before its reaction.
+/// Proves: MACS-ERR-04
 #[test]
 fn the_first_error_is_kept_with_how_the_axis_stood() {
     let mut rig = Rig::enabled();
@@ -470,7 +476,7 @@ fn the_first_error_is_kept_with_how_the_axis_stood() {
     assert_eq!((rig.int("x.error"), rig.int("x.fault.code")), (0, 10_201), "it is kept until the next one");
 }
 
-/// A drive that has stopped by itself (error_reaction 4) may hold under power: an emergency stop takes it.
+/// A drive that has stopped by itself (error_reaction 4) may hold under power: an emergency stop removes the power.
 #[test]
 fn an_emergency_stop_takes_the_power_of_a_drive_that_stops_by_itself() {
     let mut config = guarded();
@@ -491,7 +497,8 @@ fn an_emergency_stop_takes_the_power_of_a_drive_that_stops_by_itself() {
     assert_eq!(told, [Code::FOLLOWING_ERROR, Code::EMERGENCY_STOP], "it takes the power, and says so once");
 }
 
-/// A contact that opens while the axis brakes for another error takes the power once it stands, and is told in its cycle, once.
+/// A contact that opens while the axis brakes for another error removes the power at rest, and is reported in its
+/// cycle, once.
 #[test]
 fn an_emergency_stop_during_another_stop_is_told_once() {
     let mut rig = closed();

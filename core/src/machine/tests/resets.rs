@@ -1,4 +1,4 @@
-//! Resets: what they wait for, what comes back, and what ends them.
+//! Resets: their wait conditions, errors that return, and events that end them.
 
 use super::rig::{LINE, Rig, X, at, config, saia_verb};
 use crate::axis::BrakeConfig;
@@ -37,7 +37,7 @@ fn of_reaction(reaction: i64) -> MachineConfig {
     config
 }
 
-/// x at 50 mm/s with a motor that takes 50 ms to 37 % of its velocity when nothing drives it any more.
+/// Returns a rig with x at 50 mm/s, with a motor that takes 50 ms to 37 % of its velocity without drive.
 fn coaster(reaction: i64) -> Rig {
     let mut config = of_reaction(reaction);
     config.axes[1].interface = Interface::Velocity;
@@ -50,7 +50,7 @@ fn coaster(reaction: i64) -> Rig {
     rig
 }
 
-/// Runs until the reset is answered; gives how long that took, and how far the motor went then.
+/// Runs until the reset is answered. Returns the number of cycles, and the distance that the motor moves then.
 fn wait_for(rig: &mut Rig, sequence: u64) -> (u64, i64) {
     let mut cycles = 0;
     while rig.done(sequence).is_empty() {
@@ -65,8 +65,8 @@ fn wait_for(rig: &mut Rig, sequence: u64) -> (u64, i64) {
     (cycles, (rig.int("x.actual.position") - here).abs())
 }
 
-/// 50 mm/s with 50 ms leave a way of 2.5 mm. Standing is: 2 inc in 5 ms, and no more; 3 are 600 inc/s, which is left, with 30 inc,
-/// after 50 ms * ln(2500 / 30) = 221 ms.
+/// 50 mm/s with 50 ms are a distance of 2.5 mm. At rest means at most 2 inc in 5 ms; 3 inc are 600 inc/s. This
+/// velocity, with 30 inc remaining, is reached after 50 ms * ln(2500 / 30) = 221 ms.
 #[test]
 fn a_reset_waits_for_a_motor_that_coasts() {
     for (reaction, fails) in [(0, false), (1, false), (2, true)] {
@@ -90,7 +90,7 @@ fn a_reset_waits_for_a_motor_that_coasts() {
     }
 }
 
-/// What takes the power of an axis that stops for an error leaves it coasting: its reset waits for that.
+/// If the power is removed while the axis stops for an error, the axis coasts: its reset waits for that.
 #[test]
 fn a_reset_that_waits_goes_on_waiting_where_the_power_goes() {
     use saia::Command::{Initialise, MotorOff};
@@ -109,7 +109,8 @@ fn a_reset_that_waits_goes_on_waiting_where_the_power_goes() {
     }
 }
 
-/// An encoder that trembles by a count stands; one that somebody turns all the time is waited for 5 s, and no longer.
+/// An encoder that jitters by one count counts as at rest; one that is turned continuously is waited for 5 s, and no
+/// longer.
 #[test]
 fn what_never_stands_is_reset_all_the_same() {
     let mut rig = Rig::of(of_reaction(0));
@@ -134,7 +135,7 @@ fn what_never_stands_is_reset_all_the_same() {
     assert_eq!((rig.state("x"), codes(&rig, sequence)), ("DISABLED", vec![Code::NONE]));
 }
 
-/// A drive that has nothing new in a cycle may turn all the same: it is asked again.
+/// A drive without new data in a cycle may still turn: it is checked again.
 #[test]
 fn a_reset_waits_for_news_of_a_drive() {
     let mut rig = Rig::of(of_reaction(0));
@@ -151,7 +152,8 @@ fn a_reset_waits_for_news_of_a_drive() {
     assert_eq!((rig.state("x"), codes(&rig, sequence)), ("DISABLED", vec![Code::NONE]));
 }
 
-/// The axis had power when the stop came: what takes it in the same cycle, before or behind, does not let the reset through.
+/// The axis had power when the stop came: a removal of power in the same cycle, before or after it, does not let the
+/// reset succeed.
 #[test]
 fn a_stop_ends_a_reset_though_the_power_goes_in_its_cycle() {
     use saia::Command::{Initialise, MotorOff};
@@ -185,12 +187,12 @@ fn a_stop_ends_a_reset_though_the_power_goes_in_its_cycle() {
     }
 }
 
-/// 6 mm off where 1 mm is allowed, for as long as this is.
+/// 6 mm of error with a limit of 1 mm, as long as this is active.
 fn push_away(rig: &mut Rig) {
     rig.tamper = |inputs| inputs.drive[0].count -= 6_000;
 }
 
-/// An error whose cause persists comes back after each clear, and the reset ends with it.
+/// An error with a persistent cause returns after each clear, and the reset ends with it.
 ///
 /// Proves: MACS-ERR-04
 #[test]
@@ -224,7 +226,8 @@ fn a_following_error_that_lasts_comes_back_with_the_reset() {
     }
 }
 
-/// A brake that holds the axis away from its command: once that is reset, the axis begins where it is, as with enable.
+/// A brake holds the axis away from its command: after the reset the axis starts from its present position, as with
+/// enable.
 #[test]
 fn a_brake_that_holds_a_following_error_opens_with_the_reset() {
     let mut config = of_reaction(3);
@@ -248,7 +251,7 @@ fn a_brake_that_holds_a_following_error_opens_with_the_reset() {
     assert_eq!(shown, [0, 0, -6_000, -6_000]);
 }
 
-/// Set back from 5, error_reaction holds for what goes wrong then, and for what still does.
+/// Set back from 5, error_reaction applies to new errors, and to errors that persist.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -283,7 +286,7 @@ fn error_reaction_set_back_from_five_acts() {
     }
 }
 
-/// I_CONTINUE waits for rest as I_ERRCLR does; what stops the axis anew ends that.
+/// I_CONTINUE waits for rest like I_ERRCLR; a new stop of the axis ends the wait.
 ///
 /// Proves: MACS-IO-09
 #[test]
@@ -315,7 +318,7 @@ fn a_continue_waits_for_rest() {
             "error" => rig.plant.drive(0).unwrap().jump(-6_000),
             _ => {}
         }
-        // 50 mm/s with 1 m/s^2: it stands 50 ms after the edge.
+        // 50 mm/s with 1 m/s^2: at rest 50 ms after the edge.
         rig.run(28);
         assert_eq!(rig.state("line"), "STOPPING", "{ends}");
         rig.run(5);

@@ -1,4 +1,4 @@
-//! set_position of an axis that moves: another coordinate, the same motion, and what keeps the coordinate.
+//! set_position of an axis in motion: another coordinate, the same motion, and states that block a new coordinate.
 
 use super::feedback::moving_zero;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
@@ -41,7 +41,7 @@ fn give(rig: &mut Rig, action: Action) -> u64 {
     sequence
 }
 
-/// x at 50 mm/s with 1 m/s^2, at speed: 50 inc in each cycle, on whole increments.
+/// Returns a rig with x at constant 50 mm/s after 1 m/s^2: 50 inc in each cycle, on whole increments.
 fn running() -> Rig {
     let mut rig = Rig::enabled();
     give(&mut rig, Action::Move(Move { acceleration: 1e6, ..at(X, 50_000.0) }));
@@ -54,7 +54,7 @@ fn running() -> Rig {
 fn an_axis_at_a_velocity_has_its_new_position_in_that_cycle_and_goes_on() {
     let mut rig = running();
     give(&mut rig, set(X, -7));
-    // The actual position is a cycle behind, as before.
+    // The actual position is one cycle behind, as before.
     let shown = |rig: &Rig| (rig.int("x.command.position"), rig.int("x.actual.position"), rig.int("x.following_error"));
     assert_eq!(shown(&rig), (-7, -57, 0));
     rig.run(1);
@@ -64,11 +64,11 @@ fn an_axis_at_a_velocity_has_its_new_position_in_that_cycle_and_goes_on() {
     assert_eq!(shown(&rig), (1_093, 1_043, 0));
     give(&mut rig, shift(X, -1_000));
     assert_eq!(shown(&rig), (143, 93, 0));
-    // What the drive is asked for has not noticed any of it: 50 inc a cycle since 3750.
+    // The setpoint of the drive is not affected: 50 inc per cycle since 3750.
     assert_eq!(rig.int("x.output.position"), 3_950);
     give(&mut rig, Action::Move(to(X, 0)));
     rig.run_until("x.state", 1);
-    // Its count there: what was -7 was 3800.
+    // The count there: position -7 was count 3800.
     assert_eq!((rig.int("x.command.position"), rig.int("x.output.position")), (0, 3_807));
 }
 
@@ -84,11 +84,11 @@ fn a_velocity_that_the_override_holds_goes_on_from_there() {
     assert_eq!(rig.int("x.command.position"), 700);
     rig.set("velocity_override", Value::Real(100.0));
     rig.run(100);
-    // At 0.5 m/s^2 it takes 20 ms and 100 inc to its 10 inc a cycle.
+    // At 0.5 m/s^2 it takes 20 ms and 100 inc to reach 10 inc per cycle.
     assert_eq!((rig.int("x.command.position"), rig.done(goal).len()), (700 - 100 + 10 * 100, 0));
 }
 
-/// The places of the machine stay: x stops where it would have stopped.
+/// The machine positions of the limits are retained: x stops where it would have stopped.
 #[test]
 fn software_limits_keep_their_places() {
     for by in [-40_000, 40_000] {
@@ -128,7 +128,7 @@ fn turns_are_those_of_the_new_coordinate() {
     assert_eq!(shown(&rig).1, 200);
 }
 
-/// A latch in the cycle behind a new position is recorded in that coordinate.
+/// A latch in the cycle after a new position is recorded in the new coordinate.
 #[test]
 fn latches_are_recorded_in_the_coordinate_of_their_cycle() {
     let input = IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true };
@@ -145,11 +145,11 @@ fn latches_are_recorded_in_the_coordinate_of_their_cycle() {
     rig.run(1);
     let records = rig.events.iter().filter(|event| event.command == probe && event.kind == crate::event::Kind::Latch);
     let places: Vec<f64> = records.map(|event| event.position.to_f64()).collect();
-    // Actual 3800 before the command of its cycle; then 0 in the cycle behind.
+    // The actual position is 3800 before the command of its cycle, then 0 in the next cycle.
     assert_eq!(places, [3_775.0, -25.0]);
 }
 
-/// Who sees x as its master counts on, and so does what follows the sum of both.
+/// For a follower of x the shown master position continues, and so it does for a follower of a sum that includes x.
 #[test]
 fn masters_count_on() {
     let mut rig = Rig::enabled();
@@ -176,12 +176,12 @@ fn an_axis_without_position_loop_goes_on_at_its_value() {
     let count = rig.int("x.actual.count");
     give(&mut rig, set(X, 0));
     rig.run(10);
-    // 20 mm/s are 20 inc a cycle.
+    // 20 mm/s are 20 inc per cycle.
     assert_eq!((rig.int("x.actual.count") - count, rig.state("x")), (220, "CONTINUOUS_MOTION"));
     assert_eq!(rig.int("x.actual.position"), 200);
 }
 
-/// Both users of the belt's encoder are where they were, in the coordinate of the command, and the moving one goes on.
+/// Both users of the belt encoder keep their places, in the new coordinate, and the moving one continues.
 #[test]
 fn a_shared_encoder_moves_with_the_zero_of_the_axis_that_moves_it() {
     let (mut rig, velocity) = moving_zero();
@@ -210,7 +210,7 @@ fn pair(distance: i64) -> Synchronize {
     Synchronize { engage, velocity: 100_000.0, acceleration: 1e6, ..couple(X, TO_LINE, 1, 1) }
 }
 
-/// A machine with all that may refer to the coordinate of x: an input that latches, a cam.
+/// Returns a machine with everything that may refer to the coordinate of x: an input that latches, a cam.
 fn cell() -> MachineConfig {
     let input = IoConfig { name: "mark".into(), kind: IoKind::DigitalInput, latch: true };
     let knife = Table::new(Form::Xy, &[0, 10_000, 20_000], &[0, 5_000, 0]).expect("points");
@@ -220,7 +220,7 @@ fn cell() -> MachineConfig {
     cell
 }
 
-/// Each with what is done before, how long it takes, and the words of the refusal.
+/// Each case with the previous command, its duration, and the text of the refusal.
 #[test]
 fn what_refers_to_the_coordinate_is_named_and_nothing_changes() {
     let velocity =
@@ -292,7 +292,7 @@ fn what_refers_to_the_coordinate_is_named_and_nothing_changes() {
     }
 }
 
-/// A stop, homing and the way to it end by themselves: they are told as what the axis does.
+/// A stop, homing and the transition to it end by themselves: they are reported as the present state of the axis.
 #[test]
 fn an_axis_that_comes_to_rest_is_told_as_what_it_does() {
     let mut rig = running();
@@ -332,7 +332,7 @@ fn no_position_leaves_its_range() {
     assert_eq!(rig.real("x.command.velocity"), 50_000.0);
 }
 
-/// What moves x, and goes on in another coordinate.
+/// Source of the motion of x that continues in another coordinate.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     Velocity,
@@ -343,7 +343,8 @@ enum Way {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Whatever moves it, whatever the moment: the same motion bit for bit but for the coordinate, of the axis and of all that follow it.
+    /// With any source of motion, at any time: the motion is the same bit for bit except for the coordinate, for the
+    /// axis and for all of its followers.
     #[test]
     fn another_coordinate_is_no_motion(
         way in prop::sample::select(vec![
@@ -413,7 +414,7 @@ proptest! {
                 prop_assert_eq!(moved.int("x.actual.position") - plain.int("x.actual.position"), by);
             }
         }
-        // The virtual line too, of which a follower knows nothing.
+        // The virtual line, too, whose new coordinate its followers do not see.
         if let Way::Gear(_) = way {
             step(&mut rigs, Some(set(LINE, 77)));
             for _ in 0..20 {
@@ -426,7 +427,7 @@ proptest! {
     }
 }
 
-/// A place of the axis that a coupling waits for is one of the old coordinate, also while the axis stands.
+/// A position of the axis that a coupling waits for refers to the previous coordinate, also while the axis is at rest.
 #[test]
 fn a_pair_that_is_waited_for_keeps_the_coordinate_at_rest() {
     let mut rig = Rig::enabled();

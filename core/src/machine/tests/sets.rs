@@ -1,4 +1,4 @@
-//! What of functions and tables leaves the cycle: their sets and numbers in images.
+//! Data of functions and tables outside the cycle: their sets and values in images.
 
 use super::rig::Rig;
 use crate::command::{Action, CommandFunction};
@@ -12,7 +12,7 @@ fn table(words: &[i64]) -> Arc<Table> {
     Arc::new(Table::new(Form::Words, &[], words).expect("a sound table"))
 }
 
-/// Function `choose` of memory cell `feed`, and a table that nobody reads.
+/// Function `choose` of memory cell `feed`, and a table without users.
 fn config() -> MachineConfig {
     let mut slot = SlotConfig::new("choose".into(), 0, Kind::Ecopy);
     slot.sink = SinkConfig::Memory(0);
@@ -44,10 +44,10 @@ fn an_image_has_both_sets_of_each_function_and_its_version_grows_with_them() {
     assert!(is_new(&rig, [3, 5, 0], [0; 3]));
     rig.give(order(Order::Start, &[]));
     assert!(is_new(&rig, [3, 5, 0], [3, 5, 0]));
-    // Mode is not live.
+    // Mode is not a live value.
     rig.give(order(Order::ValueNew, &[(0, 1), (2, -1)]));
     assert!(is_new(&rig, [1, 5, -1], [3, 5, -1]));
-    // Values that stand beside READ_VALUE are staged, too.
+    // Values that are given together with READ_VALUE are staged, too.
     rig.give(order(Order::ReadValue, &[(2, 8)]));
     assert!(is_new(&rig, [1, 5, 8], [3, 5, -1]));
     rig.give(order(Order::ReadValue, &[]));

@@ -1,4 +1,5 @@
-//! Coupled by marks over a curve (SYNCMSTART 7): index pulses of a belt every 1000 inc, and of a roll that turns twice as far, every 2000 from 300 on.
+//! Coupling by marks over a curve (SYNCMSTART 7): index pulses of a belt every 1000 inc, and of a roll with twice the
+//! travel, every 2000 from 300 on.
 
 use super::direction::set;
 use super::marks::World;
@@ -12,14 +13,15 @@ use crate::sync::SyncMode;
 use proptest::prelude::*;
 
 const TO_BELT: Leader = Leader::Encoder(0);
-/// Of goals that give none (inc per cycle^2).
+/// Acceleration of goals without a given one (inc per cycle^2).
 const ACCELERATION: f64 = 0.5;
 
 fn by_marks(ratio: i64) -> Action {
     Action::Synchronize(Synchronize { mode: SyncMode::Marker, ..couple(X, TO_BELT, ratio, 1) })
 }
 
-/// The roll rests at `place`, and has passed an index pulse on its way there; the belt goes by `speed` then, for 100 cycles so far.
+/// Returns a rig whose roll is at rest at `place`, after it has passed an index pulse; the belt has run with `speed`
+/// for 100 cycles.
 fn world(place: i64, speed: i64, changes: &[(&str, i64)]) -> Rig {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
@@ -39,7 +41,7 @@ fn world(place: i64, speed: i64, changes: &[(&str, i64)]) -> Rig {
     rig
 }
 
-/// Gives in a cycle in which the belt moves on.
+/// Gives a command in a cycle in which the belt continues.
 fn give(rig: &mut Rig, speed: i64, action: Action) -> u64 {
     rig.plant.jump_encoder(0, speed);
     rig.give(action)
@@ -52,22 +54,23 @@ fn run(rig: &mut Rig, speed: i64, cycles: usize) {
     }
 }
 
-/// What a smooth start was like.
+/// Measured values of a smooth start.
 #[derive(Debug)]
 struct Seen {
-    /// Way of the belt while it has waited, and on the curve.
+    /// Travel of the belt during the wait, and on the curve.
     waited: i64,
     led: i64,
-    /// Of the axis (inc per cycle), without signs.
+    /// Maxima of the axis (inc per cycle^2, inc per cycle), without signs.
     acceleration: f64,
     velocity: f64,
-    /// The most that it has gone against its way in a cycle.
+    /// Maximum backward travel in a cycle (inc).
     back: f64,
-    /// From the places that marks ask for (inc), as the curve ended.
+    /// Distance from the positions given by the marks at the end of the curve (inc).
     apart: i64,
 }
 
-/// Couples, and runs until the coupling is in step, at a speed of the belt that may change once the curve is so many cycles old.
+/// Couples, and runs until the coupling is in sync; `change` gives a new speed of the belt and the number of cycles on
+/// the curve after which it applies.
 fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> Seen {
     let goal = give(rig, speed, by_marks(ratio));
     assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
@@ -86,7 +89,7 @@ fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> S
         }
         run(rig, now, 1);
         let velocity = rig.real("x.command.velocity") / 1e3;
-        // One inc of the belt is uneven even at constant speed.
+        // One inc of the belt causes unevenness even at constant speed.
         seen.acceleration = seen.acceleration.max((velocity - before).abs());
         seen.velocity = seen.velocity.max(velocity.abs());
         let sense = (speed * ratio).signum() as f64;
@@ -103,8 +106,9 @@ fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> S
     panic!("never in step: {seen:?}");
 }
 
-/// From rest, wherever that is: within two marks of the belt the curve begins, it ends with the marks together, without a jump, a step
-/// back, or more than acceleration and jerk allow; marks have nothing left to correct but what the drive lags, 20 inc.
+/// From rest at any position: the curve starts within two marks of the belt and ends with the marks together, without a
+/// jump, a step back, or a violation of acceleration and jerk limits. Marks have nothing left to correct except the lag
+/// of the drive, 20 inc.
 /// Proves: MACS-MARK-14, MACS-MARK-15
 #[test]
 fn a_roll_at_rest_comes_to_its_marks_on_a_curve() {
@@ -124,8 +128,8 @@ fn a_roll_at_rest_comes_to_its_marks_on_a_curve() {
     }
 }
 
-/// At 10 inc a cycle and 1 : 2 a curve that ends by itself takes a way of 1.5 * 2 * 10^2 / a: with a = 0.5 that is 600, with 0.05 it is 6000, where the
-/// marks lie at least that far.
+/// At 10 inc per cycle and 1 : 2 a curve that ends by itself takes a distance of 1.5 * 2 * 10^2 / a: with a = 0.5 this
+/// is 600, with 0.05 it is 6000, if the marks are at least that far away.
 /// Proves: MACS-MARK-15, MACS-MARK-17
 #[test]
 fn the_number_of_marks_goes_by_the_acceleration() {
@@ -146,13 +150,13 @@ fn the_number_of_marks_goes_by_the_acceleration() {
     }
 }
 
-/// The sentences of the events that tell of a start in the place of the smooth one.
+/// Returns the messages of the events that report a fallback from the smooth start.
 fn fallbacks(rig: &Rig) -> Vec<String> {
     let told = rig.events.iter().filter(|event| event.code == Code::SMOOTH_START_FALLBACK);
     told.map(|event| crate::text::sentence(event, rig.machine.config())).collect()
 }
 
-/// A belt that stands, or a roll that rests and has shown no mark: it is start 5, at once, and an event.
+/// A belt at rest, or a roll at rest without a mark so far: start 5 applies at once, with an event.
 /// Proves: MACS-MARK-16
 #[test]
 fn without_a_speed_or_a_mark_it_is_start_five() {
@@ -181,7 +185,7 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
     assert_eq!(fallbacks(&rig), [sentence]);
 }
 
-/// A roll in motion whose drive gives no index pulse: 8 groups of 1000 inc at 10 inc a cycle pass in 800 cycles.
+/// A roll in motion whose drive gives no index pulse: 8 groups of 1000 inc at 10 inc per cycle pass in 800 cycles.
 /// Proves: MACS-MARK-16
 #[test]
 fn fallback_after_eight_groups_is_an_event() {
@@ -201,7 +205,8 @@ fn fallback_after_eight_groups_is_an_event() {
     assert_eq!(fallbacks(&rig), [format!("x: syncmstart 7 falls back to 5: {why}")]);
 }
 
-/// The belt becomes faster on the way: by 5 % the curve holds, and ends where it should; by 20 % it is given up, without a jump, and marks bring the rest.
+/// The belt becomes faster on the curve: at 5 % the curve is kept, and ends at the right position; at 20 % it is
+/// aborted, without a jump, and marks correct the rest.
 /// Proves: MACS-MARK-16
 #[test]
 fn a_master_that_changes_its_speed_ends_the_curve() {
@@ -224,7 +229,7 @@ fn a_master_that_changes_its_speed_ends_the_curve() {
             steepest = steepest.max((velocity - before).abs());
             before = velocity;
         }
-        // Half an increment in each cycle, and what a count of the belt leaves unknown.
+        // Half an increment in each cycle, plus the resolution of a count of the belt.
         assert!(steepest <= 2.51, "{steepest}");
         let why = "the velocity of the leader has changed by more than 10 % on the curve";
         assert_eq!(fallbacks(&rig), [format!("x: syncmstart 7 falls back to 5: {why}")]);
@@ -233,7 +238,8 @@ fn a_master_that_changes_its_speed_ends_the_curve() {
     }
 }
 
-/// From another motion, whose own index pulses tell where the marks are; and from another coupling to the same belt.
+/// From another motion, whose own index pulses give the positions of the marks; and from another coupling to the same
+/// belt.
 /// Proves: MACS-MARK-15
 #[test]
 fn it_begins_from_any_motion() {
@@ -251,8 +257,8 @@ fn it_begins_from_any_motion() {
     assert!(seen.apart.abs() <= 1 && seen.acceleration <= ACCELERATION * 1.001, "{seen:?}");
 }
 
-/// A mark of the master that lies half-way between two increments: what is left of the pair behind its whole increments is on the curve, too, where 1 inc of the
-/// roll would be missing.
+/// A mark of the master half-way between two increments: the fraction of the pair is included in the curve; otherwise 1
+/// inc of the roll would be missing.
 /// Proves: MACS-MARK-15
 #[test]
 fn a_pair_between_two_increments_is_met() {
@@ -264,7 +270,7 @@ fn a_pair_between_two_increments_is_met() {
     while world.rig.int("x.sync.waiting") != 0 || world.rig.int("x.in_sync") == 0 {
         world.cycle(10);
     }
-    // Labels come at 300 and each 2000 further, products at 500.5.
+    // Labels are at 300 and every 2000 after it, products at 500.5.
     let place = world.rig.int("x.command.position") as f64 + world.rig.real("x.command.fraction");
     let apart = (place - 300.0 - 2.0 * (world.belt as f64 - 500.5) + 1_000.0).rem_euclid(2_000.0) - 1_000.0;
     assert!(apart.abs() < 0.5, "{apart}");
@@ -279,13 +285,14 @@ fn an_offset_comes_behind_the_curve() {
         let seen = start(&mut rig, 2, 10, None);
         assert!((seen.apart - 80).abs() <= 1, "{seen:?}");
         run(&mut rig, 10, 1_500);
-        // Ahead by 40 inc of the belt, and by the 20 that the drive lags.
+        // Ahead by 40 inc of the belt, and by the lag of the drive, 20 inc.
         let apart = (rig.int("x.command.position") - 300 - 2 * rig.int("belt.position")).rem_euclid(2_000);
         assert!((apart - 100).abs() <= 1, "{apart}");
     }
 }
 
-/// The goal of one that falls back, and of one whose curve has begun, stays open until it is cancelled, and ends once.
+/// The goal of a coupling that falls back, and of one whose curve has started, remains active until it is cancelled,
+/// and ends once.
 #[test]
 fn its_goal_ends_once() {
     for stands in [true, false] {
@@ -301,7 +308,7 @@ fn its_goal_ends_once() {
     }
 }
 
-/// While it waits a cancel, a halt or an error ends it; a belt that is lost, too.
+/// During the wait a cancel, a halt or an error ends it; a lost belt, too.
 #[test]
 fn the_wait_ends_as_any_wait_does() {
     type Way = fn(&mut Rig, u64);
@@ -324,7 +331,7 @@ fn the_wait_ends_as_any_wait_does() {
     }
 }
 
-/// What is set while it waits does not change how it begins, but for a distance of 0: then it falls back at once.
+/// Parameter changes during the wait do not affect the start, except a distance of 0: then it falls back at once.
 /// Proves: MACS-MARK-14
 #[test]
 fn a_start_stays_what_it_was() {
@@ -340,14 +347,14 @@ fn a_start_stays_what_it_was() {
         run(&mut rig, 10, 2_000);
         assert_eq!(rig.int("x.in_sync"), 1);
         if waits {
-            // Nothing but the lag of the drive was corrected.
+            // Only the lag of the drive was corrected.
             let apart = (rig.int("x.command.position") - 300 - 2 * rig.int("belt.position")).rem_euclid(2_000);
             assert!((apart - 20).abs() <= 1, "{key} {value}: {apart}");
         }
     }
 }
 
-/// Behind a filter, on a belt that shows 10 or 11 counts: the speed that was waited for is what the filter begins with.
+/// With a filter, on a belt that shows 10 or 11 counts: the filter starts with the speed measured during the wait.
 /// Proves: MACS-MARK-15
 #[test]
 fn a_filter_begins_with_the_speed_that_is_known() {
@@ -364,7 +371,7 @@ fn a_filter_begins_with_the_speed_that_is_known() {
     assert!(apart.abs() <= 3, "{apart}");
 }
 
-/// A recording that begins in the middle goes on as the machine did: while it waits, and on the curve.
+/// A machine restored from any point of a recording gives the same results: during the wait, and on the curve.
 #[test]
 fn it_is_restored() {
     for cycles in [5, 80, 130] {
@@ -377,7 +384,7 @@ fn it_is_restored() {
     }
 }
 
-/// The nearest mark lies so near that a curve to it would begin backwards: the next group of marks takes its place.
+/// The nearest mark is so near that a curve to it would start backwards: the next group of marks is used.
 /// Proves: MACS-MARK-15
 #[test]
 fn an_axis_at_rest_never_starts_backwards() {
@@ -389,7 +396,8 @@ fn an_axis_at_rest_never_starts_backwards() {
 
 proptest! {
     #![proptest_config(super::rig::cases(24))]
-    /// Wherever the roll rests and however fast the belt: the curve ends with the marks together, within the limits, and never goes back.
+    /// With any rest position of the roll and any speed of the belt: the curve ends with the marks together, within the
+    /// limits, and never moves backwards.
     /// Proves: MACS-MARK-15
     #[test]
     fn marks_come_together_from_anywhere(place in 0_i64..4_000, speed in 3_i64..40, turned in any::<bool>(), up in any::<bool>(), old in 0_usize..300) {

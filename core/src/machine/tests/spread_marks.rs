@@ -1,8 +1,10 @@
-//! Corrections for marks that are spread over a time, or over a distance of the master, with pairs of marks while they are under way.
+//! Mark corrections that are spread over a time, or over a distance of the master, with further pairs of marks during
+//! the correction.
 
 use super::marks::World;
 
-/// A world whose labels have come to their products, and then all products `by` inc (of the belt) further; up to the cycle in which a pair finds that.
+/// Returns a world whose labels are in register, and in which all products are then moved by `by` inc (of the belt);
+/// runs up to the cycle in which a pair detects this.
 fn shifted(changes: &[(&str, i64)], by: f64) -> World {
     let mut world = World::new(500.0, &[&[("syncmstart", 6)], changes].concat());
     world.couple();
@@ -20,8 +22,8 @@ fn shifted(changes: &[(&str, i64)], by: f64) -> World {
     panic!("no pair has found it");
 }
 
-/// SYNCVFTIME -100000 is a correction within a second. A pair of marks comes every 100 ms: begun again at each, 59 % would be left after half a second, and 35 % after
-/// all of it.
+/// SYNCVFTIME -100000 is a correction within a second. A pair of marks occurs every 100 ms: if each restarted the
+/// correction, 59 % would remain after half a second, and 35 % after the full second.
 /// Proves: MACS-SYNC-10, MACS-MARK-13
 #[test]
 fn a_correction_over_a_time_ends_in_it() {
@@ -35,7 +37,8 @@ fn a_correction_over_a_time_ends_in_it() {
     assert!(world.rig.int("x.sync.error").abs() <= 2, "{}", world.rig.int("x.sync.error"));
 }
 
-/// SYNCMFTIME spreads over one distance of the belt, 100 cycles. Products that are 200 inc early have the next pair 80 cycles later, when a fifth is left.
+/// SYNCMFTIME spreads over one distance of the belt, 100 cycles. Products that are 200 inc early cause the next pair 80
+/// cycles later, when a fifth remains.
 /// Proves: MACS-MARK-12, MACS-MARK-13
 #[test]
 fn a_correction_over_a_distance_ends_with_it() {
@@ -44,9 +47,10 @@ fn a_correction_over_a_distance_ends_with_it() {
     assert!((390..=402).contains(&first), "{first}");
     world.run(49, 10);
     let half = world.rig.int("x.sync.error").abs();
-    // What the axis catches up at the begin of it, in a few cycles, comes on top.
+    // The distance that the axis catches up at its start, within a few cycles, is added.
     assert!((195..=215).contains(&half), "{half}");
     world.run(65, 10);
-    // The drive, a cycle behind, lags by 4 inc more while it catches up, which that pair corrects, too; begun again, it would be 57 here.
+    // The drive, one cycle behind, lags by 4 inc more while it catches up, which that pair corrects, too; a restarted
+    // correction would leave 57 here.
     assert!(world.rig.int("x.sync.error").abs() <= 6, "{}", world.rig.int("x.sync.error"));
 }

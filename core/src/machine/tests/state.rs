@@ -1,4 +1,4 @@
-//! A machine goes on from the state of another one, or says why it does not.
+//! A machine continues from the state of another one, or reports why it cannot.
 
 use super::rig::{Rig, X, Y, cases, config, couple, to};
 use crate::command::{Action, BufferMode, Move, MoveMode};
@@ -10,7 +10,7 @@ use crate::object::{AxisSet, Leader};
 use crate::vocabulary::Order;
 use proptest::prelude::*;
 
-/// The state of a machine of that config after some cycles.
+/// Returns the state of a machine with this config after some cycles.
 fn state(config: MachineConfig, cycles: u64) -> State {
     let mut rig = Rig::of(config);
     rig.run(cycles);
@@ -24,7 +24,7 @@ fn a_restored_machine_ends_the_move_and_the_coupling_that_were_under_way() {
     rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 1)));
     rig.run(100);
     assert_eq!(rig.state("x"), "DISCRETE_MOTION");
-    // From here on every cycle of both is compared.
+    // From here on every cycle of both machines is compared.
     rig.mirror();
     rig.run(2_000);
     assert_eq!(
@@ -68,7 +68,7 @@ fn interface() -> impl Strategy<Value = Interface> {
     prop::sample::select(&[Interface::Position, Interface::Velocity, Interface::OpenLoop][..])
 }
 
-/// Single bytes, and numbers that are none or too large.
+/// Single bytes, and numbers that are invalid or too large.
 fn changes() -> impl Strategy<Value = Vec<(usize, Vec<u8>)>> {
     let numbers = [f64::NAN, f64::INFINITY, f64::MAX, -f64::MAX, 1e-300, -1.0, 0.0];
     let numbers = prop::sample::select(numbers.map(|number| number.to_le_bytes().to_vec()).to_vec());
@@ -79,7 +79,7 @@ fn changes() -> impl Strategy<Value = Vec<(usize, Vec<u8>)>> {
 proptest! {
     #![proptest_config(cases(500))]
 
-    /// Bytes that no machine wrote are refused, or make a machine that runs: nothing panics.
+    /// Bytes that no machine has written are refused, or give a machine that runs: nothing panics.
     #[test]
     fn no_state_that_was_changed_makes_a_cycle_panic(
         interfaces in (interface(), interface()), profile in 0_i64..3, follows in any::<bool>(), changes in changes(),
@@ -102,7 +102,7 @@ proptest! {
         }
         rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, 2_000) }));
         rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 3, 7)));
-        // Refused where the axis closes a position loop.
+        // Refused if the axis closes a position loop.
         let _ = rig.order(Y, Order::Speed { velocity: 1_000.0 });
         rig.run(50);
         let mut bytes = postcard::to_allocvec(rig.machine.state()).unwrap();

@@ -40,7 +40,7 @@ fn halt_ends_the_goal_stops_and_leaves_the_axis_free() {
     let halt = rig.give(Action::Halt(x()));
     assert_eq!(rig.done(goal)[0].code, Code::HALTED);
     assert!(rig.done(halt).is_empty());
-    // 50 mm/s down at 500 mm/s^2: 100 ms.
+    // From 50 mm/s to 0 at 500 mm/s^2: 100 ms.
     rig.run(101);
     assert_eq!((rig.state("x"), rig.done(halt)[0].code), ("STANDSTILL", Code::NONE));
     let again = rig.give(Action::Move(to(X, 0)));
@@ -76,7 +76,7 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
     let before = rig.int("x.command.position");
     let stop = rig.give(Action::QuickStop(x()));
     assert_eq!(rig.state("x"), "STOPPING");
-    // 100 mm/s at 1000 mm/s^2: 5 mm, and the cycle in which the command came.
+    // 100 mm/s at 1000 mm/s^2: 5 mm, plus the cycle in which the command came.
     rig.run(101);
     let way = rig.int("x.command.position") - before;
     assert!((5_000..=5_101).contains(&way), "{way}");
@@ -87,8 +87,8 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
     assert_eq!((rig.state("x"), rig.done(reset).len()), ("STANDSTILL", 1));
 }
 
-/// Off and on again, or the start of another vocabulary, is no way round reset_errors: on the way down, at rest, or off already
-/// when the stop came.
+/// Disable and enable, or the start of another vocabulary, cannot replace reset_errors: while the axis stops, at rest,
+/// or if it was already off at the stop.
 #[test]
 fn a_lock_outlives_the_power_of_its_axis() {
     let wf = || Action::vocabulary(wf::Request { axis: X, enable: Some(true), ..Default::default() });
@@ -202,7 +202,7 @@ fn cancel_stops_the_goal_it_names_and_no_other() {
 /// Proves: MACS-ERR-02, MACS-ERR-06, MACS-PROF-13
 #[test]
 fn a_following_error_stops_the_axis_by_its_reaction_in_the_same_cycle() {
-    // Reaction; then, once it stands: on, brake.
+    // Reaction; then power and brake at rest.
     for (reaction, on, brake) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1), (4, 0, 0)] {
         let mut config = config(0);
         config.axes[1].parameters.error_reaction = reaction;
@@ -259,7 +259,7 @@ fn a_following_error_must_last_longer_than_its_time() {
     config.axes[1].parameters.following_error_time = 5_000_000;
     let mut rig = Rig::of(config);
     rig.enable();
-    // Found in cycles 0..=5: 5 ms have passed, which is not longer; in cycle 6 it is.
+    // Detected in cycles 0..=5: 5 ms have passed, which is not longer than the time; in cycle 6 it is.
     for cycle in 0..7 {
         rig.plant.drive(0).unwrap().jump(2_000);
         rig.run(1);
@@ -301,7 +301,7 @@ fn streamed_velocities_move_the_axis_and_their_silence_stops_it() {
     rig.run(150);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("STANDSTILL", 0.0));
     assert!(rig.events.iter().any(|event| event.code == Code::STREAM_TIMEOUT));
-    // Nothing that is no velocity moves it.
+    // Invalid velocities do not move it.
     for bad in [f64::NAN, f64::INFINITY, 100_001.0] {
         rig.stream(X, bad);
         rig.run(2);
@@ -309,8 +309,8 @@ fn streamed_velocities_move_the_axis_and_their_silence_stops_it() {
     }
 }
 
-/// Ten clients, each with 25 stops of every axis under way: 256 wait for each axis, and all of them end in the cycle in which it
-/// stands. What comes beyond that still stops the axis; it is answered at once.
+/// Ten clients with 25 active stops of every axis each: 256 wait for each axis, and all of them end in the cycle in
+/// which it is at rest. Further stops still stop the axis; they are answered at once.
 #[test]
 fn every_axis_lets_256_commands_wait_and_none_of_their_ends_is_lost() {
     let mut rig = Rig::enabled();
@@ -341,7 +341,7 @@ fn every_axis_lets_256_commands_wait_and_none_of_their_ends_is_lost() {
     assert!(rig.was_accepted(again), "there is room again");
 }
 
-/// A stop that locks tells the state that it leads to, and none on the way there.
+/// A locking stop reports its final state, and no state before it.
 #[test]
 fn a_stop_that_locks_is_one_change_of_state() {
     let home = crate::command::HomeAxis { axis: X, method: crate::command::HomingMethod::Cia402(34) };

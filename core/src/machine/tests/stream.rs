@@ -1,4 +1,4 @@
-//! Streamed setpoints: per axis, for as long as they were asked for, and never in the way of a goal.
+//! Streamed setpoints: for each axis, for the requested duration, and without effect on goals.
 
 use super::rig::{Rig, X, Y, at, to};
 use crate::code::Code;
@@ -16,7 +16,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
     said.map(|event| sentence(event, rig.machine.config())).collect()
 }
 
-/// `setpoint_timeout` is 100 ms, 20 mm/s are reached and left within 40 ms.
+/// `setpoint_timeout` is 100 ms; 20 mm/s are reached from rest, and stopped, within 40 ms.
 #[test]
 fn each_axis_counts_its_own_silence() {
     let mut rig = Rig::enabled();
@@ -31,7 +31,7 @@ fn each_axis_counts_its_own_silence() {
     (0..60).for_each(|_| rig.stream(X, 20_000.0));
     assert_eq!((rig.state("y"), rig.real("x.command.velocity")), ("STANDSTILL", 20_000.0));
     assert_eq!(warnings(&rig), ["y: streamed setpoints stopped coming"]);
-    // Both at once, from one cycle on.
+    // Both axes in one message, from the same cycle.
     let mut both = Setpoints::none(3);
     both.axes[usize::from(X)] = Some(Setpoint { velocity: -10_000.0, duration: None });
     both.axes[usize::from(Y)] = Some(Setpoint { velocity: 10_000.0, duration: None });
@@ -48,7 +48,7 @@ fn a_setpoint_that_was_asked_for_so_long_ends_then_without_a_warning() {
     assert_eq!(rig.real("x.command.velocity"), 20_000.0);
     rig.run(1);
     assert!(rig.real("x.command.velocity") < 20_000.0, "60 ms are over");
-    // On its way to rest it takes the next one.
+    // While it stops it accepts the next setpoint.
     rig.run(5);
     rig.stream_for(X, for_ms(20_000.0, 60));
     rig.run(40);
@@ -56,7 +56,7 @@ fn a_setpoint_that_was_asked_for_so_long_ends_then_without_a_warning() {
     rig.run(60);
     assert_eq!(rig.state("x"), "STANDSTILL");
     assert_eq!(warnings(&rig), [""; 0]);
-    // But no longer than setpoint_timeout, which is worth a warning.
+    // But not longer than setpoint_timeout, which causes a warning.
     rig.stream_for(X, for_ms(20_000.0, 60_000));
     rig.run(101);
     assert_eq!(rig.real("x.command.velocity"), 20_000.0);
@@ -72,7 +72,7 @@ fn a_stream_that_is_not_followed_is_told_once_and_again_when_the_reason_changes(
     stream(&mut rig, 200);
     let off = "x: streamed setpoints are not followed: the axis is not enabled; enable it first";
     assert_eq!(warnings(&rig), [off]);
-    // A stick at rest is no wish to move.
+    // A joystick at rest does not request motion.
     rig.run(150);
     (0..50).for_each(|_| rig.stream(X, 0.0));
     assert_eq!(warnings(&rig).len(), 1);
@@ -82,12 +82,12 @@ fn a_stream_that_is_not_followed_is_told_once_and_again_when_the_reason_changes(
     let busy = "x: streamed setpoints are not followed: something else moves the axis, and a stream takes no axis over; halt \
                 it first";
     assert_eq!(warnings(&rig), [off, busy]);
-    // A pause, and it is told again.
+    // After a pause it is reported again.
     rig.run(120);
     stream(&mut rig, 10);
     assert_eq!(warnings(&rig), [off, busy, busy]);
     assert!(rig.done(goal).is_empty(), "it moves on");
-    // What just brakes is waited for in silence.
+    // An axis that is braking is waited for without a warning.
     rig.give(Action::Halt(AxisSet::one(X)));
     stream(&mut rig, 200);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("CONTINUOUS_MOTION", 20_000.0));

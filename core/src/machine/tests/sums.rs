@@ -1,4 +1,4 @@
-//! Masters of several: exact, in time, and lost with each member.
+//! Sums of masters: exact, without delay, and lost with each member.
 
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
@@ -21,7 +21,7 @@ pub(super) fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConf
     SumConfig { name: name.into(), add: add.to_vec(), subtract: subtract.to_vec() }
 }
 
-/// x does at once what its leader asks.
+/// Returns a cell in which x follows its leader without limits.
 fn cell(masters: Vec<SumConfig>) -> MachineConfig {
     let mut config = MachineConfig { masters, ..config(0) };
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -39,7 +39,7 @@ fn sum_of(add: &[Leader], subtract: &[Leader]) -> Rig {
     enabled(cell(vec![master("sum", add, subtract)]))
 }
 
-/// A slot that copies its source.
+/// Returns a slot that copies its source.
 pub(super) fn copying(source: Leader, sink: SinkConfig) -> SlotConfig {
     let mut slot = SlotConfig::new("f".into(), 0, Kind::Dcopy);
     (slot.source, slot.sink) = (SourceConfig::Lead(source), sink);
@@ -58,7 +58,7 @@ pub(super) fn start(slot: u16) -> Action {
     Action::CommandFunction(CommandFunction { slot, order: Order::Start, values: Box::new([]) })
 }
 
-/// The slave is at 355/113 of belt + y - line in each of 10^5 cycles, to the unit of 2^-32, whatever turns round.
+/// The slave is at 355/113 of belt + y - line in each of 10^5 cycles, to the unit of 2^-32, with any reversals.
 #[test]
 fn a_follower_of_a_sum_is_exact_over_many_reversals() {
     let (actual, line) = (Leader::AxisActual(Y), Leader::AxisCommand(LINE));
@@ -97,7 +97,8 @@ fn step() -> impl Strategy<Value = Step> {
 proptest! {
     #![proptest_config(cases(16))]
 
-    /// slave = ratio * (sum of the members), for any changes of them, any signs and any ratio, through a master of masters, too.
+    /// slave = ratio * (sum of the members), for any changes of them, any signs and any ratio, also through a sum of
+    /// sums.
     #[test]
     fn a_slave_is_the_ratio_of_the_sum_of_the_members(
         signs in prop::array::uniform3(-1_i64..=1),
@@ -111,7 +112,7 @@ proptest! {
             members.iter().zip(signs).filter(|(_, of)| *of == sign).map(|(member, _)| *member).collect()
         };
         let (add, subtract) = (with(1), with(-1));
-        // As it stands, or taken from nothing twice.
+        // Directly, or subtracted from zero twice.
         let masters = if is_nested {
             vec![master("sum", &[], &[Leader::Sum(1)]), master("inner", &subtract, &add)]
         } else {
@@ -133,7 +134,7 @@ proptest! {
     }
 }
 
-/// y moves before x, though it stands behind it in the file; line through a master of its own.
+/// y moves before x, although it is after it in the file; line is a member through a sum of its own.
 #[test]
 fn what_moves_in_the_same_cycle_has_no_lag() {
     let masters = vec![
@@ -155,7 +156,7 @@ fn what_moves_in_the_same_cycle_has_no_lag() {
     assert_eq!(rig.real("sum.velocity"), velocity);
 }
 
-/// A sink in a sum brings the axis that its slot reads in front, and the axis that it moves can be behind.
+/// With a sink in a sum, the axis that its slot reads moves first, and the axis that it moves can be after it.
 #[test]
 fn loops_are_refused_through_sums_and_sinks() {
     let (command, sink) = (Leader::AxisCommand, Leader::Sink(0));
@@ -188,7 +189,7 @@ fn loops_are_refused_through_sums_and_sinks() {
     assert_eq!(rig.refusal(last - 1), "y: the axis would follow itself");
     assert!(rig.was_accepted(last), "following an input makes no loop");
 
-    // A function that would move what it reads through a sum.
+    // A function that would move an axis that it reads through a sum.
     let masters = vec![master("sum", &[BELT, command(X)], &[])];
     let slots = vec![copying(SUM, SinkConfig::Axis(X))];
     let mut rig = enabled(MachineConfig { slots, ..super::sums::cell(masters) });
@@ -212,7 +213,7 @@ fn loops_are_refused_through_sums_and_sinks() {
     }
 }
 
-/// In the cycle in which the encoder gives no value, or the drive, also where it is only taken from the rest.
+/// In the cycle in which the encoder or the drive gives no value, also if the member is subtracted.
 #[test]
 fn a_member_that_is_lost_stops_the_follower_in_its_cycle() {
     for by_drive in [false, true] {
@@ -236,7 +237,7 @@ fn a_member_that_is_lost_stops_the_follower_in_its_cycle() {
     }
 }
 
-/// Two changes that a follower would bear each, and that are more than it bears together.
+/// Two changes, each within the limit of a follower, but not their sum.
 #[test]
 fn a_jump_of_the_sum_is_one_of_the_leader() {
     let mut config = cell(vec![master("sum", &[BELT], &[Leader::Encoder(1)])]);
@@ -255,7 +256,8 @@ fn a_jump_of_the_sum_is_one_of_the_leader() {
     }
 }
 
-/// What is added, what is subtracted, and a sink that begins elsewhere: x stands, what it shows stands, and both go on from there.
+/// An added member, a subtracted one, and a sink that starts again at another value: x is at rest, its shown master
+/// position is unchanged, and both continue from there.
 #[test]
 fn a_new_zero_of_a_member_is_no_motion() {
     let masters = vec![master("sum", &[Leader::AxisCommand(LINE), Leader::Sink(0)], &[Leader::AxisActual(Y)])];
@@ -282,13 +284,13 @@ fn a_new_zero_of_a_member_is_no_motion() {
     rig.run(300);
     assert_eq!((rig.int("x.command.position"), rig.real("x.master.position")), (2_015, 2_015.0));
     assert_eq!(rig.int("sum.position"), -322);
-    // What x shows of it may be set: that is x's own.
+    // The value that x shows of it may be set: it belongs to x.
     let position = MasterPosition::Increments(Length::whole(11));
     rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
     assert_eq!((rig.real("x.master.position"), rig.int("sum.position")), (11.0, -322));
 }
 
-/// Turned over, line is at -3000: what x shows does not follow that.
+/// When line is inverted, it is at -3000: the value that x shows does not change.
 #[test]
 fn a_member_that_is_turned_over_is_no_motion() {
     let mut rig = sum_of(&[BELT], &[Leader::AxisActual(Y)]);
@@ -305,7 +307,7 @@ fn a_member_that_is_turned_over_is_no_motion() {
     assert_eq!((rig.int("x.command.position"), rig.real("x.master.position")), (-3_000, -3_000.0));
 }
 
-/// A slot reads of encoders what is, and of commands what the last cycle has left, as of each alone.
+/// A slot reads the present values of encoders, and the commands of the last cycle, as it does for each alone.
 #[test]
 fn a_function_reads_a_sum() {
     let masters = vec![master("sum", &[BELT], &[Leader::AxisCommand(LINE)])];

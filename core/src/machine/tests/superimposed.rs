@@ -1,4 +1,4 @@
-//! Motion that is added to other motion, and the override.
+//! Superimposed motion, and the override.
 
 use super::rig::{LINE, Rig, X, at, cases, config, couple, to};
 use crate::code::Code;
@@ -15,7 +15,7 @@ fn position(rig: &Rig) -> f64 {
     rig.int("x.command.position") as f64 + rig.real("x.command.fraction")
 }
 
-/// Both have half of the limits: 50 mm/s, 0.5 m/s^2. 20000 inc take 0.1 + 0.3 + 0.1 s.
+/// Both motions have half of the limits: 50 mm/s, 0.5 m/s^2. 20000 inc take 0.1 + 0.3 + 0.1 s.
 #[test]
 fn it_adds_its_way_to_a_move() {
     let mut rig = Rig::enabled();
@@ -44,7 +44,7 @@ fn it_shifts_a_velocity_and_a_coupling() {
     let before = position(&rig);
     rig.give(Action::Move(over(-1_000)));
     rig.run(1_000);
-    // The first of the 1001 cycles is that of the command, where the running motion goes on.
+    // The first of the 1001 cycles is that of the command, in which the active motion continues.
     assert!((position(&rig) - (before + 10_010.0 - 1_000.0)).abs() < 1e-3, "{}", position(&rig));
     assert_eq!(rig.real("x.command.velocity"), 10_000.0);
 
@@ -124,7 +124,7 @@ fn a_stop_or_a_new_goal_ends_it_and_its_own_cancel_leaves_the_move() {
     rig.give(Action::Cancel { goal: added });
     rig.run(1_000);
     assert_eq!((rig.done(added)[0].code, rig.done(base)[0].code), (Code::CANCELLED, Code::NONE));
-    // After 100 ms it had gone 2500 inc at 50 mm/s, and it took 2500 more to stop.
+    // After 100 ms it had moved 2500 inc at 50 mm/s, and it took 2500 more to stop.
     assert_eq!(position(&rig), 25_000.0);
 }
 
@@ -182,7 +182,7 @@ fn the_override_changes_only_the_motion_below() {
     for _ in 0..1_000 {
         rig.run(1);
         let now = rig.real("x.command.velocity");
-        // 0.5 m/s^2 of the move and 0.1 m/s^2 of what is on top.
+        // 0.5 m/s^2 of the move and 0.1 m/s^2 of the superimposed motion.
         assert!((now - before).abs() <= 600.0 + 1e-6, "{before} -> {now}");
         before = now;
     }
@@ -191,7 +191,7 @@ fn the_override_changes_only_the_motion_below() {
     assert_eq!(position(&rig), 93_000.0);
 }
 
-/// 1 m/s^2, and so much to slow down with.
+/// Returns a rig with 1 m/s^2 and this maximum deceleration.
 fn with_deceleration(deceleration: f64) -> Rig {
     let mut config = config(0);
     config.axes[usize::from(X)].parameters.max_deceleration = Some(deceleration);
@@ -200,7 +200,7 @@ fn with_deceleration(deceleration: f64) -> Rig {
     rig
 }
 
-/// Runs until all is done; the sum speeds up with no more than 1 m/s^2, and slows down with no more than its limit.
+/// Runs for `cycles`; the sum accelerates by at most 1 m/s^2, and decelerates by at most its limit.
 fn run_within(rig: &mut Rig, deceleration: f64, cycles: u64) -> Result<(), TestCaseError> {
     for _ in 0..cycles {
         rig.run(1);
@@ -212,8 +212,8 @@ fn run_within(rig: &mut Rig, deceleration: f64, cycles: u64) -> Result<(), TestC
     Ok(())
 }
 
-/// A default goal has half of each limit, and so has what is superimposed by default and goes the same way: one speeds up with half
-/// of 1 m/s^2, and slows down with half of max_deceleration.
+/// A default goal has half of each limit, and so has a default superimposed motion in the same direction: each
+/// accelerates with half of 1 m/s^2, and decelerates with half of max_deceleration.
 #[test]
 fn defaults_share_acceleration_and_deceleration() {
     for deceleration in [0.3e6, 0.5e6, 1e6, 1.5e6, 2e6, 5e6] {
@@ -235,7 +235,7 @@ fn defaults_share_acceleration_and_deceleration() {
             assert!(wait.is_none_or(|wait| rig.was_accepted(wait)), "{deceleration} {way}");
             let k = rig.machine.next_cycle() - 1 - u64::from(waits == 2);
             run_within(&mut rig, deceleration, 4_000).unwrap();
-            // Half of all: its way is that of a triangle, or to 50 mm/s.
+            // Half of all limits: its profile is a triangle, or reaches 50 mm/s.
             let (up, down) = (0.5e6, deceleration / 2.0);
             let top = (2.0 * 3_000.0 * up * down / (up + down)).sqrt().min(50_000.0);
             let takes = top / up + top / down + (3_000.0 - top * top / 2.0 * (1.0 / up + 1.0 / down)) / top;
@@ -249,8 +249,8 @@ fn defaults_share_acceleration_and_deceleration() {
     }
 }
 
-/// The other way the one may slow down while the sum speeds up already: of 1 m/s^2 a goal that slows down with 0.75 m/s^2 leaves
-/// 0.25, one that slows down with 1 m/s^2 nothing.
+/// In opposite directions one motion may decelerate while the sum already accelerates: of 1 m/s^2 a goal with a
+/// deceleration of 0.75 m/s^2 leaves 0.25, one with 1 m/s^2 leaves nothing.
 #[test]
 fn against_the_motion_under_way_the_lower_limit_holds() {
     let mut rig = with_deceleration(1.5e6);
@@ -269,16 +269,17 @@ fn against_the_motion_under_way_the_lower_limit_holds() {
     rig.run(300);
     let against = rig.give(Action::Move(over(-3_000)));
     assert!(rig.refusal(against).ends_with("leaves: 0 mm/s^2"), "{}", rig.refusal(against));
-    // A goal to the other side that would wait below it asks for too much as well.
+    // A goal in the opposite direction that would wait for it also exceeds the limit.
     let along = rig.give(Action::Move(over(3_000)));
     assert!(rig.was_accepted(along));
     let back = rig.give(Action::Move(Move { buffer_mode: BufferMode::Buffered, ..to(X, 0) }));
     assert!(rig.refusal(back).contains("leaves: 0 mm/s^2"), "{}", rig.refusal(back));
 }
 
-/// max_acceleration 3 m/s^2, max_deceleration 1 m/s^2. A goal that slows down with 0.5 m/s^2 leaves what it does not speed up with:
-/// also one that has its velocity, for it may speed up again. Here the override lets it, while what goes against it slows down:
-/// 0.9 and 0.1 m/s^2 are all of the lower limit.
+/// max_acceleration 3 m/s^2, max_deceleration 1 m/s^2. A goal with a deceleration of 0.5 m/s^2 leaves what its
+/// acceleration does not use. This also applies at constant velocity, because the goal may accelerate again. Here the
+/// override causes this, while an opposite superimposed motion decelerates: 0.9 and 0.1 m/s^2 are all of the lower
+/// limit.
 #[test]
 fn against_a_goal_that_has_its_velocity_its_acceleration_counts() {
     let cruising = |acceleration: f64| {
@@ -305,7 +306,7 @@ fn against_a_goal_that_has_its_velocity_its_acceleration_counts() {
     let mut most: f64 = 0.0;
     for cycle in 0..2_000 {
         match cycle {
-            // At 5 mm/s it has 0.5 s to go, and 50 ms to slow down from 1.1 s on.
+            // At 5 mm/s it needs 0.5 s to the target, and 50 ms to decelerate from 1.1 s on.
             150 => _ = rig.set("velocity_override", Value::Real(10.0)),
             1_120 => _ = rig.set("velocity_override", Value::Real(100.0)),
             _ => rig.run(1),
@@ -317,7 +318,7 @@ fn against_a_goal_that_has_its_velocity_its_acceleration_counts() {
     assert_eq!((rig.done(against)[0].code, (most / 1e3).round()), (Code::NONE, 1_000.0));
 }
 
-/// A coupling keeps within what it is left: what is added has half of the lower limit by default.
+/// A coupling keeps its share of the limits: a superimposed motion has half of the lower limit by default.
 #[test]
 fn a_coupling_leaves_half_to_the_defaults() {
     for deceleration in [0.4e6, 1e6, 2e6, 5e6] {
@@ -335,7 +336,7 @@ fn a_coupling_leaves_half_to_the_defaults() {
 proptest! {
     #![proptest_config(cases(200))]
 
-    /// Whatever is superimposed on goals, and whatever waits, the sum keeps the limits.
+    /// With any superimposed motions on goals and any waiting goals, the sum keeps the limits.
     #[test]
     fn the_sum_keeps_acceleration_and_deceleration(
         deceleration in prop_oneof![0.2e6..6e6_f64, Just(1e6), Just(2e6)],

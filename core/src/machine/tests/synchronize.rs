@@ -60,7 +60,7 @@ fn left_out_ratio_is_syncfacts_to_syncfactm() {
     assert_eq!(rig.int("x.command.position"), 500);
 }
 
-/// 2/3 inc are 2863311530.67 units of 2^-32: the third of a unit that is left rounds up to a whole one.
+/// 2/3 inc are 2863311530.67 units of 2^-32: the remaining third of a unit is rounded up to a whole one.
 #[test]
 fn a_new_ratio_takes_the_remainder_along() {
     let mut rig = Rig::enabled();
@@ -77,7 +77,7 @@ fn a_new_ratio_takes_the_remainder_along() {
 #[test]
 fn a_chain_of_gears_adds_no_delay_whatever_the_order_of_the_file() {
     let mut rig = Rig::enabled();
-    // y leads x, x leads nobody; then x before y in the file, but y has to be first.
+    // y leads x, x leads no axis; then x is before y in the file, but y has to be first.
     rig.give(Action::Synchronize(couple(Y, TO_LINE, 1, 1)));
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
     rig.give(Action::Move(to(LINE, 20_000)));
@@ -87,7 +87,8 @@ fn a_chain_of_gears_adds_no_delay_whatever_the_order_of_the_file() {
     }
 }
 
-/// 64 axes, each the master of the one before it in the file, at 1 : 1, with every other one turned round: the last one is where the first one is, in every cycle.
+/// 64 axes, each the master of the previous one in the file, at 1 : 1, every other one inverted: the last one is at the
+/// position of the first one in every cycle.
 #[test]
 fn a_chain_of_sixty_four_adds_no_delay() {
     let mut config = config(0);
@@ -97,7 +98,7 @@ fn a_chain_of_sixty_four_adds_no_delay() {
     let mut rig = Rig::of(config);
     rig.enable();
     let couplings = (1..=64_u16).map(|place| {
-        // The last one of the file is the first one of the chain.
+        // The last axis of the file is the first of the chain.
         let leader = if place == 64 { LINE } else { place + 1 };
         Action::Synchronize(couple(place, Leader::AxisCommand(leader), if place % 2 == 0 { 1 } else { -1 }, 1))
     });

@@ -1,4 +1,4 @@
-//! Several mechanisms at once: goals that wait, superimposed motion, the override, limits that change, streams.
+//! Several functions at once: waiting goals, superimposed motion, the override, limits that change, streams.
 
 use super::rig::{Rig, X, at, cases, config, to};
 use crate::code::Code;
@@ -39,7 +39,7 @@ fn codes(rig: &Rig, sequence: u64) -> Vec<Code> {
     rig.done(sequence).iter().map(|event| event.code).collect()
 }
 
-/// Limits of position that change must leave room for all that is going to happen.
+/// New position limits must allow all planned motion.
 #[test]
 fn no_limit_is_set_that_leaves_out_what_waits() {
     let mut rig = Rig::enabled();
@@ -87,7 +87,7 @@ fn no_limit_is_set_that_leaves_out_a_goal_that_is_held() {
     assert_eq!((codes(&rig, goal), position(&rig)), (vec![Code::NONE], 20_000.0));
 }
 
-/// A goal behind one that rests outside its window is to come as well.
+/// A goal that waits for one at rest outside its window must be allowed, too.
 #[test]
 fn no_limit_is_set_that_leaves_out_what_waits_for_the_window() {
     let mut rig = Rig::enabled();
@@ -128,13 +128,13 @@ fn goals_and_superimposed_motion_together_keep_the_limits_of_position() {
         rig.set("max_position", Value::Int(20_000));
         rig
     };
-    // The goal first, then what is added.
+    // The goal first, then the superimposed motion.
     let mut rig = limited();
     rig.give(Action::Move(to(X, 10_000)));
     rig.give(after(BufferMode::Buffered, to(X, 20_000)));
     let refused = rig.give(Action::Move(Move { velocity: 5_000.0, ..over(3_000) }));
     assert!(rig.refusal(refused).contains("exceeds max_position 20 mm"), "{}", rig.refusal(refused));
-    // What is added first, then the goal.
+    // The superimposed motion first, then the goal.
     let mut rig = limited();
     rig.give(Action::Move(to(X, 10_000)));
     rig.give(Action::Move(Move { velocity: 5_000.0, ..over(3_000) }));
@@ -182,7 +182,7 @@ fn a_setpoint_beside_a_superimposed_motion_counts_it_once() {
     rig.stream(X, 20_000.0);
     rig.run(1);
     assert!((velocity(&rig) - before).abs() <= 2_000.0, "from {before} to {}", velocity(&rig));
-    // With 20 mm/s beside it, 90 mm/s would be too much.
+    // Together with 20 mm/s, 90 mm/s would exceed the limit.
     rig.stream(X, 90_000.0);
     for _ in 0..90 {
         rig.run(1);
@@ -228,7 +228,7 @@ fn no_direction_is_left_whatever_the_shape() {
     }
 }
 
-/// Both together keep the override's share of max_velocity, whichever comes first.
+/// Both motions together keep the override's share of max_velocity, in any order.
 #[test]
 fn an_override_holds_for_the_sum() {
     let most = |rig: &mut Rig, cycles: u32| {
@@ -237,7 +237,7 @@ fn an_override_holds_for_the_sum() {
             most.max(velocity(rig).abs())
         })
     };
-    // Set in motion.
+    // The override is set in motion.
     let mut rig = Rig::enabled();
     let base = rig.give(Action::Move(to(X, 60_000)));
     let added = rig.give(Action::Move(over(30_000)));
@@ -257,7 +257,7 @@ fn an_override_holds_for_the_sum() {
     rig.run(3_000);
     assert_eq!((codes(&rig, base), codes(&rig, added)), (vec![Code::NONE], vec![Code::NONE]));
     assert_eq!(position(&rig), 90_000.0);
-    // Set before.
+    // The override is set before the motion.
     let mut rig = Rig::enabled();
     share(&mut rig, 40.0);
     rig.give(Action::Move(to(X, 60_000)));
@@ -279,7 +279,8 @@ fn a_target_behind_a_velocity_is_checked_at_once() {
     assert_eq!(rig.refusal(refused), "x: target 20.001 mm exceeds max_position 20 mm");
 }
 
-/// 100 inc before the passage nothing can slow down to 10 mm/s: it goes on to the target and slows down behind it.
+/// 100 inc before the passage it is too late to decelerate to 10 mm/s: the axis moves on to the target and decelerates
+/// after it.
 #[test]
 fn an_override_shortly_before_a_passage_turns_nothing_back() {
     for (profile, percent) in [(0, 10.0), (0, 0.0), (1, 10.0), (1, 0.0), (2, 10.0), (2, 0.0)] {
@@ -307,7 +308,7 @@ fn an_override_shortly_before_a_passage_turns_nothing_back() {
     }
 }
 
-/// What speeds up with much jerk overshoots with less.
+/// A motion that accelerates with high jerk overshoots with a lower one.
 #[test]
 fn a_superimposed_motion_that_is_replaced_keeps_the_sum_within_the_limits() {
     let mut config = config(0);
@@ -328,7 +329,7 @@ fn a_superimposed_motion_that_is_replaced_keeps_the_sum_within_the_limits() {
     }
 }
 
-/// Without max_jerk a goal may ask for any that can be computed with.
+/// Without max_jerk a goal may have any finite jerk.
 #[test]
 fn any_jerk_of_a_goal_makes_a_profile() {
     for jerk in [1e-6, 1e-3, 1.0, 1e9, 1e15, 1.1e15, 1e300, f64::MAX] {
@@ -356,7 +357,7 @@ fn any_jerk_of_a_goal_makes_a_profile() {
     }
 }
 
-/// What goals of some chain end at and how: all of them within the limits, or refused.
+/// Returns random chains of goals within the limits, with their buffer modes and delays.
 fn chain() -> impl Strategy<Value = Vec<(Move, BufferMode, u64)>> {
     use BufferMode::{BlendingHigh, BlendingLow, BlendingNext, BlendingPrevious, Buffered};
     let modes = prop::sample::select(vec![Buffered, BlendingLow, BlendingPrevious, BlendingNext, BlendingHigh]);
@@ -374,7 +375,7 @@ fn chain() -> impl Strategy<Value = Vec<(Move, BufferMode, u64)>> {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// A chain of goals within the limits meets all its targets, in order, and no limit.
+    /// A chain of goals within the limits reaches all its targets, in order, and no limit.
     #[test]
     fn every_goal_of_a_chain_is_reached(
         shape in 0_i64..3,
@@ -419,7 +420,8 @@ proptest! {
     }
 }
 
-/// These goals make a plan that rounding leads 4e-5 inc beyond the limit: below the lower one that would be a whole increment.
+/// These goals give a plan that exceeds the limit by 4e-5 inc due to rounding: below the lower limit that would be a
+/// whole increment.
 #[test]
 fn rounding_leads_nothing_beyond_a_limit() {
     for way in [1, -1] {
@@ -448,7 +450,7 @@ fn rounding_leads_nothing_beyond_a_limit() {
     }
 }
 
-/// Passing at the edge of all positions.
+/// Blending at the end of the position range.
 #[test]
 fn goals_pass_into_each_other_at_the_end_of_all_positions() {
     let mut rig = Rig::enabled();

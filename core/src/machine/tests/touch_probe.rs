@@ -1,4 +1,4 @@
-//! Passive touch probes: where an axis was at a latch, recorded while anything moves it, or nothing.
+//! Passive touch probes: the position of an axis at a latch, recorded with any motion of the axis, or at rest.
 
 use super::rig::{LINE, Rig, X, Y, at, config, couple, to};
 use crate::code::Code;
@@ -25,7 +25,7 @@ fn cell() -> MachineConfig {
     MachineConfig { io: ["mark", "other", "third", "fourth"].map(input).into(), ..config(0) }
 }
 
-/// With x and y switched on, and inputs that latch.
+/// Returns a rig with x and y switched on, and inputs that latch.
 fn rig() -> Rig {
     let mut rig = Rig::of(cell());
     rig.enable();
@@ -63,7 +63,7 @@ fn records(rig: &Rig, sequence: u64) -> Vec<Event> {
     rig.events.iter().filter(|event| event.kind == Kind::Latch && event.command == sequence).copied().collect()
 }
 
-/// Where the records of a touch probe lie (inc).
+/// Returns the recorded positions of a touch probe (inc).
 fn places(rig: &Rig, sequence: u64) -> Vec<f64> {
     records(rig, sequence).iter().map(|event| event.position.to_f64()).collect()
 }
@@ -76,14 +76,15 @@ fn sentence(rig: &Rig, event: &Event) -> String {
     crate::text::sentence(event, rig.machine.config())
 }
 
-/// Moves x at 50 mm/s with 1 m/s^2: from 51 ms on its actual position of cycle k is 50 inc (k - 1) - 1250 inc, and 50 inc a cycle.
+/// Moves x at 50 mm/s with 1 m/s^2: from 51 ms on its actual position in cycle k is 50 inc (k - 1) - 1250 inc, and it
+/// moves 50 inc per cycle.
 fn go(rig: &mut Rig) {
     let goal = rig.give(Action::Move(Move { velocity: 50_000.0, acceleration: 1e6, ..to(X, 100_000) }));
     assert!(rig.was_accepted(goal));
     rig.run(100);
 }
 
-/// 101 cycles behind its command the axis is at 3750 inc; 350 us before it was 17.5 inc behind.
+/// 101 cycles after its command the axis is at 3750 inc; 350 us earlier it was 17.5 inc less.
 #[test]
 fn the_first_latch_is_recorded_at_its_instant_and_ends_the_touch_probe() {
     let mut rig = rig();
@@ -108,7 +109,7 @@ fn the_first_latch_is_recorded_at_its_instant_and_ends_the_touch_probe() {
     assert_eq!(rig.refusal(refused), "x: no touch probe is armed for mark; arm one with touch_probe");
 }
 
-/// Bit for bit: what is armed and records moves nothing.
+/// Bit for bit: an armed and recording touch probe affects no motion.
 #[test]
 fn a_touch_probe_changes_no_motion() {
     let [mut with, mut without] = [rig(), rig()];
@@ -136,7 +137,8 @@ fn a_touch_probe_changes_no_motion() {
     assert!(records(&with, probes[0]).len() > 100);
 }
 
-/// Half a cycle before a cycle the axis was half-way between where it was seen in it and in the one before, whatever moves it.
+/// Half a cycle before a cycle the axis was half-way between its positions in this cycle and in the previous one, with
+/// any source of motion.
 #[test]
 fn whatever_moves_the_axis_its_place_at_the_latch_is_recorded() {
     let knot = Knot { position: Position::whole(10_000), velocity: Some(0.0), acceleration: None };
@@ -206,7 +208,7 @@ fn a_virtual_axis_records_its_command_and_a_stopped_one_where_it_stands() {
     assert_eq!(places(&rig, probes[1]), [0.0]);
 }
 
-/// Of the edges of one cycle the oldest comes first, whatever their order in the inputs.
+/// Of the edges of one cycle the oldest comes first, in any order of the inputs.
 #[test]
 fn a_continuous_touch_probe_records_every_latch_of_its_edge_until_it_is_aborted() {
     let mut rig = rig();
@@ -262,7 +264,7 @@ fn a_latch_in_the_cycle_in_which_it_is_armed_was_before() {
     assert_eq!(ends(&rig, probe), [Code::NONE]);
 }
 
-/// In the cycle at 3750 inc; a latch at the first or the last place is within.
+/// In the cycle at 3750 inc; a latch at the first or the last position is within the window.
 #[test]
 fn a_window_includes_its_ends_and_the_first_latch_within_it_counts() {
     for (first, last, counts) in [
@@ -287,7 +289,7 @@ fn a_window_includes_its_ends_and_the_first_latch_within_it_counts() {
         latch(&mut rig, MARK, Edge::Rising, age);
     }
     rig.run(1);
-    // 3742.5, 3746 and 3750: the second is the first within.
+    // 3742.5, 3746 and 3750: the second is the first within the window.
     assert_eq!((places(&rig, probe), ends(&rig, probe)), (vec![3_746.0], vec![Code::NONE]));
 }
 
@@ -300,7 +302,7 @@ fn a_window_that_ends_before_it_begins_needs_a_turn() {
     let beyond = rig.give(Action::TouchProbe(between(0, i64::MAX)));
     assert_eq!(rig.answer(beyond).unwrap_err().code, Code::POSITION_OUT_OF_RANGE);
 
-    // A turn of 1000 inc: 3750 inc shows as 750.
+    // A revolution of 1000 inc: 3750 inc is shown as 750.
     for (first, last, counts) in [
         (700, 800, true),
         (800, 700, false),
@@ -347,7 +349,7 @@ fn a_new_touch_probe_takes_the_place_of_that_of_the_same_trigger_and_a_fifth_has
     arm(&mut rig, once(Object::Encoder(0)));
 }
 
-/// They are for motion; a touch probe is none.
+/// These apply to motion; a touch probe is not a motion.
 #[test]
 fn stops_errors_and_power_leave_a_touch_probe_armed() {
     let mut rig = rig();
@@ -399,7 +401,7 @@ fn a_new_coordinate_ends_a_touch_probe_with_a_window() {
     assert_eq!((places(&rig, within), places(&rig, anywhere)), (vec![], vec![0.0]));
 }
 
-/// One that is armed in the cycle of the new coordinate is in that.
+/// A touch probe that is armed in the cycle of the new coordinate refers to the new coordinate.
 #[test]
 fn a_window_of_the_new_coordinate_stays() {
     let mut rig = rig();
@@ -428,7 +430,7 @@ fn a_latch_without_a_position_is_told_and_not_recorded() {
     assert_eq!((told(&rig), ends(&rig, probe)), (1, vec![Code::NONE]));
 }
 
-/// One at each 1000 inc: 50 inc a cycle pass that at 4000 in the cycle that ends there.
+/// One pulse at each 1000 inc: at 50 inc per cycle the pulse at 4000 is passed in the cycle that ends there.
 #[test]
 fn index_pulses_are_recorded_where_the_encoder_caught_them() {
     let mut rig = rig();
@@ -444,7 +446,7 @@ fn index_pulses_are_recorded_where_the_encoder_caught_them() {
     assert_eq!(ages[2..], [400_000; 2]);
 }
 
-/// What its own device has caught is exact, whatever the age says; such a latch counts once in the signals.
+/// A position captured by its own device is exact, independent of the age; such a latch counts once in the signals.
 #[test]
 fn a_position_that_the_own_device_caught_is_taken_as_it_is() {
     let mut rig = rig();
@@ -482,7 +484,7 @@ fn a_power_cycle_ends_what_is_armed() {
 }
 
 proptest! {
-    /// By the definition: going up from the first place, the place comes no later than the last one.
+    /// By definition: upwards from the first position, the position is reached not later than the last one.
     #[test]
     fn a_place_is_between_two_others_by_the_way_up(
         turn in 1_i64..5_000, first in -20_000_i64..20_000, last in -20_000_i64..20_000, place in -20_000_i64..20_000,
@@ -493,7 +495,7 @@ proptest! {
         prop_assert_eq!(Modulo::new(turn, 1).unwrap().is_between(first, last, place), expected);
     }
 
-    /// Also where a turn is no multiple of 2^-32 inc: whole turns more show the same place.
+    /// Also if a revolution is not a multiple of 2^-32 inc: additional whole revolutions show the same position.
     #[test]
     fn whole_turns_more_are_the_same_place(
         numerator in 1_000_i64..1_000_000, denominator in 1_i64..1_000, turns in -1_000_i64..1_000, offset in 0_i64..1_000,

@@ -1,4 +1,4 @@
-//! Trajectories: all axes or none, splines, tolerances, and one end whatever happens.
+//! Trajectories: all axes or none, splines, tolerances, and exactly one end in every case.
 
 use super::rig::{LINE, Rig, X, Y, config, to};
 use crate::code::Code;
@@ -35,14 +35,14 @@ fn start(start_ns: i64, times_ms: &[u64], tracks: Vec<Track>, goal_time_ns: Opti
     Action::Trajectory(Arc::new(Trajectory::new(start_ns, times, tracks.into(), goal_time_ns).expect("a sound one")))
 }
 
-/// The same, without stretching its time.
+/// Returns the same action without time stretching.
 fn refusing(action: Action) -> Action {
     let Action::Trajectory(trajectory) = action else { panic!("a trajectory is expected") };
     let limits = TrajectoryLimits { margin: 0.0, on_excess: OnExcess::Refuse, max_stretch: 1.0 };
     Action::Trajectory(Arc::new(trajectory.as_ref().clone().within(limits)))
 }
 
-/// At rest there.
+/// Returns a point at rest at this position.
 fn rest(position: i64) -> Point {
     (position, Some(0.0), None)
 }
@@ -51,7 +51,7 @@ fn within(millimetres: i64) -> Tolerance {
     Tolerance { position: Some(1000.0 * millimetres as f64), ..Tolerance::default() }
 }
 
-/// Its only end.
+/// Returns the only end of a goal.
 fn end(rig: &Rig, sequence: u64) -> Event {
     let done = rig.done(sequence);
     assert_eq!(done.len(), 1, "ends: {done:?}");
@@ -62,7 +62,7 @@ fn command(rig: &Rig, axis: &str) -> f64 {
     rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
 }
 
-/// x 10 mm and y -4 mm in 400 ms, cubic: L (3 u^2 - 2 u^3) in each cycle, and both there in the same one.
+/// x 10 mm and y -4 mm in 400 ms, cubic: L (3 u^2 - 2 u^3) in each cycle, and both arrive in the same cycle.
 #[test]
 fn both_axes_are_on_their_cubics_in_every_cycle() {
     let mut rig = Rig::enabled();
@@ -134,7 +134,7 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
         (&[50], vec![(6_000, None, None)], "x: velocity 0.12 m/s (120 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s)"),
         // 1.5 L / T
         (&[100], vec![rest(8_000)], "x: velocity 0.12 m/s (120 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s)"),
-        // 6 L / T^2, up and down.
+        // 6 L / T^2, in acceleration and deceleration.
         (&[50], vec![rest(3_000)], "x: acceleration 7.2 m/s^2 (7200 mm/s^2) exceeds max_acceleration 1 m/s^2"),
         (&[100], vec![rest(1_000)], "x: deceleration 0.6 m/s^2 (600 mm/s^2) exceeds max_deceleration 0.4 m/s^2"),
         (
@@ -153,13 +153,13 @@ fn limits_refuse_knots_ways_velocities_and_ramps() {
     let sentence = "x: acceleration 1.5 m/s^2 (1500 mm/s^2) exceeds max_acceleration 1 m/s^2 (1000 mm/s^2) before point 0 (0.02 s); \
                     trajectory_limits.on_excess is refuse, scale would stretch the time by 1.9365";
     assert_eq!(rig.refusal(goal), sentence);
-    // As far as the limit, with as much deceleration as there is: 6 * 10000 / 0.4^2 = 375000.
+    // Up to the limit, with the maximum deceleration: 6 * 10000 / 0.4^2 = 375000.
     let goal = rig.give(run(&[400], vec![track(X, &[rest(10_000)])]));
     rig.run(400);
     assert_eq!((end(&rig, goal).code, rig.int("x.error"), rig.int("x.command.position")), (Code::NONE, 0, 10_000));
 }
 
-/// 2.5 ms ahead: it begins 3 cycles later, at 0.5 ms of its time.
+/// 2.5 ms ahead: the trajectory starts 3 cycles later, at 0.5 ms of its time.
 #[test]
 fn a_start_ahead_waits_and_one_before_begins_under_way() {
     let mut rig = Rig::enabled();
@@ -174,7 +174,7 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     assert!(rig.done(goal).is_empty());
     rig.run(1);
     assert_eq!((end(&rig, goal).code, command(&rig, "x")), (Code::NONE, 1_500.0));
-    // It began 150 ms ago: the first point is past, 50 ms are left to the second.
+    // It started 150 ms ago: the first point is past, and 50 ms remain to the second.
     let points = [(1_700, Some(5_000.0), None), rest(1_800)];
     let goal = rig.give(start(-150_000_000, &[100, 200], vec![track(X, &points)], None));
     rig.run(25);
@@ -186,8 +186,8 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
     assert_eq!(rig.refusal(goal), sentence);
 }
 
-/// Points that are past are skipped, and with them what they would ask for: 20000 inc, which is beyond max_position, and 300000 inc/s. Only
-/// 300 inc in 50 ms are ahead. A point ahead that is beyond the limit is refused by its own number.
+/// Past points are skipped, together with the limits that they would exceed: 20000 inc, which exceeds max_position, and
+/// 300000 inc/s. Only 300 inc in 50 ms are ahead. A point ahead that exceeds the limit is refused by its own number.
 #[test]
 fn points_that_are_past_are_not_held_against_limits() {
     let mut config = config(0);
@@ -215,13 +215,13 @@ fn points_that_are_past_are_not_held_against_limits() {
     }
 }
 
-/// The first spline begins with the velocity of the motion before it.
+/// The first spline starts with the velocity of the previous motion.
 #[test]
 fn a_trajectory_takes_a_motion_over_without_a_jump_and_stops_whom_it_leaves() {
     let mut rig = Rig::enabled();
     let first = rig.give(run(&[400], vec![track(X, &[rest(10_000)]), track(Y, &[rest(10_000)])]));
     rig.run(200);
-    // Half way at 1.5 L / T.
+    // Half-way at 1.5 L / T.
     assert!((rig.real("x.command.velocity") - 37_500.0).abs() < 1e-6);
     let second = rig.give(run(&[300], vec![track(X, &[rest(8_000)])]));
     assert_eq!((end(&rig, first).code, end(&rig, first).source), (Code::REPLACED, Object::Axis(X)));
@@ -253,7 +253,7 @@ fn cancel_stops_all_axes_and_ends_once_all_stand() {
         (done.code, done.source, rig.state("x"), rig.state("y")),
         (Code::CANCELLED, Object::Machine, "STANDSTILL", "STANDSTILL")
     );
-    // Not before the slower one stands: 37500 inc/s at half of 1e6 inc/s^2.
+    // Not before the slower axis is at rest: 37500 inc/s at half of 1e6 inc/s^2.
     let ended = done.cycle - rig.done(cancel)[0].cycle;
     assert!((37..=76).contains(&ended), "{ended} cycles");
 }
@@ -283,13 +283,13 @@ fn who_leaves_ends_it_for_all() {
         assert_eq!((end(&rig, goal).code, end(&rig, goal).source), (code, Object::Axis(Y)));
         rig.run(200);
         assert_eq!((rig.state("x"), rig.int("x.reference")), ("STANDSTILL", 0));
-        // 37500 inc/s at half way, 500000 inc/s^2: 1406 inc further.
+        // 37500 inc/s half-way, 500000 inc/s^2: 1406 inc further.
         assert!((6_300..6_500).contains(&rig.int("x.command.position")), "{}", rig.int("x.command.position"));
         assert_eq!(rig.done(goal).len(), 1);
     }
 }
 
-/// A drive that answers late: 100 mm/s at 5 Hz lag by several millimetres.
+/// A drive with a slow response: 100 mm/s at 5 Hz lag by several millimetres.
 #[test]
 fn the_path_tolerance_stops_all_axes_with_one_event() {
     let lazy = || Model::SecondOrder(SecondOrder::new(2.0, 0.8, 1_000_000).expect("a legal model"));
@@ -312,7 +312,7 @@ fn the_path_tolerance_stops_all_axes_with_one_event() {
     assert!(sentence.starts_with("x: off the path of its trajectory: position error 0.002"), "{sentence}");
     assert!(sentence.ends_with(" mm) exceeds tolerance 0.002 m (2 mm)"), "{sentence}");
     assert_eq!((rig.state("y"), rig.int("y.error"), rig.state("x")), ("STANDSTILL", 0, "STANDSTILL"));
-    // An ideal drive answers with its delay, and keeps the smallest tolerance.
+    // An ideal drive responds after its delay, and keeps the smallest tolerance.
     for delay in [0, 3] {
         let mut config = config.clone();
         config.axes[1].drive = Some(crate::drive::Capabilities::all(delay));
@@ -347,14 +347,14 @@ fn the_goal_tolerance_waits_so_long_and_no_longer() {
     let (code, source, after, _) = give(None, fine);
     assert_eq!((code, source), (Code::NONE, Object::Machine));
     assert!((50..1_000).contains(&after), "{after} cycles");
-    // Just as long as the goal time, and one cycle more.
+    // For the goal time, and one cycle more.
     let (code, source, after, _) = give(Some(20 * MS), fine);
     assert_eq!((code, source, after), (Code::TRAJECTORY_GOAL_TOLERANCE, Object::Axis(X), 21));
     let (code, ..) = give(Some(1_000 * MS), fine);
     assert_eq!(code, Code::NONE);
 }
 
-/// Positions alone: 25 mm/s, then back. No axis turns at once; it lags, within its limits, and is exact again.
+/// Only positions: 25 mm/s, then back. An axis cannot reverse at once; it lags, within its limits, and is exact again.
 #[test]
 fn straight_segments_are_followed_as_a_leader_is() {
     let mut rig = Rig::enabled();
@@ -372,7 +372,7 @@ fn straight_segments_are_followed_as_a_leader_is() {
         assert!((target - now - error as f64).abs() <= 0.5 + 1e-6);
         assert!(now >= 0.0, "beyond its end: {now} in {cycle}");
         lagged += i32::from(error != 0);
-        // Long after each corner it is exact; 25 mm/s are stopped in 25 ms and 312 inc, half of that late.
+        // Long after each corner it is exact; the stop from 25 mm/s takes 25 ms and 312 inc, half of that late.
         if (120..=200).contains(&cycle) || (330..385).contains(&cycle) {
             assert!((now - target).abs() < 1e-6, "{now} in {cycle}");
         }
@@ -383,7 +383,7 @@ fn straight_segments_are_followed_as_a_leader_is() {
     assert_eq!((end(&rig, goal).code, command(&rig, "x"), rig.int("x.error")), (Code::NONE, 0.0, 0));
 }
 
-/// A straight line ends at once, an axis does not: it slows down before and comes late, not beyond.
+/// A straight line ends at once, but an axis cannot: it decelerates earlier and arrives late, but does not overshoot.
 #[test]
 fn a_straight_end_at_a_limit_is_met_without_passing_it() {
     let mut config = config(0);
@@ -435,7 +435,7 @@ fn commands_of_its_cycle_come_before_and_after_it() {
     assert_eq!((end(&rig, last - 1).code, end(&rig, last).code), (Code::CANCELLED, Code::NONE));
 }
 
-/// The override has no say: what runs by a clock of its own is not to come late.
+/// The override has no effect: a trajectory has its own time base and must not be late.
 #[test]
 fn an_override_changes_nothing() {
     let mut config = config(0);
@@ -494,7 +494,7 @@ fn a_state_whose_axes_do_not_run_its_trajectory_is_refused() {
     assert_eq!(fewer.to_string(), "the state holds 1 places for trajectories; the cell has 7");
 }
 
-/// The same where it holds at its end for a while.
+/// The same if it holds at its end for a while.
 #[test]
 fn a_straight_line_to_a_hold_at_a_limit_is_met_without_passing_it() {
     let hold = |velocity| (10_000, velocity, None);
@@ -514,7 +514,7 @@ fn a_straight_line_to_a_hold_at_a_limit_is_met_without_passing_it() {
     }
 }
 
-/// Rates whose products are no numbers are no way around the limits.
+/// Rates whose products overflow cannot bypass the limits.
 #[test]
 fn rates_beyond_all_numbers_are_refused() {
     let mut rig = Rig::enabled();
@@ -531,7 +531,7 @@ fn rates_beyond_all_numbers_are_refused() {
     assert_eq!(command(&rig, "x"), 0.0);
 }
 
-/// An axis that may not go backwards ends where rounding leads it beyond its end.
+/// An axis that must not move backwards ends at a position that exceeds its target by rounding.
 #[test]
 fn an_end_that_rounding_has_passed_is_reached() {
     let mut config = config(0);

@@ -1,4 +1,5 @@
-//! Trajectories are judged as they are given: what the core rounds is worked off on the way and refuses nothing.
+//! Trajectories are checked as they are given: rounding by the core is corrected during the motion and causes no
+//! refusal.
 
 use super::rig::{Rig, X, Y, config};
 use crate::code::Code;
@@ -29,7 +30,7 @@ fn run(start_ns: i64, times_ms: &[u64], tracks: &[(u16, &[Knot])], goal: Option<
     Action::Trajectory(Arc::new(Trajectory::new(start_ns, times, tracks, None).expect("a sound one")))
 }
 
-/// Runs until the goal has ended, and returns how.
+/// Runs until the goal has ended. Returns the code of the end.
 fn end(rig: &mut Rig, goal: u64) -> Code {
     for _ in 0..2_000 {
         if let [done] = rig.done(goal)[..] {
@@ -47,12 +48,13 @@ fn at(rig: &Rig, axis: &str) -> (i64, f64) {
     (rig.int(&format!("{axis}.command.position")), rig.real(&format!("{axis}.command.fraction")))
 }
 
-/// What is left to the nearest increment is worked off after the last point.
+/// The remainder to the nearest increment is moved after the last point.
 #[test]
 fn the_axis_rests_on_the_increment_nearest_to_the_last_point() {
     for (end_at, rests) in [(1_000.6, 1_001), (1_000.4, 1_000), (-1_000.5, -1_001)] {
         let mut rig = Rig::enabled();
-        // 6 * 1000 / 0.1^2 = 600000 inc/s^2, and as much for 0.1 inc in 1 ms; 0.4 inc more would take 2400000 inc/s^2 more.
+        // 6 * 1000 / 0.1^2 = 600000 inc/s^2, and the same for 0.1 inc in 1 ms; 0.4 inc more would need 2400000 inc/s^2
+        // more.
         let before = rest(end_at - 0.1 * f64::from(end_at > 0.0));
         let goal = rig.give(run(0, &[100, 101], &[(X, &[before, rest(end_at)])], None));
         assert!(rig.was_accepted(goal), "{end_at}: {}", rig.refusal(goal));
@@ -61,7 +63,7 @@ fn the_axis_rests_on_the_increment_nearest_to_the_last_point() {
     }
 }
 
-/// MoveIt sends one point at time 0 where start and goal are the same.
+/// MoveIt sends one point at time 0 if start and goal are the same.
 #[test]
 fn where_it_is_it_may_be_told_to_go() {
     let mut rig = Rig::enabled();
@@ -77,7 +79,7 @@ fn where_it_is_it_may_be_told_to_go() {
         }
     }
     assert_eq!((at(&rig, "x"), at(&rig, "y")), ((1_001, 0.0), (500, 0.0)));
-    // A start ahead, between two cycles: at its time it is there.
+    // A start ahead, between two cycles: the axis is there at that time.
     let goal = rig.give(run(2_500_000, &[0], &[(X, &[rest(1_001.0)])], None));
     assert_eq!(end(&mut rig, goal), Code::NONE);
 }
@@ -88,14 +90,15 @@ fn where_it_is_not_it_cannot_go_at_once() {
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], None));
     let sentence = "x: the last point of the trajectory is due at once, and 0.001002 m (1.002 mm) away; 0.000001 m (0.001 mm) at most is allowed";
     assert_eq!(rig.refusal(goal), sentence);
-    // As far as the goal tolerance, and there within the limits.
+    // Within the goal tolerance, and moved there within the limits.
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], Some(1_002.0)));
     assert!(rig.was_accepted(goal));
     let hardest = hardest(&mut rig, 500);
     assert_eq!((end(&mut rig, goal), at(&rig, "x")), (Code::NONE, (1_002, 0.0)));
-    // As at the end of straight lines, the last step may change 1.5 times what a cycle may (docs/known-limits.md).
+    // As at the end of straight lines, the velocity change of the last step may be 1.5 times the limit of a cycle
+    // (docs/known-limits.md).
     assert!(hardest <= 1_500_000.0, "{hardest} inc/s^2");
-    // In motion it is nowhere.
+    // An axis in motion is at no position.
     rig.give(run(0, &[1_000], &[(X, &[rest(20_000.0)])], None));
     rig.run(500);
     let here = at(&rig, "x").0 as f64;
@@ -103,7 +106,7 @@ fn where_it_is_not_it_cannot_go_at_once() {
     assert!(rig.refusal(goal).starts_with("x: the axis moves (DISCRETE_MOTION)"), "{}", rig.refusal(goal));
 }
 
-/// Runs so many cycles, and returns the largest acceleration of x (inc/s^2).
+/// Runs this number of cycles. Returns the largest acceleration of x (inc/s^2).
 fn hardest(rig: &mut Rig, cycles: usize) -> f64 {
     let mut velocities = vec![rig.real("x.command.velocity")];
     for _ in 0..cycles {
@@ -113,8 +116,8 @@ fn hardest(rig: &mut Rig, cycles: usize) -> f64 {
     velocities.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.001).fold(0.0, f64::max)
 }
 
-/// A first point that is where the axis was measured, an increment beside its command, and 10 ms to the next: a way from the command
-/// would take 6 * 1 / 0.01^2 = 60000 inc/s^2 more.
+/// The first point is the measured position of the axis, one increment off its command, with 10 ms to the next point: a
+/// spline from the command would need 6 * 1 / 0.01^2 = 60000 inc/s^2 more.
 #[test]
 fn a_start_beside_the_command_is_worked_off() {
     let mut config = config(0);
@@ -135,15 +138,15 @@ fn a_start_beside_the_command_is_worked_off() {
         assert_eq!(at(&rig, "x"), (Position::from_f64(first + 50.0).nearest(), 0.0), "{first}");
         assert!(hardest <= 6_000.0 * (1.0 + 1e-5), "{first}: {hardest} inc/s^2");
     }
-    // Further off it is another way.
+    // With a larger distance it is another path.
     let mut rig = Rig::of(config);
     rig.enable();
     let goal = rig.give(run(0, &[0, 10, 100, 200], &[(X, &plan(4.0))], None));
     assert!(rig.refusal(goal).starts_with("x: acceleration"), "{}", rig.refusal(goal));
 }
 
-/// A spline of degree 3 or 5 by its ends, in u from 0 to 1: the largest speed and acceleration at ten thousand places, from the textbook's
-/// base functions and not from the code.
+/// Returns the largest speed and acceleration of a spline of degree 3 or 5 with these ends, at ten thousand values of u
+/// from 0 to 1. It uses the textbook's basis functions and not those of the code.
 fn largest(from: [f64; 3], to: [f64; 3], seconds: f64, quintic: bool) -> (f64, f64) {
     let (s, [x0, v0, a0], [x1, v1, a1]) = (seconds, from, to);
     let (h, d0, d1, e0, e1) = (x1 - x0, v0 * s, v1 * s, a0 * s * s, a1 * s * s);
@@ -185,8 +188,8 @@ fn machine_of(increments: u64, max_velocity: f64, max_acceleration: f64) -> Mach
 }
 
 proptest! {
-    /// Law: a trajectory whose spline, as it is given, is within the limits is accepted, at every resolution; its last interval may be
-    /// short.
+    /// Law: a trajectory whose given spline is within the limits is accepted, at every resolution; its last interval
+    /// may be short.
     #[test]
     fn what_is_within_the_limits_is_accepted_at_every_resolution(
         increments in prop_oneof![100..100_000_u64, 100..1_u64 << 26],
@@ -195,7 +198,7 @@ proptest! {
         end in (-1.0..1.0_f64, -2.0..2.0_f64),
         quintic: bool,
     ) {
-        // The last interval is a stop, after a share of the way that the last velocity would lead.
+        // The last interval is a stop, after a share of the distance at the last velocity.
         let (share, last_velocity) = end;
         let mut ways: Vec<_> = points.iter().map(|&(seconds, x, v, a)| ((seconds * 1e9).round(), [x, v, a])).collect();
         let last = ways.last_mut().expect("two at least");
@@ -216,7 +219,8 @@ proptest! {
             (time_ns, before) = (time_ns + ns, to);
             points.push(point(time_ns, to));
         }
-        // By Markov's inequality a polynomial of degree 4 rises between ten thousand places by less than 4e-7 of its largest value.
+        // By Markov's inequality a polynomial of degree 4 exceeds its values at ten thousand points by less than 4e-7
+        // of its maximum.
         let config = machine_of(increments, most.0 * (1.0 + 1e-6), most.1 * (1.0 + 1e-6));
         let request = TrajectoryRequest { axes: vec!["a".into()], units: Units::Si, points, ..TrajectoryRequest::default() };
         let trajectory = config.resolve_trajectory(&request).unwrap();

@@ -21,7 +21,7 @@ fn run_us(start_us: i64, times_ms: &[u64], tracks: Vec<Track>) -> Action {
     Action::Trajectory(Arc::new(trajectory))
 }
 
-/// To 10000 inc within 1 s, where x has 20000 inc/s: with 500000 inc/s^2 it stops from that within 40 ms, on 400 inc.
+/// To 10000 inc within 1 s, where x has 20000 inc/s: with 500000 inc/s^2 it stops from there within 40 ms, in 400 inc.
 fn moving() -> Vec<Point> {
     vec![(10_000, Some(20_000.0), None)]
 }
@@ -52,7 +52,7 @@ fn goal_is_reached_in_motion_and_the_axis_stops_after_it() {
     assert_eq!((command(&rig, "x"), rig.state("x"), rig.int("x.error")), (10_400.0, "STANDSTILL", 0));
 }
 
-/// The trajectory ends with a cycle, or half a cycle before one, in which x goes on for 10 inc.
+/// The trajectory ends with a cycle, or half a cycle before one, in which x moves 10 inc further.
 #[test]
 fn stop_after_the_end_must_be_within_the_limits() {
     for (start_us, max_position, refused_by) in [
@@ -93,7 +93,7 @@ fn straight_segments_and_points_without_time_are_refused() {
     assert_eq!((command(&rig, "x"), rig.state("x")), (0.0, "STANDSTILL"));
 }
 
-/// Tolerances are judged once, at the end: waiting for them would let the axis go on.
+/// Tolerances are checked once, at the end: waiting for them would let the axis move on.
 #[test]
 fn missed_tolerance_ends_the_goal_at_once() {
     let lazy = Model::SecondOrder(SecondOrder::new(2.0, 0.8, 1_000_000).expect("a legal model"));
@@ -110,8 +110,8 @@ fn missed_tolerance_ends_the_goal_at_once() {
     assert_eq!((command(&rig, "x"), rig.state("x")), (10_400.0, "STANDSTILL"));
 }
 
-/// The line is asked for 25 inc a cycle from rest and comes to 1 inc more in each. It lags by some 200 inc where the second trajectory begins, and
-/// still does 30 ms later, where that ends in motion.
+/// The line is commanded 25 inc per cycle from rest and accelerates by 1 inc per cycle. It lags by about 200 inc at the
+/// start of the second trajectory, and still lags 30 ms later, when that ends in motion.
 #[test]
 fn axis_that_lags_at_the_end_in_motion_misses_it() {
     let mut rig = Rig::enabled();
@@ -125,10 +125,11 @@ fn axis_that_lags_at_the_end_in_motion_misses_it() {
     assert!(command(&rig, "line") < 900.0, "{}", command(&rig, "line"));
 }
 
-/// A trajectory that starts after the end of one that ends in motion does not find it there: x stops at once.
+/// A trajectory that starts after the end of one that ends in motion cannot take it over: x stops at once.
 #[test]
 fn trajectory_with_a_later_start_takes_over_only_before_the_end() {
-    // The command of the later one applies in cycle 500 of the first: 500 ms are its end, 499.5 ms and 501 ms next to it.
+    // The command of the later trajectory applies in cycle 500 of the first: 500 ms is its end, 499.5 ms and 501 ms are
+    // next to it.
     for (start_us, waits_at_rest) in
         [(300_000, false), (499_500, false), (500_000, false), (501_000, true), (1_500_000, true)]
     {

@@ -1,4 +1,4 @@
-//! How far axes will lag behind straight segments: as it is reported beforehand, and as it comes.
+//! Lag of axes with straight segments: the lag that is reported in advance, and the actual lag.
 
 use super::rig::{Rig, X, Y, config};
 use super::trajectory::{Point, track};
@@ -36,8 +36,8 @@ fn command(rig: &Rig, axis: &str) -> f64 {
     rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
 }
 
-/// x has 1e6 inc/s^2. 5000 inc in 200 ms and back: the step from 25000 to -25000 inc/s takes 50 ms, in which x falls
-/// 50000^2 / 2e6 = 1250 inc behind. It stops from 25000 inc/s within 25 ms, in which the trajectory needs half of that.
+/// x has 1e6 inc/s^2. 5000 inc in 200 ms and back: the step from 25000 to -25000 inc/s takes 50 ms, in which x lags by
+/// 50000^2 / 2e6 = 1250 inc. It stops from 25000 inc/s within 25 ms, in which the trajectory needs half of that.
 #[test]
 fn lag_and_late_end_are_reported_in_the_cycle_of_acceptance() {
     let mut rig = Rig::enabled();
@@ -51,13 +51,14 @@ fn lag_and_late_end_are_reported_in_the_cycle_of_acceptance() {
     );
 }
 
-/// From 40000 inc/s against it: 50000 inc/s of difference, 1250 inc; the end at -10000 inc/s is 5 ms late. y lags by less.
+/// From 40000 inc/s in the opposite direction: 50000 inc/s of difference, 1250 inc; the end at -10000 inc/s is 5 ms
+/// late. y lags by less.
 #[test]
 fn a_motion_that_is_taken_over_counts() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(Move { mode: MoveMode::Velocity, velocity: 40_000.0, ..super::rig::to(X, 0) }));
     rig.run(200);
-    // It goes on for 40 inc in the cycle of the command.
+    // It moves on for 40 inc in the cycle of the command.
     let place = command(&rig, "x") as i64;
     let tracks = vec![track(Y, &through(&[-2_000])), track(X, &through(&[place + 40 - 4_000]))];
     let goal = rig.give(run(&[400], tracks, 1.0));
@@ -67,7 +68,8 @@ fn a_motion_that_is_taken_over_counts() {
     assert!((4_900_000..=5_100_000).contains(&late), "{late}");
 }
 
-/// The same place twice: the segment to the first point ahead is the last one that moves. 18000 inc/s: 162 inc, and half of 18 ms.
+/// The same position twice: the segment to the first point ahead is the last one that moves. 18000 inc/s: 162 inc, and
+/// half of 18 ms.
 #[test]
 fn points_that_only_hold_are_reported_too() {
     let mut rig = Rig::enabled();
@@ -76,7 +78,7 @@ fn points_that_only_hold_are_reported_too() {
     assert_eq!((event.asked, event.limit), (Number::Position(162), Number::Time(9_000_000)));
 }
 
-/// 5000 segments are looked at in 79 cycles. A goal that ends before that is not reported any more.
+/// 5000 segments are processed in 79 cycles. A goal that ends earlier is no longer reported.
 #[test]
 fn a_long_trajectory_is_reported_some_cycles_later() {
     let zigzag: Vec<i64> = (0..5_000).map(|point| if point % 2 == 0 { 400 } else { 0 }).collect();
@@ -97,7 +99,7 @@ fn a_long_trajectory_is_reported_some_cycles_later() {
     assert!(reports(&rig, goal).is_empty());
 }
 
-/// Where a trajectory with straight segments from one place to the next wants its axis at a time (s).
+/// Returns the position that a trajectory with straight segments between these positions requires at a time (s).
 fn wanted(times_ms: &[u64], places: &[i64], time_s: f64) -> f64 {
     let mut before = (0.0, 0.0);
     for (&time, &place) in times_ms.iter().zip(places) {
@@ -110,7 +112,7 @@ fn wanted(times_ms: &[u64], places: &[i64], time_s: f64) -> f64 {
     before.1
 }
 
-/// A rig whose x and y take hundreds of cycles for a change of velocity.
+/// Returns a rig whose x and y need hundreds of cycles for a change of velocity.
 fn slow() -> Rig {
     let mut config = config(0);
     for axis in [X, Y] {
@@ -122,8 +124,8 @@ fn slow() -> Rig {
     rig
 }
 
-/// x comes to the end before the trajectory, at 3000 inc/s, passes it, follows the trajectory, and comes back: an independent model of the
-/// follower with short cycles gives 4684 inc and 201.3 ms.
+/// x reaches the end before the trajectory, at 3000 inc/s, passes it, follows the trajectory, and returns: an
+/// independent model of the follower with short cycles gives 4684 inc and 201.3 ms.
 #[test]
 fn an_axis_that_passes_the_end_comes_back() {
     let mut rig = slow();
@@ -150,7 +152,7 @@ fn plans() -> impl Strategy<Value = (Vec<u64>, [Vec<i64>; 2])> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
-    /// The largest lag of all axes and the time of the end are as reported, but for what whole cycles of 1 ms make of them.
+    /// The largest lag of all axes and the time of the end are as reported, within the effect of whole cycles of 1 ms.
     #[test]
     fn axes_lag_as_reported((times, places) in plans()) {
         let mut rig = slow();

@@ -1,4 +1,5 @@
-//! Trajectories that exceed the velocities and accelerations of their axes: their time is stretched, or they are refused.
+//! Trajectories that exceed the velocities and accelerations of their axes: their time is stretched, or they are
+//! refused.
 
 use super::rig::{Rig, X, Y, config, to};
 use super::trajectory::{Point, track};
@@ -12,7 +13,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 
 const MS: u64 = 1_000_000;
-/// Of the axes of the rig (inc/s, inc/s^2).
+/// Limits of the axes of the rig (inc/s, inc/s^2).
 const MAX_VELOCITY: f64 = 100_000.0;
 const MAX_ACCELERATION: f64 = 1_000_000.0;
 
@@ -38,7 +39,8 @@ fn command(rig: &Rig, axis: &str) -> f64 {
     rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
 }
 
-/// Runs a goal to its end: how many cycles it took, the largest velocity and change of velocity of an axis (inc/s, inc/s^2).
+/// Runs a goal to its end. Returns the number of cycles, and the largest velocity and acceleration of an axis (inc/s,
+/// inc/s^2).
 fn played(rig: &mut Rig, goal: u64, axis: &str) -> (usize, f64, f64) {
     let (mut fastest, mut hardest) = (0.0_f64, 0.0_f64);
     let mut before = (command(rig, axis), rig.real(&format!("{axis}.command.velocity")));
@@ -61,8 +63,8 @@ fn stretches(rig: &Rig, goal: u64) -> Vec<Event> {
     rig.events.iter().filter(is_one).copied().collect()
 }
 
-/// 1500 inc from rest to rest in 50 ms: 6 * 1500 / 0.05^2 = 3.6e6 inc/s^2, 3.6 times what x may, so that it takes sqrt(3.6) =
-/// 1.8974 times as long: 94.87 ms. Each position is that of 50 ms, later.
+/// 1500 inc from rest to rest in 50 ms: 6 * 1500 / 0.05^2 = 3.6e6 inc/s^2, 3.6 times the limit of x, so it takes
+/// sqrt(3.6) = 1.8974 times as long: 94.87 ms. Each position is that of the 50 ms trajectory, later.
 #[test]
 fn excessive_acceleration_stretches_the_time_of_all_axes_and_keeps_the_path() {
     let mut rig = Rig::enabled();
@@ -92,7 +94,7 @@ fn excessive_acceleration_stretches_the_time_of_all_axes_and_keeps_the_path() {
     );
 }
 
-/// The second segment, 15000 inc in 100 ms, takes 1.5 times max_velocity.
+/// The second segment, 15000 inc in 100 ms, needs 1.5 times max_velocity.
 #[test]
 fn excessive_velocity_stretches_by_its_share() {
     let mut rig = Rig::enabled();
@@ -129,7 +131,7 @@ fn a_margin_accepts_what_exceeds_by_less_and_never_more() {
 #[test]
 fn more_than_max_stretch_is_refused_with_point_time_and_factor() {
     let mut rig = Rig::enabled();
-    // The way from 10000 to 14000 inc in 40 ms: 1.5 times max_velocity, and 6 * 4000 / 0.04^2 = 15e6 inc/s^2: sqrt(15) = 3.873.
+    // From 10000 to 14000 inc in 40 ms: 1.5 times max_velocity, and 6 * 4000 / 0.04^2 = 15e6 inc/s^2: sqrt(15) = 3.873.
     let points = [rest(0), rest(10_000), rest(14_000)];
     let goal = rig.give(run(&[0, 500, 540], vec![track(X, &points)], scaling(0.001, 3.0)));
     assert_eq!(
@@ -146,7 +148,7 @@ fn more_than_max_stretch_is_refused_with_point_time_and_factor() {
     assert!(fastest <= MAX_VELOCITY && hardest <= MAX_ACCELERATION * (1.0 + 1e-6), "{fastest} {hardest}");
 }
 
-/// A new trajectory takes x over in motion: the way to its first point is another one with each stretch.
+/// A new trajectory takes x over in motion: the path to its first point changes with each stretch.
 #[test]
 fn a_trajectory_that_takes_over_in_motion_is_stretched_too() {
     let mut rig = Rig::enabled();
@@ -162,7 +164,7 @@ fn a_trajectory_that_takes_over_in_motion_is_stretched_too() {
     assert_eq!(command(&rig, "x"), 24_000.0);
 }
 
-/// A rig whose x has this max_position.
+/// Returns a rig whose x has this max_position.
 fn up_to(max_position: i64) -> Rig {
     let mut config = config(0);
     config.axes[usize::from(X)].parameters.max_position = Some(max_position);
@@ -171,7 +173,7 @@ fn up_to(max_position: i64) -> Rig {
     rig
 }
 
-/// 20751 inc in 346 ms: up to 6 * 20751 / 0.346^2 = 1.04e6 inc/s^2, within the margin, down to max_position.
+/// 20751 inc in 346 ms: up to 6 * 20751 / 0.346^2 = 1.04e6 inc/s^2, within the margin, up to max_position.
 #[test]
 fn a_trajectory_decelerates_within_its_margin_down_to_a_limit() {
     let mut rig = up_to(20_751);
@@ -182,7 +184,8 @@ fn a_trajectory_decelerates_within_its_margin_down_to_a_limit() {
     assert!(hardest > MAX_ACCELERATION, "{hardest}");
 }
 
-/// The highest command of x within so many cycles, and the largest change of its velocity in a cycle (inc/s).
+/// Returns the highest command of x within this number of cycles, and the largest change of its velocity per cycle
+/// (inc/s).
 fn highest(rig: &mut Rig, cycles: usize) -> (f64, f64) {
     let (mut highest, mut hardest, mut before) = (0.0_f64, 0.0_f64, rig.real("x.command.velocity"));
     for _ in 0..cycles {
@@ -194,8 +197,8 @@ fn highest(rig: &mut Rig, cycles: usize) -> (f64, f64) {
     (highest, hardest)
 }
 
-/// x lags behind the corner of the first trajectory, and is at 15750 inc with 76000 inc/s where the second one begins, which was checked
-/// with 14250 inc and -75000 inc/s.
+/// x lags at the corner of the first trajectory, and is at 15750 inc with 76000 inc/s at the start of the second one,
+/// which was checked with 14250 inc and -75000 inc/s.
 #[test]
 fn an_axis_that_lags_where_a_trajectory_begins_is_stopped_at_its_limit() {
     let mut rig = up_to(20_000);
@@ -210,7 +213,8 @@ fn an_axis_that_lags_where_a_trajectory_begins_is_stopped_at_its_limit() {
     assert_eq!(rig.done(goal)[0].code, Code::SOFTWARE_LIMIT_POSITIVE);
 }
 
-/// The largest step is past; the one at max_position is ahead. Stopped in time, x decelerates by at most 1.5 times what it may.
+/// The largest step is past; the one at max_position is ahead. Stopped in time, x decelerates by at most 1.5 times its
+/// limit.
 #[test]
 fn an_axis_with_a_step_ahead_is_stopped_at_its_limit() {
     let mut rig = up_to(20_000);
@@ -224,8 +228,9 @@ fn an_axis_with_a_step_ahead_is_stopped_at_its_limit() {
     assert_eq!(rig.done(goal)[0].code, Code::SOFTWARE_LIMIT_POSITIVE);
 }
 
-/// x at 80000 inc/s, 6000 inc before max_position. Its way to point 0 stays below that as planned, but the second segment needs a stretch of
-/// sqrt(1.96) = 1.4, with which the way is 22400 inc/s times s long where more than 3 * 6000 passes the limit: 117 inc at its highest.
+/// x is at 80000 inc/s, 6000 inc before max_position. Its planned path to point 0 stays below that, but the second
+/// segment needs a stretch of sqrt(1.96) = 1.4, with which the path is 22400 inc/s times s long. A path of more than 3
+/// * 6000 exceeds the limit: by 117 inc at its maximum.
 #[test]
 fn a_way_that_only_the_stretch_leads_beyond_a_limit_is_refused() {
     let mut rig = up_to(20_000);
@@ -238,7 +243,7 @@ fn a_way_that_only_the_stretch_leads_beyond_a_limit_is_refused() {
     assert!(rig.refusal(goal).contains("exceeds max_position"), "{}", rig.refusal(goal));
 }
 
-/// An axis at 1.1 times max_velocity, taken over by a trajectory with less margin: no stretch makes it slower.
+/// An axis at 1.1 times max_velocity is taken over by a trajectory with a smaller margin: no stretch makes it slower.
 #[test]
 fn an_axis_too_fast_for_any_stretch_is_refused() {
     let mut rig = Rig::enabled();
@@ -252,7 +257,8 @@ fn an_axis_too_fast_for_any_stretch_is_refused() {
     assert!(refusal.ends_with("; no longer time of the trajectory helps"), "{refusal}");
 }
 
-/// 5000 inc in 200 ms and back: from 25000 to -25000 inc/s at point 0, and an axis can do 1000 inc/s in a cycle.
+/// 5000 inc in 200 ms and back: from 25000 to -25000 inc/s at point 0, while the limit of an axis is 1000 inc/s per
+/// cycle.
 #[test]
 fn straight_segments_are_refused_with_on_excess_refuse() {
     let mut rig = Rig::enabled();
@@ -264,15 +270,15 @@ fn straight_segments_are_refused_with_on_excess_refuse() {
         "x: velocity steps by 0.05 m/s (50 mm/s) at point 0 (0.2 s), the axis can do 0.001 m/s (1 mm/s) in a cycle; \
          give velocities in the points"
     );
-    // One segment: 2000 inc/s to begin with, and to end with. What carries velocities has no steps.
+    // One segment: steps of 2000 inc/s at its start and its end. A trajectory with velocities has no steps.
     let goal = rig.give(run(&[500], vec![track(X, &[(1_000, None, None)])], refusing(0.0)));
     assert!(rig.refusal(goal).starts_with("x: velocity steps by 0.002 m/s (2 mm/s) at point 0 (0.5 s)"));
     let goal = rig.give(run(&[500, 900], vec![track(X, &[(2_000, Some(4_000.0), None), rest(3_000)])], refusing(0.0)));
     assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
 }
 
-/// 5000 inc in 100 ms and back: 100000 inc/s more at point 0, 50000 at point 1, where x stands. Begun 100 ms after point 1, only the way
-/// from rest to rest is ahead.
+/// 5000 inc in 100 ms and back: 100000 inc/s more at point 0, 50000 at point 1, where x is at rest. Started 100 ms
+/// after point 1, only the motion from rest to rest is ahead.
 #[test]
 fn a_step_that_is_past_is_none() {
     let points: [Point; 4] = [(5_000, None, None), (0, None, None), rest(0), rest(3_000)];
@@ -291,8 +297,8 @@ fn a_step_that_is_past_is_none() {
     }
 }
 
-/// The largest step is past: 100000 inc/s at point 0. Ahead are 10000 inc/s at point 3, and back at point 4, which is a step of 20000; an axis
-/// can do 1000 in a cycle.
+/// The largest step is past: 100000 inc/s at point 0. Ahead are 10000 inc/s at point 3, and back at point 4, which is a
+/// step of 20000; the limit of an axis is 1000 per cycle.
 #[test]
 fn a_smaller_step_ahead_is_reported_where_the_largest_is_past() {
     let points: [Point; 6] =
@@ -313,7 +319,7 @@ fn a_smaller_step_ahead_is_reported_where_the_largest_is_past() {
     assert_eq!(rig.events.iter().filter(lags).count(), 1);
 }
 
-/// What has no meaning as limits is no trajectory.
+/// A trajectory with meaningless limits is invalid.
 #[test]
 fn limits_outside_of_their_ranges_are_refused() {
     let times: Box<[u64]> = [100 * MS].into();
@@ -329,7 +335,7 @@ fn limits_outside_of_their_ranges_are_refused() {
     }
 }
 
-/// Three cubic segments, of which the last one may be short, up to 3 times too hard.
+/// Three cubic segments, of which the last one may be short, up to 3 times above the limits.
 fn knots() -> impl Strategy<Value = (Vec<u64>, Vec<Point>)> {
     let time = 20..200_u64;
     let place = -3_000..3_000_i64;
@@ -351,7 +357,7 @@ fn knots() -> impl Strategy<Value = (Vec<u64>, Vec<Point>)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Whatever is stretched stays on its path, at its time divided by the stretch, and within all limits.
+    /// A stretched trajectory stays on its path, at its time divided by the stretch, and within all limits.
     #[test]
     fn stretched_trajectories_keep_their_path_and_all_limits((times, points) in knots()) {
         let mut rig = Rig::of(config(0));
@@ -391,7 +397,8 @@ proptest! {
     }
 }
 
-/// A motion with accelerations of -1, 0 or 1 times the limit, a millisecond each, to standstill: what a time-optimal planner may make.
+/// A motion with accelerations of -1, 0 or 1 times the limit, one millisecond each, to standstill: possible output of a
+/// time-optimal planner.
 fn optimal_plan() -> impl Strategy<Value = (Vec<(f64, f64, f64)>, usize)> {
     (proptest::collection::vec(-1..=1_i32, 2..90), 1..100_usize).prop_map(|(half, step)| {
         let back = half.iter().rev().map(|share| -share);
@@ -409,7 +416,7 @@ fn optimal_plan() -> impl Strategy<Value = (Vec<(f64, f64, f64)>, usize)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
 
-    /// Whatever is planned within the limits runs at the defaults, however it is sampled.
+    /// Plans within the limits run with the defaults, with any sampling.
     #[test]
     fn plans_within_the_limits_are_accepted((motion, step) in optimal_plan(), with_accelerations: bool) {
         let last = motion.len() - 1;

@@ -1,4 +1,4 @@
-//! What a trajectory asks of an axis at a time that is asked for.
+//! Setpoint of an axis from its trajectory at a requested time.
 
 use super::rig::{LINE, Rig, X, Y, at, config};
 use super::trajectory::{Point, track};
@@ -21,12 +21,13 @@ fn later(start_ms: i64, time_ms: u64, track: Track) -> Action {
     Action::Trajectory(Arc::new(trajectory.expect("a sound one")))
 }
 
-/// The cycle that has run last.
+/// Returns the number of the last cycle.
 fn cycle(rig: &Rig) -> u64 {
     rig.machine.state().cycle - 1
 }
 
-/// The answer for a time since a cycle (ms): position, velocity, acceleration, and whether a trajectory asks for it.
+/// Returns the answer for a time since a cycle (ms): position, velocity, acceleration, and whether it comes from a
+/// trajectory.
 fn ask(rig: &mut Rig, axis: u16, (since, ms): (u64, f64)) -> Result<([f64; 3], bool), String> {
     let at_ns = (since * MS).saturating_add_signed((ms * MS as f64) as i64);
     let query = rig.give(Action::QueryTrajectory(QueryTrajectory { axis, at_ns }));
@@ -42,8 +43,8 @@ fn is_near(found: [f64; 3], expected: [f64; 3]) -> bool {
     std::iter::zip(found, expected).all(|(found, expected)| (found - expected).abs() <= 1e-6 * expected.abs() + 1e-4)
 }
 
-/// L (3 u^2 - 2 u^3) with L 10000 inc in 400 ms: at a quarter of the time 1562.5 inc, 28125 inc/s and 187500 inc/s^2; in the middle 5000 inc
-/// and 37500 inc/s. A time between two cycles has its own answer: after 100.5 ms u is 0.25125.
+/// L (3 u^2 - 2 u^3) with L 10000 inc in 400 ms: at a quarter of the time 1562.5 inc, 28125 inc/s and 187500 inc/s^2;
+/// in the middle 5000 inc and 37500 inc/s. A time between two cycles has its own answer: after 100.5 ms u is 0.25125.
 #[test]
 fn answer_is_the_trajectory_at_any_time_of_it() {
     let mut rig = Rig::enabled();
@@ -72,7 +73,7 @@ fn answer_is_the_trajectory_at_any_time_of_it() {
     );
 }
 
-/// The answer does not change what the axis does, and is what its command comes to.
+/// The answer does not affect the axis, and the command reaches its values.
 #[test]
 fn command_comes_to_the_answer() {
     let mut rig = Rig::enabled();
@@ -87,7 +88,7 @@ fn command_comes_to_the_answer() {
     }
 }
 
-/// The one that waits covers its times, the one before leads until then.
+/// The waiting trajectory covers its times, the previous one the times before.
 #[test]
 fn waiting_trajectory_and_the_one_before_cover_their_times() {
     let mut rig = Rig::enabled();
@@ -101,13 +102,13 @@ fn waiting_trajectory_and_the_one_before_cover_their_times() {
     assert!(is_near(before, [5_000.0, 37_500.0, 0.0]), "{before:?}");
     let end = ask(&mut rig, X, (begins, 400.0)).expect("of the one that waits").0;
     assert!(is_near(end, [14_000.0, 0.0, 0.0]), "{end:?}");
-    // Once it has begun, it has replaced the one before.
+    // Once it has started, it has replaced the previous one.
     rig.run(begins - cycle(&rig) + 2);
     assert!(ask(&mut rig, X, (start, 200.0)).is_err());
 }
 
-/// 10000 inc are 2 turns of 3600 inc and 2800 inc, of which -800 inc is nearest to 0. In 400 ms that would be 3000 inc/s in the middle; with half of
-/// that it takes twice the time.
+/// 10000 inc are 2 revolutions of 3600 inc and 2800 inc, of which -800 inc is nearest to 0. In 400 ms that would be
+/// 3000 inc/s in the middle; with a limit of half of that it takes twice the time.
 #[test]
 fn answer_is_of_the_stretched_time_and_of_the_turned_track() {
     let mut config = config(0);
@@ -135,7 +136,7 @@ fn without_a_trajectory_an_axis_must_stand() {
     rig.give(Action::Move(at(Y, 1_000.0)));
     rig.run(5);
     assert_eq!(ask(&mut rig, Y, (now, 5_000.0)).unwrap_err(), "y: the axis moves, and not by a trajectory");
-    // One that is cancelled stops.
+    // A cancelled axis stops.
     let goal = rig.give(later(0, 400, track(LINE, &[rest(2_000)])));
     rig.run(100);
     let stop = rig.give(Action::Cancel { goal });

@@ -1,4 +1,4 @@
-//! Where trajectories may begin, how tracks of endless joints are turned to them, and how long they may take.
+//! Allowed starts of trajectories, rotation of the tracks of continuous joints to the start, and maximum duration.
 
 use super::rig::{LINE, Rig, X, Y, config};
 use super::trajectory::{Point, track};
@@ -29,7 +29,7 @@ fn turned(points: &[Point]) -> Track {
     Track { wraps: true, ..track(X, points) }
 }
 
-/// A rig whose x has this turn, at 750 degrees (GRP-TRAJ-10), where 3600 inc are 360 degrees.
+/// Returns a rig whose x has this revolution and is at 750 degrees (GRP-TRAJ-10), where 3600 inc are 360 degrees.
 fn at_750_degrees(turn: (i64, i64)) -> Rig {
     let mut config = config(0);
     config.axes[usize::from(X)].modulo = Modulo::new(turn.0, turn.1);
@@ -54,18 +54,18 @@ fn points_of_an_endless_joint_are_moved_by_the_same_whole_turns() {
         assert_eq!(rig.int("x.command.position"), expected);
     }
     assert_eq!((rig.done(goal)[0].code, rig.int("x.sync.error")), (Code::NONE, 0));
-    // Without it nothing is turned.
+    // Without the rotation the track is unmodified.
     let goal = rig.give(run(&[2_000], vec![track(X, &[rest(400)])]));
     rig.run(2_001);
     assert_eq!((rig.done(goal)[0].code, rig.int("x.command.position")), (Code::NONE, 400));
 }
 
-/// Half a turn is up: 180 degrees at 0 is 180, -180 too. A point at time 0 is the one that is turned.
+/// Half a revolution is upwards: 180 degrees at 0 is 180, and so is -180. A point at time 0 is the one that is rotated.
 #[test]
 fn half_a_turn_is_up_and_the_first_point_decides() {
     for (first, expected) in [(1_800, 9_300), (-1_800, 9_300), (1_801, 5_701)] {
         let mut rig = at_750_degrees((3_600, 1));
-        // From 7500, which shows as 300.
+        // From 7500, which is shown as 300.
         let goal = rig.give(run(&[800], vec![turned(&[rest(300 + first)])]));
         assert!(rig.was_accepted(goal));
         assert_eq!(rig.int("x.target.position"), expected, "{first}");
@@ -76,8 +76,9 @@ fn half_a_turn_is_up_and_the_first_point_decides() {
     assert_eq!(rig.int("x.target.position"), 9_500);
 }
 
-/// A trajectory whose first points are past when it arrives is turned as one that arrives in time: 5 ms after the first of them it asks for
-/// 300 inc and a little, which is where the axis stands, and not for the second point, to which half a turn back is nearer.
+/// A trajectory whose first points are past at its arrival is rotated like one that arrives in time: 5 ms after the
+/// first point it requires slightly more than 300 inc, the position of the axis, and not the second point, which would
+/// be nearer half a revolution back.
 #[test]
 fn points_that_are_past_do_not_change_the_turn() {
     for start_ms in [0, -5] {
@@ -90,7 +91,7 @@ fn points_that_are_past_do_not_change_the_turn() {
     }
 }
 
-/// A turn of 10000 / 3 inc: two of them are 6666 2/3 inc, and 100 inc at 7500 inc become 6766 2/3.
+/// A revolution of 10000 / 3 inc: two of them are 6666 2/3 inc, and 100 inc at 7500 inc become 6766 2/3.
 #[test]
 fn a_turn_that_is_no_whole_number_of_increments_leaves_no_error() {
     let mut rig = at_750_degrees((10_000, 3));
@@ -132,14 +133,14 @@ fn max_duration_refuses_longer_ones_and_ends_what_does_not_end() {
     let goal = rig.give(of(500, Tolerance::default()));
     rig.run(501);
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
-    // Between two cycles: the cycle that ends it is behind max_duration.
+    // Between two cycles: the cycle that ends it is after max_duration.
     let mut rig = Rig::enabled();
     let times = [499_500_000].into();
     let late = Trajectory::new(0, times, [track(X, &[rest(1_000)])].into(), None).expect("a sound one");
     let goal = rig.give(Action::Trajectory(Arc::new(late.ended_after(Some(499_700_000)))));
     rig.run(501);
     assert_eq!(rig.done(goal)[0].code, Code::NONE);
-    // x lags behind its end at 500 ms, and would wait for its tolerance as long as it takes.
+    // x lags at its end at 500 ms, and would wait for its tolerance without a time limit.
     let lazy = || Model::SecondOrder(SecondOrder::new(2.0, 0.8, 1_000_000).expect("a legal model"));
     let mut config = config(0);
     config.axes[usize::from(X)].parameters.max_following_error = 100_000;
@@ -159,13 +160,13 @@ fn later(start_ms: i64, times_ms: &[u64], tracks: Vec<Track>) -> Action {
     Action::Trajectory(Arc::new(trajectory(times_ms, tracks).starting(start_ms * MS as i64)))
 }
 
-/// x from 0 to 10000 inc in 400 ms on a cubic, after so many of them.
+/// Returns position and velocity of x after this time (ms) of a cubic from 0 to 10000 inc in 400 ms.
 fn on_the_way(ms: f64) -> (f64, f64) {
     let u = ms / 400.0;
     (10_000.0 * (3.0 * u * u - 2.0 * u * u * u), 10_000.0 * (6.0 * u - 6.0 * u * u) / 0.4)
 }
 
-/// A rig whose x is on its way for 100 ms, and y with it.
+/// Returns a rig with x and y 100 ms after the start of a trajectory.
 fn under_way() -> (Rig, u64) {
     let mut rig = Rig::enabled();
     let goal = rig.give(run(&[400], vec![track(X, &[rest(10_000)]), track(Y, &[rest(-4_000)])]));
@@ -181,8 +182,8 @@ fn has_room(rig: &Rig) -> bool {
     rig.machine.state().runs.iter().all(Option::is_none)
 }
 
-/// The goal of the running trajectory ends, and its axis follows it until the start, where the new one takes over without a jump. Axes
-/// without a place in the new one stop.
+/// The goal of the running trajectory ends, and its axis follows it until the start, where the new one takes over
+/// without a jump. Axes that are not in the new one stop.
 #[test]
 fn a_later_start_leaves_axes_on_the_trajectory_before_until_then() {
     let (mut rig, old) = under_way();
@@ -213,7 +214,7 @@ fn a_later_start_leaves_axes_on_the_trajectory_before_until_then() {
     assert!(has_room(&rig));
 }
 
-/// The one before ends first: its axes rest at its end until the start.
+/// The previous trajectory ends first: its axes rest at its end until the start.
 #[test]
 fn a_start_behind_the_end_of_the_trajectory_before_waits_there() {
     let (mut rig, _) = under_way();
@@ -227,8 +228,8 @@ fn a_start_behind_the_end_of_the_trajectory_before_waits_there() {
     assert!(has_room(&rig));
 }
 
-/// x is taken over at 28125 or 37500 inc/s. Its drive answers with where it was 1 + delay cycles before, 28 inc at least: what it answers
-/// first is from before the start.
+/// x is taken over at 28125 or 37500 inc/s. Its drive reports the position of 1 + delay cycles before, 28 inc less at
+/// least: the first report is from before the start.
 #[test]
 fn the_path_is_judged_from_the_start_on() {
     for (delay, start_ms) in [(0, 0), (3, 0), (0, 100), (3, 100)] {
@@ -244,8 +245,8 @@ fn the_path_is_judged_from_the_start_on() {
     }
 }
 
-/// The line, asked for 25 inc a cycle from rest, comes to 1 inc more in each: it lags by more than 100 inc where the second trajectory
-/// takes it over. The path is the one from where it is.
+/// The line, commanded 25 inc per cycle from rest, accelerates by 1 inc per cycle: it lags by more than 100 inc when
+/// the second trajectory takes it over. The path is the one from its present position.
 #[test]
 fn an_axis_that_lags_behind_the_trajectory_before_is_judged_from_where_it_is() {
     let mut rig = Rig::enabled();
@@ -281,8 +282,8 @@ fn what_ends_a_trajectory_that_waits_stops_its_axes() {
     }
 }
 
-/// A third one replaces the one that waits: the axis stays on the first until that begins, or leaves it at once. One that is refused changes
-/// nothing.
+/// A third trajectory replaces the waiting one: the axis stays on the first until the third starts, or leaves it at
+/// once. A refused one changes nothing.
 #[test]
 fn a_trajectory_that_waits_is_replaced_by_another() {
     for start_ms in [150, 0] {

@@ -1,4 +1,4 @@
-//! A reference that is turned round to where the axis may not go: what it led to before is asked for no more.
+//! A reference that is reversed into a blocked direction: the previous motion does not continue.
 
 use super::rig::{Rig, X, config};
 use crate::code::Code;
@@ -10,7 +10,7 @@ use crate::parameter::{Change, Row, Value};
 use crate::sim::{Fixtures, Model};
 use crate::vocabulary::wf::{Jog, Mode, Request};
 
-/// x stands on its positive limit switch.
+/// Returns a rig with x on its positive limit switch.
 fn on_the_switch(config: MachineConfig) -> Rig {
     let mut rig = Rig::with(config, [Model::Ideal; 2]);
     rig.plant.drive(0).unwrap().fit(Fixtures { positive: Some(-1_000_000), ..Fixtures::default() });
@@ -18,7 +18,7 @@ fn on_the_switch(config: MachineConfig) -> Rig {
     rig
 }
 
-/// It may only go forwards.
+/// Returns a rig with x that may only move forwards.
 fn forwards() -> Rig {
     let mut config = config(0);
     config.axes[usize::from(X)].parameters.macs.revers = 2;
@@ -32,7 +32,7 @@ impl Rig {
     }
 }
 
-/// Parameters of the selector: speeds in inc/s, places in inc.
+/// Sets parameters of the selector: speeds in inc/s, positions in inc.
 fn set(rig: &mut Rig, values: &[(&str, i64)]) -> u64 {
     let change = |&(key, value): &(&str, i64)| {
         let (row, entry) = Row::find(&format!("amc.{key}")).expect("a key of the catalogue");
@@ -51,17 +51,18 @@ fn warnings(rig: &Rig) -> Vec<Code> {
     rig.events.iter().filter(|event| event.kind == Kind::Warning).map(|event| event.code).collect()
 }
 
-/// 34.007 as it is written, and as it is in force.
+/// Returns 34.007 as written, and as in force.
 fn selected(rig: &Rig) -> (i64, i64) {
     (rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select, rig.int("x.amc.select"))
 }
 
-/// Both bars, the way that each of them leaves open, and what it refuses with.
+/// Returns both blocked rigs, the direction that each of them leaves free, and the code of its refusals.
 fn bars() -> [(Rig, i64, Code); 2] {
     [(on_the_switch(config(0)), -1, Code::LIMIT_VIOLATION), (forwards(), 1, Code::REVERSE_FORBIDDEN)]
 }
 
-/// 50 mm/s with 1 m/s^2: it stands after 50 ms, with its reference still selected, and goes on once that leads back.
+/// 50 mm/s with 1 m/s^2: the axis stops within 50 ms, with its reference still selected, and continues once that leads
+/// back.
 ///
 /// Proves: AMC-SEL-09, MACS-LIM-09, MACS-DIR-06
 #[test]
@@ -84,8 +85,8 @@ fn a_speed_that_is_turned_to_where_the_axis_may_not_go_stops_it_and_stays_select
     }
 }
 
-/// What is known before the cycle is refused as a whole, and what is in force goes on: of the other references, whether
-/// they are written or triggered, and of the places of one that is in force.
+/// A selection that is known to be blocked before the cycle is refused as a whole, and the present one continues: for
+/// the other references, whether written or triggered, and for the positions of a reference in force.
 ///
 /// Proves: MACS-LIM-09, MACS-DIR-06
 #[test]
@@ -113,7 +114,8 @@ fn a_selection_that_leads_where_the_axis_may_not_go_is_refused() {
     }
 }
 
-/// The switch comes in the very cycle of the change, which nobody could know: the axis does not run on to the old place.
+/// The switch is reached in the same cycle as the change, which could not be known: the axis does not move on to the
+/// previous position.
 #[test]
 fn a_place_that_is_barred_in_the_cycle_of_its_change_stops_the_axis() {
     let mut rig = Rig::enabled();
@@ -129,7 +131,7 @@ fn a_place_that_is_barred_in_the_cycle_of_its_change_stops_the_axis() {
     assert!(warnings(&rig).contains(&Code::LIMIT_VIOLATION));
     rig.run(101);
     assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "STANDSTILL"));
-    // One that was not in force yet leaves what is as it is.
+    // A reference that was not in force yet leaves everything unchanged.
     rig.tamper = |_| ();
     set(&mut rig, &[("speed_reference", -50_000), ("reference_select", 2)]);
     rig.run(300);
@@ -143,11 +145,11 @@ fn a_place_that_is_barred_in_the_cycle_of_its_change_stops_the_axis() {
     assert_eq!((rig.real("x.command.velocity"), selected(&rig)), (-50_000.0, (2, 2)));
 }
 
-/// The newest velocity counts: where it is not followed, the one before is asked for no more.
+/// The newest velocity counts: if it is not followed, the previous one is not continued.
 #[test]
 fn a_stream_that_is_turned_to_where_the_axis_may_not_go_stops_it() {
     let limited = || {
-        // It stands beyond it, and comes back only a part of the way.
+        // It is at rest outside the limit, and moves back only a part of the distance.
         let mut config = config(0);
         config.axes[usize::from(X)].parameters.max_position = Some(-1_000);
         Rig::of(config).into_enabled()
@@ -173,7 +175,7 @@ fn jog(rig: &mut Rig, jog: Jog) -> u64 {
     rig.give(Action::vocabulary(request))
 }
 
-/// JOG- was released: it cuts its speed, whatever becomes of JOG+.
+/// JOG- was released: its speed is cut, whether JOG+ is followed or not.
 ///
 /// Proves: WF-SET-02, MACS-LIM-09
 #[test]
@@ -191,7 +193,7 @@ fn a_jog_that_is_turned_towards_a_switch_lets_go_of_the_way_back() {
         rig.mirror();
         let turned = jog(&mut rig, Jog::Plus);
         assert!(rig.was_accepted(turned), "{interface:?}");
-        // Open loop: cut in its cycle. Else 20 mm/s down with 1 m/s^2.
+        // Open loop: cut in its cycle. Otherwise deceleration from 20 mm/s with 1 m/s^2.
         rig.run(if interface == Interface::OpenLoop { 0 } else { 20 });
         assert_eq!(rig.real("x.command.velocity"), 0.0, "{interface:?}");
         assert_eq!((warnings(&rig), rig.int("x.wf.q")), (vec![Code::LIMIT_VIOLATION], 0), "{interface:?}");

@@ -1,4 +1,4 @@
-//! The virtual master: its ramp, whom it follows, what starts and ends it, its marks.
+//! Virtual master: its ramp, its source, its start and end, its marks.
 
 use super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use super::sums::{copying, enabled, master, raw, start};
@@ -41,7 +41,7 @@ fn parameters(rig: &Rig) -> MachineParameters {
     rig.machine.state.panel.parameters
 }
 
-/// `stop` is i_break, `mark` latches, `edge` does not; x does at once what its leader asks.
+/// `stop` is i_break, `mark` latches, `edge` does not; x follows its leader without limits.
 fn cell() -> MachineConfig {
     let input = |name: &str, latch| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch };
     let mut config = config(0);
@@ -56,7 +56,7 @@ fn couples(rig: &mut Rig, axis: u16, numerator: i64, denominator: i64) -> u64 {
     rig.give(Action::Synchronize(couple(axis, VIRTUAL, numerator, denominator)))
 }
 
-/// 100 inc/s more in each ms: 10 cycles up to 1000 inc/s, 1 inc in each from then on. x is twice as fast, in the same cycle.
+/// 100 inc/s more in each ms: 10 cycles up to 1000 inc/s, then 1 inc in each. x is twice as fast, in the same cycle.
 ///
 /// Proves: MACS-VM-02, MACS-VM-08, MACS-CMD-33
 #[test]
@@ -70,7 +70,7 @@ fn pulsvel_starts_and_pulsacc_ramps() {
     set(&mut rig, &[("pulsvel", 1_000)]);
     for cycle in 1_i64..=30 {
         let velocity = 100.0 * cycle.min(10) as f64;
-        // 0.1 + 0.2 + .. 1, then 1 in each.
+        // 0.1 + 0.2 + .. 1, then 1 in each cycle.
         let tenths = if cycle < 10 { cycle * (cycle + 1) / 2 } else { 55 + 10 * (cycle - 10) };
         let exact = (i128::from(tenths) << 32).div_euclid(10);
         assert_eq!((rig.real("machine.vmaster.velocity"), raw(&rig, VIRTUAL)), (velocity, exact), "in cycle {cycle}");
@@ -79,7 +79,7 @@ fn pulsvel_starts_and_pulsacc_ramps() {
         assert_eq!(rig.real("x.master.velocity"), velocity);
         rig.run(1);
     }
-    // Through 0 and back: 20 cycles of 100 inc/s less.
+    // Through 0 and back: 20 cycles with 100 inc/s less.
     set(&mut rig, &[("pulsvel", -1_000)]);
     rig.run(9);
     assert_eq!(rig.real("machine.vmaster.velocity"), 0.0);
@@ -92,7 +92,7 @@ fn pulsvel_starts_and_pulsacc_ramps() {
     assert_eq!((rig.real("machine.vmaster.velocity"), rig.int("x.in_sync")), (0.0, 1));
 }
 
-/// It stands in the cycle of pulsacc 0, whatever pulsvel is, until pulsvel is set anew, also to the same value.
+/// It is at rest in the cycle of pulsacc 0, with any pulsvel, until pulsvel is set again, also to the same value.
 ///
 /// Proves: MACS-VM-02
 #[test]
@@ -111,7 +111,7 @@ fn pulsacc_0_ends_it() {
     assert_eq!(rig.real("machine.vmaster.velocity"), 1_000.0);
 }
 
-/// The velocity is there in the cycle of its set, and turns without a ramp; what pulsvel says is obsolete.
+/// The velocity is reached in the cycle of its set, and reverses without a ramp; pulsvel has no effect.
 ///
 /// Proves: MACS-VM-04, MACS-CMD-33
 #[test]
@@ -128,7 +128,7 @@ fn setsys_15_is_the_velocity_with_pulsacc_minus_1() {
     assert_eq!(refused(&mut rig, &[("pulsvel", 9)]), obsolete);
     rig.run(1);
     assert_eq!(rig.real("machine.vmaster.velocity"), -7_000.0);
-    // From the velocity that it has, by the ramp.
+    // From the present velocity, with the ramp.
     set(&mut rig, &[("pulsacc", 1_000_000), ("pulsvel", 0)]);
     assert_eq!(rig.real("machine.vmaster.velocity"), -6_000.0);
     set(&mut rig, &[("pulsacc", -1), ("setsys_15", 0)]);
@@ -139,8 +139,8 @@ fn setsys_15_is_the_velocity_with_pulsacc_minus_1() {
     assert_eq!(rig.real("machine.vmaster.velocity"), 0.0);
 }
 
-/// y stands behind x in the file, and moves before it, from the cycle of the start on: x has y's command of the same cycle. A new zero of y is no
-/// motion, and pulsvel moves nothing.
+/// y is after x in the file, and moves before it, from the cycle of the start on: x has the command of y of the same
+/// cycle. A new zero of y is not a motion, and pulsvel moves nothing.
 ///
 /// Proves: MACS-VM-01, MACS-VM-03, MACS-VM-08
 #[test]
@@ -173,7 +173,7 @@ fn it_follows_the_command_of_an_axis_without_a_lag() {
     rig.give(Action::SetPosition(SetPosition { axis: Y, position: Length::whole(77) }));
     rig.run(3);
     assert_eq!((rig.int("machine.vmaster.position"), rig.int("y.command.position")), (place, 77));
-    // Another source is taken over by the next pulsvel alone.
+    // Another source is only applied by the next pulsvel.
     set(&mut rig, &[("vmenctyp", 0)]);
     rig.give(Action::Move(to(Y, 1_077)));
     rig.run_until("y.state", 1);
@@ -184,8 +184,9 @@ fn it_follows_the_command_of_an_axis_without_a_lag() {
     assert_eq!(rig.real("machine.vmaster.velocity"), -1_000.0);
 }
 
-/// line comes to 20 mm/s with 0.5 m/s^2, half of what it may; its follower with 0.1 m/s^2, 0.1 inc per cycle more in each. What the ramp loses is not caught up: it
-/// ends with the velocity of the axis, not at its place.
+/// line accelerates to 20 mm/s with 0.5 m/s^2, half of its limit; its follower with 0.1 m/s^2, 0.1 inc/cycle^2. The
+/// distance that is lost by the ramp is not caught up: the follower ends with the velocity of the axis, not at its
+/// position.
 ///
 /// Proves: MACS-VM-03
 #[test]
@@ -204,14 +205,15 @@ fn pulsacc_limits_what_it_follows() {
     rig.run(2);
     assert!((rig.real("machine.vmaster.velocity") - 20_000.0).abs() < 1e-4);
     let lost = |rig: &Rig| rig.int("line.command.position") - rig.int("machine.vmaster.position");
-    // Half of the way of 20 mm/s in the 200 ms of its ramp, less that of 40 ms: 1600 inc, but for half a cycle of 20 inc.
+    // Half of the distance at 20 mm/s in the 200 ms of its ramp, less that of 40 ms: 1600 inc, within half a cycle of
+    // 20 inc.
     let apart = lost(&rig);
     assert!((apart - 1_600).abs() <= 20, "{apart}");
     rig.run(500);
     assert!((lost(&rig) - apart).abs() <= 1);
 }
 
-/// What is refused says why, and changes nothing.
+/// A refused set reports the reason, and changes nothing.
 ///
 /// Proves: MACS-VM-01, MACS-VM-03, MACS-VM-07
 #[test]
@@ -249,7 +251,7 @@ fn sets_that_cannot_be_are_refused_and_change_nothing() {
     for marker in [2, 3, 4, 10, 14] {
         assert!(refused(&mut rig, &[("vmencmtyp", marker)]).starts_with(&format!("machine: vmencmtyp is {marker}; ")));
     }
-    // Off, with an axis as its source: a start without a ramp, and what a file of all parameters says.
+    // Switched off, with an axis as its source: a start without a ramp, and a file with all parameters.
     set(&mut rig, &[("pulsacc", 0), ("pulsvel", 0), ("vmenctyp", 200)]);
     let sentence = "machine: pulsvel 0 starts the virtual master, and pulsacc is 0; above 0 is needed for that";
     assert_eq!(refused(&mut rig, &[("pulsvel", 0)]), sentence);
@@ -288,7 +290,7 @@ fn a_cell_begins_with_a_virtual_master_that_stands() {
     assert!(matches!(Machine::new(cell).err(), Some(ConfigError::VirtualMaster(_))));
 }
 
-/// Through a coupling, a sum and a sink, whichever comes first.
+/// Through a coupling, a sum and a sink, in any order.
 ///
 /// Proves: MACS-VM-01
 #[test]
@@ -304,13 +306,13 @@ fn loops_are_refused() {
         set(&mut rig, &[("pulsvel", 0)]);
         let given = rig.give(Action::Synchronize(couple(X, leader, 1, 1)));
         assert_eq!(rig.refusal(given), follows);
-        // y may, and x may not follow y then.
+        // y may follow, and then x must not follow y.
         let given = rig.give(Action::Synchronize(couple(Y, leader, 1, 1)));
         assert!(rig.was_accepted(given));
         rig.run(1);
         let given = rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
         assert_eq!(rig.refusal(given), follows);
-        // Off, it leads nobody in a loop.
+        // Switched off, it closes no loop.
         set(&mut rig, &[("pulsacc", 0)]);
         let given = rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
         assert!(rig.was_accepted(given));
@@ -343,7 +345,8 @@ fn a_selector_closes_loops_too() {
     assert_eq!(rig.machine.state.order, [LINE, Y, X]);
 }
 
-/// By input and by command, in that cycle: it stands, and only a new set starts it. The velocities are 0, which is told.
+/// By input and by command, in that cycle: it is at rest, and only a new set starts it. The velocities are 0, which is
+/// reported.
 ///
 /// Proves: MACS-ERR-09
 #[test]
@@ -382,7 +385,7 @@ fn an_abort_ends_it() {
     }
 }
 
-/// A set of the same cycle does not start it again, whichever of both was given first.
+/// A set of the same cycle does not start it again, in any order of the commands.
 ///
 /// Proves: MACS-ERR-09
 #[test]
@@ -415,7 +418,7 @@ fn an_abort_wins_over_a_start_in_its_cycle() {
     }
 }
 
-/// It follows an axis: off, it does no more, and what stands behind it in the order may be any.
+/// It follows an axis: switched off, it no longer does, and any order of the axes is possible.
 ///
 /// Proves: MACS-ERR-09
 #[test]
@@ -434,7 +437,7 @@ fn an_abort_lets_the_axis_go_that_it_follows() {
     assert_eq!((rig.int("machine.vmaster.position"), rig.machine.state.virtual_master.axis()), (place, None));
 }
 
-/// 3 inc in each cycle, a pulse every 10 inc, from any moment on.
+/// 3 inc in each cycle, a pulse every 10 inc, from any time on.
 ///
 /// Proves: MACS-VM-06
 #[test]
@@ -446,7 +449,7 @@ fn the_index_counts_its_pulses() {
     assert_eq!((rig.int("machine.vmaster.index.count"), rig.int("machine.vmaster.index.position")), (30, 300));
     set(&mut rig, &[("setsys_15", -4_000)]);
     rig.run(1);
-    // 296, 292: from 300 on back none.
+    // 296, 292: from 300 backwards there is none.
     assert_eq!(rig.int("machine.vmaster.index.count"), 30);
     rig.run(1);
     assert_eq!((rig.int("machine.vmaster.index.count"), rig.int("machine.vmaster.index.position")), (31, 290));
@@ -458,7 +461,7 @@ fn the_index_counts_its_pulses() {
     assert_eq!(rig.int("machine.vmaster.index.count"), 41);
 }
 
-/// A latch has its place within the cycle; an edge that is only read, that of the cycle.
+/// A latch has its position within the cycle; an edge that is only read has that of the cycle.
 ///
 /// Proves: MACS-VM-07
 #[test]
@@ -472,12 +475,12 @@ fn the_index_counts_edges_of_an_input() {
     rig.plant.add_latch(latch(Edge::Falling, 100_000));
     rig.plant.add_latch(latch(Edge::Rising, 300_000));
     rig.run(1);
-    // At 110, 3 inc before.
+    // At 110, 3 inc earlier.
     assert_eq!(seen(&rig), (1, 107));
     set(&mut rig, &[("vmencmtyp", 23)]);
     rig.plant.add_latch(latch(Edge::Falling, 950_000));
     rig.run(1);
-    // At 130, 9.5 inc before: floor(120.5).
+    // At 130, 9.5 inc earlier: floor(120.5).
     assert_eq!(seen(&rig), (2, 120));
     rig.plant.set_digital(2, true);
     set(&mut rig, &[("vmencmtyp", 33)]);
@@ -493,7 +496,7 @@ fn the_index_counts_edges_of_an_input() {
     assert_eq!(seen(&rig), (5, 1_000));
 }
 
-/// Layers: what runs it is not saved, and its source is.
+/// Layers: the running state is not saved, but the source is.
 ///
 /// Proves: MACS-VM-01
 #[test]
@@ -524,13 +527,14 @@ fn a_reset_and_the_power_end_it() {
         if by_power {
             assert_eq!((raw(&rig, VIRTUAL), rig.machine.state.virtual_master.source()), (0, VirtualSource::Off));
         } else {
-            // By the ramp of the cell: 7 inc/s less in each cycle, 143 of them.
+            // With the ramp of the cell: 7 inc/s less in each cycle, 143 cycles.
             assert!((rig.int("machine.vmaster.position") - place - 71).abs() <= 1);
         }
     }
 }
 
-/// line goes on with 20 mm/s, and its follower comes to rest: by the ramp of the cell, 10 inc/s less in each of 2000 cycles, or at once.
+/// line continues with 20 mm/s, and its follower stops: with the ramp of the cell, 10 inc/s less in each of 2000
+/// cycles, or at once.
 ///
 /// Proves: MACS-VM-01, MACS-VM-03
 #[test]
@@ -552,14 +556,14 @@ fn a_reset_ends_following() {
         assert_eq!((rig.real("machine.vmaster.velocity"), rig.real("line.command.velocity")), (0.0, 20_000.0));
         let gone = rig.int("machine.vmaster.position") - place;
         assert!((gone - way).abs() <= 20, "{gone}");
-        // line goes on, and nobody follows it, also where a ramp is set again.
+        // line continues, and the virtual master does not follow it, also after a ramp is set again.
         set(&mut rig, &[("pulsacc", 1 << 29)]);
         rig.run(10);
         assert_eq!(rig.real("machine.vmaster.velocity"), 0.0);
     }
 }
 
-/// The level of before is forgotten while another marker counts: what has changed meanwhile is no edge.
+/// The previous level is discarded while another marker is selected: a change in the meantime is not an edge.
 ///
 /// Proves: MACS-VM-07
 #[test]
@@ -583,8 +587,8 @@ fn a_marker_that_was_away_sees_no_edge_of_before() {
     }
 }
 
-/// A mark has its place within the increment, and of several the newest is the last, wherever it stands among the latches: at 1.25 inc in each
-/// cycle 1/8 of it before the tenth is 12.5 - 0.15625.
+/// A mark has its position within the increment, and the newest of several latches is the last mark, in any order of
+/// the latches: at 1.25 inc per cycle, 1/8 of a cycle before the tenth is 12.5 - 0.15625.
 ///
 /// Proves: MACS-VM-07
 #[test]
@@ -602,7 +606,7 @@ fn the_newest_latch_is_the_mark_to_its_fraction() {
     assert_eq!(rig.int("machine.vmaster.index.position"), 12);
 }
 
-/// A slot reads what the last cycle has left, a sum what is.
+/// A slot reads the values of the last cycle, a sum the present ones.
 #[test]
 fn functions_and_sums_read_it() {
     let masters = vec![master("sum", &[VIRTUAL], &[Leader::Encoder(0)])];
@@ -662,8 +666,8 @@ fn happening() -> impl Strategy<Value = Happening> {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Whatever is asked for: each cycle changes the velocity by no more than its ramp, where it has one and is not ended; its changes add up to its position; and a
-    /// machine that was restored in between does the same.
+    /// With any commands: each cycle changes the velocity by at most its ramp, if it has one and is not ended; its
+    /// changes add up to its position; and a machine that was restored in between gives the same results.
     ///
     /// Proves: MACS-VM-02, MACS-VM-03
     #[test]
@@ -704,7 +708,7 @@ proptest! {
                     VirtualSource::Direct => prop_assert_eq!(now.velocity, parameters(&rig).setsys_15 as f64),
                     _ => prop_assert!((now.velocity - before.velocity).abs() <= most + 1e-6),
                 }
-                // To the unit of 2^-32 inc a change is the velocity.
+                // A change equals the velocity to the unit of 2^-32 inc.
                 prop_assert!((now.change.to_f64() - now.velocity / 1e3).abs() < 1e-9);
                 before = now;
             }

@@ -1,12 +1,12 @@
-//! How offsets, and what the rule of reversing has kept back, are worked off: rates, their changes, and where they begin.
+//! Gradual removal of offsets, and of the error from the reversing rule: rates, their changes, and their start.
 
 use super::conditioning::{TO_BELT, TO_LINE, kept_back_by_the_rule, line_at, on, place};
 use super::direction::set;
 use super::rig::{LINE, Rig, X};
 use crate::position::Position;
 
-/// A counted leader that stands makes no step of a count: an offset begins with max_acceleration, 1000 inc/s a cycle, with and without a time (which asks for 15.6 times as much), and
-/// so does what a filter owes when it is switched off.
+/// A counted leader at rest has no steps of a count: an offset starts with max_acceleration, 1000 inc/s per cycle, with
+/// and without a time (which would need 15.6 times as much), and so does the error of a filter that is switched off.
 /// Proves: MACS-SYNC-13, MACS-SYNC-14
 #[test]
 fn an_offset_behind_a_counted_leader_that_stands_keeps_the_acceleration() {
@@ -33,17 +33,19 @@ fn an_offset_behind_a_counted_leader_that_stands_keeps_the_acceleration() {
         rig.run(1);
     }
     rig.run(1_500);
-    // Coupled at 10 inc a cycle, which fall by a 200th a cycle once the belt stands; of the sum a 2000th comes back a cycle (MACS-SYNC-09): 1042.54 inc are owed,
-    // and with the filter 522 inc/s end.
+    // Coupled at 10 inc per cycle, which decrease by a 200th per cycle once the belt is at rest; of the sum a 2000th is
+    // removed per cycle (MACS-SYNC-09): 1042.54 inc remain, and with the filter 522 inc/s end.
     let error = rig.real("x.sync.filter_error");
     assert!((error + 1_042.537).abs() < 0.01, "{error}");
     run(&mut rig, &[("syncvftime", 0)], 1_000.0 + 525.0);
     assert_eq!((rig.int("x.command.position"), rig.int("x.sync.error")), (1_000, 0));
 }
 
-/// 4000 inc at 2500 inc/s, and after 300 ms, 625 inc on the way, other rates. With 1000 ms they are 1250 inc/s and 6250 inc/s^2: 200 ms and 375 inc to slow down, 2875 inc at
-/// 1250 inc/s, and 200 ms to rest make 2700 ms. With marks 2000 inc apart they are 5000 inc/s and 50000 inc/s^2: 50 ms and 187.5 inc up, 2937.5 inc at
-/// 5000 inc/s, and 100 ms make 737.5 ms. Without a time the axis catches up by default_acceleration, half a count a cycle and cycle: up to 41.1 in 77.2 cycles, and 82.2 to rest.
+/// 4000 inc at 2500 inc/s, and after 300 ms and 625 inc other rates. With 1000 ms they are 1250 inc/s and 6250 inc/s^2:
+/// 200 ms and 375 inc of deceleration, 2875 inc at 1250 inc/s, and 200 ms to rest give 2700 ms. With marks 2000 inc
+/// apart they are 5000 inc/s and 50000 inc/s^2: 50 ms and 187.5 inc of acceleration, 2937.5 inc at 5000 inc/s, and 100
+/// ms give 737.5 ms. Without a time the axis catches up with default_acceleration, half a count/cycle^2: up to 41.1 in
+/// 77.2 cycles, and 82.2 to rest.
 /// Proves: MACS-SYNC-14
 #[test]
 fn the_time_of_an_offset_under_way_acts_at_once() {
@@ -75,7 +77,8 @@ fn the_time_of_an_offset_under_way_acts_at_once() {
     }
 }
 
-/// It is worked off by all of the trapezoid: 25000 inc/s^2, which are 25 inc/s a cycle, up to 2500 inc/s in the 100th, and at rest after 500 cycles.
+/// It is removed with the full trapezoid: 25000 inc/s^2, which is 25 inc/s per cycle, up to 2500 inc/s in the 100th
+/// cycle, and at rest after 500 cycles.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
 fn what_the_rule_has_kept_back_begins_with_its_ramp() {
@@ -90,7 +93,8 @@ fn what_the_rule_has_kept_back_begins_with_its_ramp() {
     assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
 }
 
-/// A master at 1000 inc/s is slower than the trapezoid: once that is as fast, the slave stands, and stays there until it slows down.
+/// A master at 1000 inc/s is slower than the trapezoid: once the trapezoid has that velocity, the slave stands still
+/// until the trapezoid decelerates.
 /// Proves: MACS-DIR-06, MACS-DIR-07
 #[test]
 fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
@@ -108,7 +112,7 @@ fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
     assert_eq!((place(&rig, X), rig.int("x.in_sync")), (place(&rig, LINE), 1));
 }
 
-/// The same of what the rule of reversing has kept back: from 2500 inc/s to 1250 in 200 cycles.
+/// The same for the error from the reversing rule: from 2500 inc/s to 1250 in 200 cycles.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
 fn the_time_of_what_was_kept_back_acts_at_once() {

@@ -1,4 +1,4 @@
-//! Any writes, goals, stops and events in any order.
+//! Random writes, goals, stops and events in any order.
 
 use super::{MARK, Rig, X, Y, changes, latch, wired};
 use crate::command::{Action, Move, MoveMode};
@@ -71,7 +71,7 @@ fn happening() -> impl Strategy<Value = Happening> {
     ]
 }
 
-/// Position and velocity of an axis that is on and coupled to nothing.
+/// Returns position and velocity of an axis that is switched on and not coupled.
 fn motion(rig: &Rig, name: &str) -> Option<(f64, f64)> {
     let free = rig.int(&format!("{name}.enabled")) == 1 && rig.state(name) != "SYNCHRONIZED_MOTION";
     let whole = rig.int(&format!("{name}.command.position")) as f64;
@@ -93,9 +93,9 @@ fn check(rig: &Rig, before: &[Option<(f64, f64)>; 2]) -> Result<(), TestCaseErro
         let is_moving_by_itself = select != 0 && active == 1;
         prop_assert!(!is_moving_by_itself || !["ERROR_STOP", "STOPPING"].contains(&rig.state(name)));
         let (Some(now), Some(before)) = (motion(rig, name), *before) else { continue };
-        // 1e6 inc/s^2 in a cycle; where a stop ends, it may end between two increments.
+        // 1e6 inc/s^2 in a cycle; a stop may end between two increments.
         let change = (now.1 - before.1).abs();
-        // A coupling that meets a software limit stops in whole steps, which is an error.
+        // A coupled axis that reaches a software limit stops in whole steps, which is an error.
         prop_assert!(
             change <= 1_001.0 || rig.state(name) == "ERROR_STOP",
             "{} changes its velocity by {}",

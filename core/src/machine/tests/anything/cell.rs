@@ -1,4 +1,4 @@
-//! The cell in which anything happens: its ways, contacts, outputs and drives.
+//! Cell for random commands: travel ranges, contacts, outputs and drives.
 
 use crate::axis::{BrakeConfig, Safety};
 use crate::command::{Action, OutputValue};
@@ -10,7 +10,7 @@ use crate::table::{CamSetting, Form, Interpolation, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Two contacts of the cell, i_break, two outputs and that of a brake of x.
+/// Adds two contacts of the cell, i_break, two outputs and the output of a brake of x.
 pub(super) fn terminals(config: &mut MachineConfig, is_braked: bool) {
     let inputs = ["estop", "door", "break"].map(|name| (name, IoKind::DigitalInput));
     let outputs = ["lamp", "fan", "brake"].map(|name| (name, IoKind::DigitalOutput));
@@ -30,7 +30,7 @@ pub(super) fn output() -> impl Strategy<Value = Action> {
     prop::collection::vec(output, 1..4).prop_map(|values| Action::SetOutputs(values.into()))
 }
 
-/// Along the ways of x and y.
+/// Returns the switches along the travel of x and y.
 pub(super) fn fixtures() -> Fixtures {
     Fixtures {
         start: 0,
@@ -49,12 +49,12 @@ pub(super) fn law() -> impl Strategy<Value = Law> {
     prop::sample::select(&Law::ALL[..])
 }
 
-/// Any sense of rotation; with interface position only that of the units.
+/// Any direction polarity; with interface position only that of the units.
 pub(super) fn posdrct() -> impl Strategy<Value = i64> {
     prop::sample::select(vec![1_i64, -1, 2, -2])
 }
 
-/// A drive that fits.
+/// Returns a drive model that matches the interface.
 pub(super) fn model(interface: Interface) -> Model {
     let ms = 1_000_000;
     match interface {
@@ -64,15 +64,15 @@ pub(super) fn model(interface: Interface) -> Model {
     }
 }
 
-/// How many tables there are.
+/// Number of tables.
 pub(super) const TABLES: u16 = 4;
 
-/// A cam that feeds, one that goes out and back, and one that has an end.
+/// Returns a cam that feeds, one that goes out and back, or one with an end.
 pub(super) fn table(number: u16) -> Arc<Table> {
     let table = match number {
         0 => Table::new(Form::Xy, &[0, 1000, 1600, 4000], &[0, 300, 1700, 2500]),
         1 => Table::new(Form::Xy, &[0, 2000, 5000], &[-40, 3000, -40]),
-        // It passes its last value before, and stands there at its end.
+        // This cam passes its last value earlier, and rests on it at its end.
         2 => Table::new(Form::Xy, &[0, 1000, 2000, 3900, 4000], &[0, 2600, -300, 2000, 2000]),
         _ => Table::new(Form::Xy, &[0, 3000, 3001, 4000], &[0, 100, 900, 2000]),
     };
@@ -81,7 +81,7 @@ pub(super) fn table(number: u16) -> Arc<Table> {
     Arc::new(table.expect("points").with_cam(setting))
 }
 
-/// The pitch error of a screw, within the turn of y, too.
+/// Returns the pitch error of a screw, within one revolution of y.
 pub(super) fn screw() -> TableConfig {
     let points = Table::new(Form::Xy, &[0, 5_000, 10_000], &[0, 200, -100]).expect("points");
     TableConfig { name: "screw".into(), table: Arc::new(points) }

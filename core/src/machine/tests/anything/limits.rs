@@ -1,4 +1,4 @@
-//! The law of software limits, whatever happens: an axis within them is not commanded beyond them.
+//! Rule of software limits for all commands: an axis within its limits is never commanded beyond them.
 
 use super::super::rig::Rig;
 use super::AXES;
@@ -6,7 +6,7 @@ use crate::drive::Interface;
 use crate::state::HomingPhase;
 use proptest::prelude::*;
 
-/// Where the axes are commanded to that are on and closed, and whose zero stands.
+/// Commanded positions of the axes that are switched on, in closed loop and with an unchanged zero.
 pub(super) type Places = [Option<f64>; 3];
 
 pub(super) fn places(rig: &Rig) -> Places {
@@ -19,7 +19,7 @@ pub(super) fn places(rig: &Rig) -> Places {
     })
 }
 
-/// `before` the last cycle and since.
+/// Checks the rule; `before` holds the positions of the last cycle and earlier.
 pub(super) fn limits_are_kept(rig: &Rig, before: Places) -> Result<(), TestCaseError> {
     let axes = rig.machine.state.axes.iter().zip(AXES);
     for ((axis, name), (before, now)) in axes.zip(before.into_iter().zip(places(rig))) {
@@ -27,7 +27,7 @@ pub(super) fn limits_are_kept(rig: &Rig, before: Places) -> Result<(), TestCaseE
         let low = axis.parameters.min_position.map_or(f64::MIN, |low| low as f64);
         let high = axis.parameters.max_position.map_or(f64::MAX, |high| high as f64);
         let kept = |place: f64| (low..=high).contains(&place);
-        // What a drive that stops by itself is asked for is where it is.
+        // The command of a drive that stops by itself is the actual position.
         let is_actual = name != "line" && now == rig.int(&format!("{name}.actual.position")) as f64;
         let place = format!("from {before} to {now} of {low} to {high}");
         prop_assert!(!kept(before) || kept(now) || is_actual, "{} goes {}, {}", name, place, rig.state(name));

@@ -1,4 +1,5 @@
-//! The law of locks, whatever happens: nothing but a reset ends an error, and what has lost its power gets none before.
+//! Rule of error locks for all commands: only a reset ends an error, and an axis whose power was removed gets no power
+//! before it.
 
 use super::super::rig::Rig;
 use super::AXES;
@@ -15,7 +16,7 @@ struct Shown {
     has_voltage: bool,
 }
 
-/// What the axes showed in the cycle before.
+/// Values that the axes showed in the previous cycle.
 #[derive(Default)]
 pub(super) struct Locks {
     before: [Shown; 3],
@@ -23,12 +24,12 @@ pub(super) struct Locks {
 }
 
 impl Locks {
-    /// Whatever was before the next cycle.
+    /// Returns an empty history for the next cycle.
     pub(super) fn after(rig: &Rig) -> Self {
         Self { told: rig.events.len(), ..Self::default() }
     }
 
-    /// After each cycle.
+    /// Checks the rule after a cycle.
     pub(super) fn are_kept(&mut self, rig: &Rig) -> Result<(), TestCaseError> {
         let news = &rig.events[self.told..];
         for (index, (name, before)) in AXES.into_iter().zip(&mut self.before).enumerate() {

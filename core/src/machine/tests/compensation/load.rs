@@ -1,11 +1,11 @@
-//! Where the load stands: behind a screw of the test's own, and behind the coupling of a simulated motor.
+//! Position of the load: behind a screw of this test, and behind the coupling of a simulated motor.
 
 use super::*;
 use crate::sim::{Amplifier, Coupling, Fixtures, Friction, Load, Motor, MotorData, Reading, Stage};
 
-/// A nut with play on a screw with errors: it stands until a flank takes it along.
+/// A nut with play on a screw with errors: it stands still until a flank moves it.
 struct Screw {
-    /// How far the motor turns before the nut follows it back (inc).
+    /// Travel of the motor before the nut follows it back (inc).
     play: i64,
     nut: i64,
 }
@@ -16,14 +16,15 @@ impl Screw {
     }
 }
 
-/// Straight lines, as real numbers.
+/// Returns the linear interpolation of the points as a real number.
 fn error_at(points: &[(i64, i64)], place: i64) -> f64 {
     let pair = points.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&place));
     let Some(&[(x, y), (to_x, to_y)]) = pair else { return 0.0 };
     y as f64 + (to_y - y) as f64 * (place - x) as f64 / (to_x - x) as f64
 }
 
-/// Homes by its switch, then goes to places from both sides; how far the load is off there (inc), behind a screw with these errors.
+/// Homes by the switch, then moves to positions from both sides. Returns the deviations of the load there (inc), behind
+/// a screw with these errors.
 fn off(config: MachineConfig, method: i8) -> Vec<f64> {
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
     let home = Some((-500, 500));
@@ -48,7 +49,7 @@ fn off(config: MachineConfig, method: i8) -> Vec<f64> {
     };
     run(&mut rig, goal);
     assert_eq!(rig.int("x.homed"), 1);
-    // The place of the motor at its reference; approached downwards the nut was on its other flank.
+    // Motor position at the reference; approached downwards, the nut was on its other flank.
     let zero = rig.int("x.actual.count") - compensation(&rig) - rig.int("x.actual.position");
     let goes_down = method == 19;
     let zero = if goes_down { zero + BACKLASH } else { zero };
@@ -61,7 +62,8 @@ fn off(config: MachineConfig, method: i8) -> Vec<f64> {
     targets.map(off).into()
 }
 
-/// Reference found upwards (20) and downwards (19), with delays: the load is where the command is, within the rounding of its increments.
+/// Reference found upwards (20) and downwards (19), with delays: the load is at the command, within the rounding of its
+/// increments.
 ///
 /// Proves: WF-INC-04
 #[test]
@@ -72,7 +74,7 @@ fn the_load_stands_where_it_is_asked_to_be_from_either_side() {
     }
 }
 
-/// The same without: off by the error of its pitch and, from the other side, by the backlash.
+/// Without compensation the load deviates by the pitch error and, from the other side, by the backlash.
 #[test]
 fn without_compensation_the_load_is_off() {
     let off = off(cell(0, 0, None), 20);
@@ -80,7 +82,7 @@ fn without_compensation_the_load_is_off() {
     assert_eq!(off, expected);
 }
 
-/// 0.04 rad are 400 inc of 10000 in a radian; the load slides, so that it stays where a flank has brought it.
+/// 0.04 rad are 400 inc at 10000 inc per radian. The load has friction, so it stays where a flank has moved it.
 fn motor(at_load: bool) -> Model {
     Model::Motor(
         Motor::new(MotorData {
@@ -99,7 +101,7 @@ fn motor(at_load: bool) -> Model {
     )
 }
 
-/// The load of a motor whose encoder sits on the motor, by how far it is off at places that are come to from both sides.
+/// Returns the deviations of the load at positions that are approached from both sides; the encoder is on the motor.
 fn off_behind_motor(interface: Interface, backlash: i64, is_turned: bool) -> Vec<i64> {
     let mut config = cell(0, backlash, None);
     let axis = &mut config.axes[1];
@@ -125,7 +127,7 @@ fn off_behind_motor(interface: Interface, backlash: i64, is_turned: bool) -> Vec
         assert_eq!((rig.done(goal).len(), rig.int("x.error")), (1, 0), "{target}");
         rig.plant.drive(0).unwrap().load_place()
     };
-    // Against a flank, which is its zero.
+    // The zero is set against a flank.
     let zero = reach(&mut rig, 3_000);
     home(&mut rig, 35);
     rig.mirror();
@@ -133,7 +135,8 @@ fn off_behind_motor(interface: Interface, backlash: i64, is_turned: bool) -> Vec
     [10_000, 20_000, 12_000, 5_000, 12_000, 0].map(|target| sign * (reach(&mut rig, target) - zero) - target).into()
 }
 
-/// Within 2 inc with it; without it 400 off from the other side. With interface torque the loops here take up what they are led to.
+/// Within 2 inc with compensation; without it 400 inc off from the other side. With interface torque the loops of the
+/// core compensate their setpoints.
 ///
 /// Proves: WF-INC-04
 #[test]
@@ -150,7 +153,8 @@ fn the_load_behind_the_gap_of_a_motor_stands_where_it_is_asked_to_be() {
     }
 }
 
-/// Measured at the load the backlash is inside the loop: nothing has to be compensated, and the axis stands where it is asked to be.
+/// With the encoder on the load the backlash is inside the loop: nothing has to be compensated, and the axis is at its
+/// command.
 ///
 /// Proves: WF-INC-04
 #[test]

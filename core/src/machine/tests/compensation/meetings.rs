@@ -1,14 +1,15 @@
-//! Who else reads or moves the coordinate: homing again, marks, other sources, couplings, two drives, power.
+//! Compensation together with other functions that read or move the coordinate: repeated homing, marks, other sources,
+//! couplings, two drives, power.
 
 use super::*;
 use crate::axis::BrakeConfig;
 use crate::sim::{Fixtures, Index};
 
-/// The reference is a place of the motor: found again, with whatever was compensated before, it is the same.
+/// The reference is a motor position: repeated homing finds the same one, with any compensation before.
 #[test]
 fn a_zero_that_is_found_again_is_where_it_was() {
     for method in [19, 20, 33, 34] {
-        // At its zero the screw is off by 90 already.
+        // At its zero the screw already has an error of 90.
         let mut rig = Rig::of(cell(2, BACKLASH, Some(&[(-40_000, 0), (-1_000, 90), (40_000, 30)])));
         let index = Some(Index { every: 2_000, at: 300 });
         let home_switch = Some((-500, 500));
@@ -23,7 +24,7 @@ fn a_zero_that_is_found_again_is_where_it_was() {
             home(&mut rig, method);
             rig.run(100);
             let zero = rig.int("x.actual.count") - compensation(&rig) - rig.int("x.actual.position");
-            // One pulse is as good as another one.
+            // Any index pulse may be found.
             zeros.push(if method > 30 { zero.rem_euclid(2_000) } else { zero });
             let cycle = rig.machine.next_cycle();
             assert!(rig.events.iter().all(|event| event.code != Code::FOLLOWING_ERROR), "{cycle}");
@@ -32,7 +33,7 @@ fn a_zero_that_is_found_again_is_where_it_was() {
     }
 }
 
-/// While it looks for its zero nothing is taken up: the edge that it finds is one of the motor.
+/// During homing nothing is compensated: the detected edge is a position of the motor.
 #[test]
 fn homing_holds_what_there_is() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
@@ -44,7 +45,7 @@ fn homing_holds_what_there_is() {
         rig.run(1);
     }
     rig.run(50);
-    // Its first place before the switch, come to from above.
+    // Its first position before the switch, approached from above.
     assert_eq!(rig.int("x.actual.count") - rig.int("x.actual.position") - compensation(&rig), 30_000);
     // The other flank is the zero now: upwards the motor is 40 ahead.
     go(&mut rig, -15_000);
@@ -53,7 +54,7 @@ fn homing_holds_what_there_is() {
     assert_eq!(compensation(&rig), 40);
 }
 
-/// A pulse is where the load is when it comes: its place less what was compensated in that cycle.
+/// The position of a pulse is that of the load: the motor position less the compensation in that cycle.
 #[test]
 fn pulses_are_counted_as_before_and_their_places_are_those_of_the_load() {
     let mut config = cell(0, 70, Some(&[(-40_000, 3_000), (0, 0), (40_000, 3_500)]));
@@ -81,7 +82,7 @@ fn pulses_are_counted_as_before_and_their_places_are_those_of_the_load() {
     assert!(rig.events.iter().all(|event| event.code != Code::WF_PULSES));
 }
 
-/// Who follows the axis does not see what it takes up; one that is led takes up at its own reversals.
+/// Followers of the axis do not see its compensation; a led axis compensates at its own reversals.
 #[test]
 fn a_coupling_sees_the_load_alone() {
     let mut config = cell(0, BACKLASH, Some(&PITCH));
@@ -106,7 +107,7 @@ fn a_coupling_sees_the_load_alone() {
     assert_eq!((rig.int("x.actual.position"), rig.int("x.following_error")), (12_000, 0));
 }
 
-/// An absolute encoder tells the zero: what is compensated comes in before the axis is switched on, and as no step.
+/// An absolute encoder gives the zero: the compensation is applied before the axis is switched on, and without a step.
 #[test]
 fn an_absolute_encoder_knows_its_place_at_once() {
     let mut rig = Rig::of(absolute(cell(1, BACKLASH, Some(&[(0, 300), (100_000, 300)]))));
@@ -126,11 +127,12 @@ fn an_absolute_encoder_knows_its_place_at_once() {
     go(&mut rig, from + 1_000);
     assert_eq!(rig.int("x.actual.count"), before + 1_000);
     go(&mut rig, from);
-    // Its words go round.
+    // The count of the encoder wraps around.
     assert_eq!(rig.int("x.actual.count"), (before - 40).rem_euclid(8192 * 4096));
 }
 
-/// Off and on again, moved by hand in between: nothing moves by itself, and the sense of its last motion stays.
+/// Switched off and on again, and moved by hand in between: nothing moves by itself, and the direction of the last
+/// motion is retained.
 #[test]
 fn power_moves_nothing() {
     let mut rig = homed(cell(4, BACKLASH, Some(&PITCH)));
@@ -142,14 +144,14 @@ fn power_moves_nothing() {
     assert_eq!((rig.int("x.actual.position"), compensation(&rig)), (10_000, -10));
     rig.plant.drive(0).unwrap().jump(2_000);
     rig.run(50);
-    // Its place on the screw is 6 more of error, so that it is at 11994: 35.982 - 40.
+    // The screw error there is 6 larger, so the position is 11994: 35.982 - 40.
     assert_eq!((rig.int("x.actual.count"), compensation(&rig), rig.int("x.actual.position")), (11_990, -4, 11_994));
     rig.enable();
     rig.run(50);
     assert_eq!((rig.int("x.actual.count"), rig.int("x.command.position")), (11_990, 11_994));
 }
 
-/// Both drives of a gantry are led by the same.
+/// Both drives of a gantry get the same compensation.
 #[test]
 fn two_drives_take_up_the_same() {
     let mut config = cell(0, BACKLASH, Some(&PITCH));
@@ -166,7 +168,7 @@ fn two_drives_take_up_the_same() {
     }
 }
 
-/// An encoder of its own that another axis reads too: the other one sees the motor.
+/// A separate encoder that another axis also reads: the other axis sees the motor.
 #[test]
 fn a_shared_encoder_is_compensated_for_its_axis_alone() {
     let mut config = cell(0, BACKLASH, Some(&PITCH));
@@ -184,13 +186,14 @@ fn a_shared_encoder_is_compensated_for_its_axis_alone() {
         assert_eq!((compensation(&rig), rig.int("x.actual.position"), rig.int("x.error")), (expected, target, 0));
         assert_eq!([rig.int("belt.count"), rig.int("y.actual.position")], [target + expected; 2]);
     }
-    // A new coordinate of the encoder for both: the same place on the screw.
+    // A new coordinate of the encoder for both axes: the position on the screw is the same.
     rig.give(Action::SetPosition(SetPosition { axis: X, position: Length::whole(0) }));
     rig.run(20);
     assert_eq!((compensation(&rig), rig.int("x.actual.position"), rig.int("y.actual.position")), (60, 0, 60));
 }
 
-/// A drive that homes by itself comes to its reference by the sense of its method: 19 downwards, so that upwards the motor is ahead.
+/// A drive that homes by itself reaches its reference in the direction of its method: 19 downwards, so that upwards the
+/// motor is ahead.
 #[test]
 fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
     for (method, up, down) in [(19, 40, 0), (20, 0, -40)] {
@@ -207,7 +210,7 @@ fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
             go(&mut rig, target);
             assert_eq!((compensation(&rig), rig.int("x.actual.count")), (expected, target + expected), "{method}");
         }
-        // Again, from a place where something is compensated.
+        // Homing again from a position with compensation.
         go(&mut rig, -2_000);
         assert_ne!(compensation(&rig), 0);
         home(&mut rig, method);
@@ -218,7 +221,7 @@ fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
     }
 }
 
-/// 50 ms until the brake is open: nothing is taken up against it.
+/// 50 ms until the brake is open: nothing is compensated against the brake.
 #[test]
 fn nothing_is_taken_up_against_a_brake() {
     let mut config = cell(0, BACKLASH, None);
@@ -248,7 +251,8 @@ fn nothing_is_taken_up_against_a_brake() {
     assert_eq!((compensation(&rig), rig.int("x.actual.position"), rig.int("x.actual.count")), (0, 500, 500));
 }
 
-/// Another encoder while the axis is off: soft, position, zero and what is compensated stay; hard, all of it begins anew.
+/// Change of encoder while the axis is off: a soft change keeps position, zero and compensation; a hard change starts
+/// all of them again.
 #[test]
 fn another_source_begins_anew_unless_its_change_is_soft() {
     for (control, position, expected) in [(1, 20_000, 60), (0, 7, 0)] {

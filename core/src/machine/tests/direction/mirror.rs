@@ -1,7 +1,8 @@
-//! A machine with inverted units that is asked for the mirror image does the mirror image, and asks its drives for the same.
+//! A machine with inverted units and mirrored commands makes the mirrored motion, and gives its drives the same
+//! commands.
 //!
-//! Bit for bit, but for profile jerk: its plans add their ramps in the order up, down, whatever their direction, so that they may
-//! round the last bit of a fraction otherwise.
+//! The results are equal bit for bit, except with profile jerk: its plans add their ramps in the order up, down,
+//! independent of the direction, so that the last bit of a fraction may be rounded differently.
 
 use super::super::rig::{Rig, X, at, cases, couple, to};
 use super::{closed_here, servo, turned};
@@ -22,7 +23,7 @@ enum Deed {
     Enable,
     Slip(i64),
     Stream(f64),
-    /// Follow the line.
+    /// A coupling to the line.
     Couple(i64),
     MoveLine(i64),
 }
@@ -56,7 +57,7 @@ fn deed() -> impl Strategy<Value = Deed> {
     ]
 }
 
-/// The same for a machine whose x counts the other way round.
+/// Returns the same event for a machine whose x counts in the opposite direction.
 fn mirrored(deed: &Deed) -> Deed {
     match deed {
         Deed::Move(request) => {
@@ -81,7 +82,7 @@ fn does(rig: &mut Rig, deed: &Deed) {
         Deed::Halt => Action::Halt(x),
         Deed::Disable => Action::Disable(x),
         Deed::Enable => Action::Enable(x),
-        // Of the drive: the same in both.
+        // A slip of the drive is the same in both machines.
         Deed::Slip(by) => return rig.plant.drive(0).unwrap().jump(*by),
         Deed::Stream(velocity) => {
             return rig.stream(X, *velocity);
@@ -95,7 +96,7 @@ fn does(rig: &mut Rig, deed: &Deed) {
     rig.give(action);
 }
 
-/// What an event says, but for places and velocities.
+/// Returns the content of an event without positions and velocities.
 fn gist(event: &Event) -> (u64, u32, String, bool) {
     let has_number = event.asked != Number::None;
     (event.command, event.code.0, format!("{:?}", event.kind), has_number)
@@ -104,7 +105,7 @@ fn gist(event: &Event) -> (u64, u32, String, bool) {
 fn same(one: &mut Rig, other: &mut Rig) -> Result<(), TestCaseError> {
     prop_assert_eq!(one.outputs().drive.clone(), other.outputs().drive.clone());
     let raw = |rig: &Rig| {
-        // Whole and fraction are exact in units of 2^-32.
+        // Integer part and fraction are exact in units of 2^-32.
         let fraction = (rig.real("x.command.fraction") * (1_u64 << 32) as f64) as i128;
         (i128::from(rig.int("x.command.position")) << 32) + fraction
     };
@@ -137,7 +138,7 @@ proptest! {
         deeds in prop::collection::vec((deed(), 0_u64..150), 1..20),
     ) {
         let rig = |sign: i64| {
-            // A loop that is closed here is wired the other way round as well.
+            // For a loop that is closed in the core the wiring is inverted as well.
             let mut config = if here { closed_here(2 * sign) } else { turned(sign) };
             let p = &mut config.axes[1].parameters;
             (p.max_jerk, p.profile, p.in_position_window) = (Some(2e7), shape, 3);

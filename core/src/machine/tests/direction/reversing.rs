@@ -1,4 +1,4 @@
-//! REVERS: what may not move backwards does not, and says so.
+//! REVERS: an axis that must not move backwards does not do so, and reports the reason.
 
 use super::super::rig::{Rig, X, at, cases, config, couple, to};
 use super::set;
@@ -19,13 +19,13 @@ fn ruled(rule: i64, posdrct: i64) -> Rig {
     rig
 }
 
-/// The master goes gently: 10 mm/s with 100 mm/s^2, a fifth of what its slave catches up with.
+/// The master accelerates slowly: 10 mm/s with 100 mm/s^2, a fifth of the acceleration with which its slave catches up.
 fn slow(target: i64) -> Move {
     Move { velocity: 10_000.0, acceleration: 100_000.0, deceleration: 100_000.0, ..to(0, target) }
 }
 
-/// POSA and POSR to a target behind, CVEL below 0 and jogs: refused with a sentence, and nothing moves. Rule 1 without a master
-/// is as rule 2. The sense is the user's.
+/// POSA and POSR to a target behind the axis, CVEL below 0 and jogs are refused with a message, and nothing moves. Rule
+/// 1 without a master equals rule 2. The direction is that of the user.
 ///
 /// Proves: MACS-DIR-06
 #[test]
@@ -53,8 +53,8 @@ fn a_way_back_is_refused() {
     }
 }
 
-/// In motion: a target that is ahead, but too near to stop at, would be passed and come back to; a goal that waits for one
-/// further ahead; a way that is superimposed.
+/// In motion these are refused: a target ahead that is too near for a stop, which would require a move back; a goal
+/// that waits for one further ahead; a superimposed distance.
 ///
 /// Proves: MACS-DIR-06
 #[test]
@@ -77,7 +77,7 @@ fn what_would_turn_back_later_is_refused() {
     assert_eq!((rig.done(good).len(), rig.int("x.command.position")), (1, 60_000));
 }
 
-/// REVERS changes only while the axis is off: nothing that moves is cut off by it.
+/// REVERS can only be changed while the axis is off, so it interrupts no motion.
 #[test]
 fn the_rule_changes_while_the_axis_is_off() {
     let mut rig = Rig::enabled();
@@ -89,8 +89,8 @@ fn the_rule_changes_while_the_axis_is_off() {
     assert!(rig.was_accepted(good));
 }
 
-/// A slave that may not reverse stands while its master does; what it is ahead by is its sync error, and it goes on where the
-/// master has come back to. Rule 1 follows backwards.
+/// A slave that must not reverse stands while its master reverses. Its lead is its sync error, and it moves on when the
+/// master has returned. With rule 1 it follows backwards.
 ///
 /// Proves: MACS-DIR-06
 #[test]
@@ -123,7 +123,7 @@ fn a_slave_stands_while_its_master_reverses() {
     }
 }
 
-/// An offset backwards is not worked off backwards: the slave waits for the master.
+/// A backward offset is not executed backwards: the slave waits for the master.
 ///
 /// Proves: MACS-DIR-06
 #[test]
@@ -140,7 +140,7 @@ fn a_slave_that_is_ahead_waits() {
     }
 }
 
-/// Rule 1, coupled backwards: what ends the coupling slows it down as anything else, and no faster.
+/// Rule 1, coupled backwards: the end of the coupling decelerates the slave like any other stop, with the same limit.
 #[test]
 fn a_slave_that_runs_backwards_is_stopped_without_a_jump() {
     for keeps in [Disengage::Stop, Disengage::KeepVelocity] {
@@ -237,7 +237,7 @@ proptest! {
                     rig.give(Action::Synchronize(Synchronize { offset, ..request }));
                 }
             }
-            // What ended a coupling came after this cycle's motion.
+            // The end of the coupling came after the motion of this cycle.
             let mut was_coupled = was_coupled_before;
             for cycle in 0..=cycles {
                 if cycle > 0 {
@@ -245,7 +245,7 @@ proptest! {
                 }
                 let (now, velocity) = (rig.int("x.command.position"), rig.real("x.command.velocity"));
                 let coupled = rig.state("x") == "SYNCHRONIZED_MOTION";
-                // With its master it may go back, and slow down from there.
+                // Coupled to its master the axis may move backwards, and decelerate from there.
                 let excused = rule == 1 && (coupled || was_coupled || speed < 0.0);
                 prop_assert!(excused || (now >= before && velocity >= 0.0), "{} -> {} at {}", before, now, velocity);
                 prop_assert!((velocity - speed).abs() <= 1_001.0, "{} -> {}", speed, velocity);

@@ -1,4 +1,4 @@
-//! Absolute encoders whose line is cut: they do not come back, so that each needs a machine of its own.
+//! Absolute encoders whose line is cut: they do not recover, so each needs a separate machine.
 
 use super::super::rig::{Rig, config};
 use super::{Numbers, Shown, X, answers, begin, by_errcond, errors, set, shown};
@@ -7,8 +7,8 @@ use crate::code::Code;
 use crate::drive::Interface;
 use crate::encoder::{Absolute, Form};
 
-/// docs/errors.md, 10206: without its encoder a loop that is closed here is off, with the brake for all but 0. A drive that
-/// closes it itself does as error_reaction says, of which 5 stops as 2 does.
+/// docs/errors.md, 10206: without its encoder a loop that is closed in the core is switched off, with the brake closed
+/// for all reactions except 0. A drive that closes the loop itself follows error_reaction, where 5 stops like 2.
 fn expected(interface: Interface, errcond: i64) -> (Shown, Shown) {
     match interface {
         Interface::Position => by_errcond(if errcond == 5 { 2 } else { errcond }),

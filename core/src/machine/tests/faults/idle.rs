@@ -11,7 +11,8 @@ fn warnings(rig: &Rig) -> Vec<Event> {
     rig.events.iter().filter(of_x).copied().collect()
 }
 
-/// It stops nothing and is no error, but it is told in its cycle, once; the enable that follows ends in the error.
+/// Such a failure stops nothing and is not an error, but it is reported in its cycle, once; the next enable ends in the
+/// error.
 #[test]
 fn a_drive_that_fails_while_its_axis_is_off_is_told() {
     for (fails, code) in [
@@ -34,7 +35,7 @@ fn a_drive_that_fails_while_its_axis_is_off_is_told() {
     }
 }
 
-/// One that comes and goes does not flood those who listen.
+/// A failure that appears and disappears does not flood the subscribers.
 #[test]
 fn a_drive_that_comes_and_goes_is_told_once_a_second() {
     let mut rig = Rig::new();

@@ -1,18 +1,18 @@
-//! The tables of docs/errors.md as a test reads them: what is said there of each code, and what an axis does by that.
+//! Reads the tables of docs/errors.md: the text of each code, and the reaction of an axis to it.
 
 use crate::code::{Code, DRIVE_FAULT};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// docs/errors.md, as far as a test reads it.
+/// Content of docs/errors.md for the tests.
 pub(super) struct Page {
-    /// What the page says of a code, by its number.
+    /// Text of the page for each code number.
     pub says: BTreeMap<u32, String>,
-    /// Rows of the reactions: text, where, and a word for each value of error_reaction.
+    /// Rows of the reactions: text, place, and a keyword for each value of error_reaction.
     pub rows: Vec<(String, String, Vec<String>)>,
     words: BTreeMap<String, Deed>,
 }
 
-/// What a word of the page means.
+/// Meaning of a keyword of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Deed {
     pub at_once: BTreeSet<String>,
@@ -20,7 +20,7 @@ pub(super) struct Deed {
     pub locks: bool,
 }
 
-/// The cells of the table behind a line that begins so.
+/// Returns the cells of the table after a line that starts with `head`.
 fn table<'p>(page: &'p str, head: &str) -> Vec<Vec<&'p str>> {
     let lines = page.lines().skip_while(|line| !line.starts_with(head)).skip(2);
     let lines = lines.take_while(|line| line.starts_with('|'));
@@ -38,7 +38,7 @@ impl Page {
                 "65536 + 603Fh" => 65_536,
                 number => number.parse().ok()?,
             };
-            // Error reactions are numbers of a table, too, with two columns.
+            // Error reactions are also numbers in a table, but with two columns.
             (cells.len() > 3).then(|| (number, cells[cells.len() - 1].to_owned()))
         });
         let says: BTreeMap<_, _> = codes.collect();
@@ -55,7 +55,7 @@ impl Page {
         Self { says, rows: rows.collect(), words: words.collect() }
     }
 
-    /// The rows whose text begins what the page says of a code; of several the longest.
+    /// Returns the rows whose text starts the page text of a code; of several the longest.
     pub(super) fn rows_of(&self, code: Code) -> Vec<&(String, String, Vec<String>)> {
         let says = &self.says[&code.0.min(DRIVE_FAULT.code.0)];
         let fits = |row: &&(String, String, Vec<String>)| says.starts_with(&row.0);
@@ -63,7 +63,7 @@ impl Page {
         self.rows.iter().filter(fits).filter(|row| row.0.len() == longest).collect()
     }
 
-    /// What an axis does for an error of a code.
+    /// Returns the reaction of an axis to an error of a code.
     pub(super) fn deed(&self, code: Code, place: &str, errcond: i64, endswmod: i64) -> &Deed {
         let rows = self.rows_of(code);
         let switch = format!("`endswmod` {endswmod}");

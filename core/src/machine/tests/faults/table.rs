@@ -1,5 +1,5 @@
-//! Every kind of error with every `error_reaction` and `endswmod`, against the table of docs/errors.md: what an axis does is read
-//! there, by what the page says of the code.
+//! Every kind of error with every `error_reaction` and `endswmod`, compared with the table of docs/errors.md: the
+//! expected reaction is read from the page text of the code.
 
 use super::super::rig::{LINE, Rig, X, Y, at, config, couple, saia_verb, to};
 use super::page::{Deed, Page};
@@ -17,7 +17,7 @@ use crate::sim::{Model, TwoSpeed};
 use crate::vocabulary::{self, Order, saia};
 use std::collections::BTreeSet;
 
-/// The ways in which an error comes, and a list of them.
+/// Defines the causes of errors, and a list of them.
 macro_rules! ways {
     ($($way:ident),* $(,)?) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,7 +55,7 @@ ways! {
 
 use Way::*;
 
-/// What may befall an axis with such an interface; none: a virtual axis.
+/// Returns the causes that an axis with this interface can have; `None` is a virtual axis.
 fn ways_of(interface: Option<Interface>) -> &'static [Way] {
     match interface {
         Some(Interface::Position) => ALL,
@@ -65,7 +65,7 @@ fn ways_of(interface: Option<Interface>) -> &'static [Way] {
     }
 }
 
-/// One machine in which one error comes.
+/// One machine in which one error occurs.
 struct Case {
     interface: Option<Interface>,
     way: Way,
@@ -84,7 +84,7 @@ impl Case {
         format!("{way:?} of {interface:?}, moving {moving}, error_reaction {errcond}, endswmod {endswmod}")
     }
 
-    /// Where the page tells cases apart.
+    /// Returns the place by which the page distinguishes cases.
     fn place(&self) -> &'static str {
         match self.interface {
             Some(interface) if interface.closes_loop_here() => "loop closed here",
@@ -144,17 +144,17 @@ impl Case {
         }
     }
 
-    /// May it come to an axis at rest?
+    /// Returns true if the error can occur on an axis at rest.
     fn comes_at_rest(&self) -> bool {
         let has_own_motion = matches!(self.way, LeaderLost | Homing | IntoSwitch | Limit | LedIntoLimit);
-        // A contact has nothing to stop at a virtual axis that stands.
+        // A contact has nothing to stop on a virtual axis at rest.
         !has_own_motion && self.interface.is_some()
     }
 
     fn begin(&self, rig: &mut Rig) {
         let (axis, name) = self.axis();
         match self.way {
-            // Each has a motion of its own.
+            // These cases have a motion of their own.
             Homing | Limit | LedIntoLimit | IntoSwitch => return,
             LeaderLost => {
                 rig.give(Action::Synchronize(couple(axis, Leader::AxisActual(Y), 1, 1)));
@@ -172,7 +172,7 @@ impl Case {
         assert_eq!(rig.real(&format!("{name}.command.velocity")), speed, "{}", self.text());
     }
 
-    /// Brings the error, in the cycle that comes; ends with it. The code that it has.
+    /// Causes the error and runs its cycle. Returns the expected code.
     fn bring(&self, rig: &mut Rig) -> Code {
         let (axis, name) = self.axis();
         let mut numbers = Numbers(3);
@@ -187,7 +187,7 @@ impl Case {
                 Code::ENCODER_JUMP
             }
             Skew => {
-                // Beyond twice max_skew the power goes whatever the reaction is.
+                // Above twice max_skew the power is removed with any reaction.
                 rig.plant.drive(2).unwrap().jump(300);
                 Code::SKEW
             }
@@ -213,7 +213,7 @@ impl Case {
                 Code::DRIVE_LOST
             }
             DriveOff => {
-                // Switched on, no more: its own enable input was taken.
+                // State switched on only: the enable input of the drive was removed.
                 rig.tamper = |inputs| inputs.drive[0].status = 0x23 | inputs.drive[0].status & STATUS_WARNING;
                 Code::DRIVE_DISABLED
             }
@@ -245,7 +245,7 @@ impl Case {
                 code
             }
             Command | OwnCommand => {
-                // The rig's verb begins with registers; what is refused is the velocity, or the start.
+                // The verb of the rig starts with registers; the velocity or the start is refused.
                 set(rig, "saia.command_error", 2);
                 let own = self.way == OwnCommand;
                 if own {
@@ -296,7 +296,7 @@ impl Case {
         code
     }
 
-    /// What the axis shows, in the words of the page but for its motion.
+    /// Returns the state of the axis in the keywords of the page, except for its motion.
     fn shown(&self, rig: &Rig) -> BTreeSet<String> {
         let (axis, name) = self.axis();
         let mut shown = BTreeSet::new();
@@ -318,7 +318,7 @@ impl Case {
         shown
     }
 
-    /// The words of the page as [`shown`](Self::shown) has them.
+    /// Returns the keywords of the page in the form of [`shown`](Self::shown).
     fn expected(&self, words: &BTreeSet<String>) -> BTreeSet<String> {
         let on =
             |word: &String| if ["stops", "goes on"].contains(&word.as_str()) { "power".into() } else { word.clone() };
@@ -326,7 +326,7 @@ impl Case {
         all.filter(|word| self.interface.is_some() || word == "brake").collect()
     }
 
-    /// How fast it is told to go.
+    /// Returns the commanded speed.
     fn speed(&self, rig: &Rig) -> f64 {
         rig.real(&format!("{}.command.velocity", self.axis().1)).abs()
     }
@@ -339,7 +339,7 @@ impl Case {
         rig.events.clear();
         assert_eq!((rig.int(&format!("{name}.error")), rig.int("error")), (0, 0), "{text}");
         let code = self.bring(&mut rig);
-        // A refusal of ours has no reaction of its own.
+        // A refusal by Lineshaft has no reaction of its own.
         let listed = if self.way == OwnCommand { Code::SAIA_VELOCITY_OUT_OF_RANGE } else { code };
         let deed = page.deed(listed, self.place(), self.errcond, self.endswmod);
         let text = format!("{text}, {}: {deed:?}", code.0);
@@ -350,7 +350,7 @@ impl Case {
         let stops = has(&deed.at_once, "stops") || self.interface.is_none() && !goes_on;
         let begins = self.speed(&rig);
         if stops && begins == 0.0 {
-            // A stop that ends in its first cycle has done what comes behind it, too.
+            // A stop that ends in its first cycle has also executed the following action.
             let done = [&deed.at_once, &deed.at_rest].map(|words| self.expected(words));
             assert!(done.contains(&self.shown(&rig)), "{text}: {:?}", self.shown(&rig));
         } else {
@@ -361,7 +361,7 @@ impl Case {
                 "{text}"
             );
         }
-        // How a leg of homing stops is looked at with homing itself.
+        // The stop of a homing phase is tested together with homing.
         let slack = if self.way == Homing { 1e6 } else { 1.0 };
         let mut before = begins;
         for _ in 0..120 {
@@ -370,7 +370,7 @@ impl Case {
             match () {
                 () if goes_on => assert!(now == begins || before == 0.0, "{text}: {before} to {now}"),
                 () if !stops => assert_eq!(now, 0.0, "{text}"),
-                // At a software limit it may take less, to end there.
+                // At a software limit the deceleration may be lower, to end at the limit.
                 () if matches!(self.way, Limit | LedIntoLimit) => {
                     assert!(now <= before + 1.0, "{text}: {before} to {now}")
                 }
@@ -383,7 +383,7 @@ impl Case {
         }
         rig.run(60);
         for _ in 0..5_000 {
-            // A drive that follows a velocity comes to rest behind its command.
+            // A drive that follows a velocity comes to rest after its command.
             if self.interface == Some(Interface::Velocity) && self.shown(&rig) != self.expected(&deed.at_rest) {
                 rig.run(1);
             }
@@ -397,7 +397,7 @@ impl Case {
         code
     }
 
-    /// What is locked is refused, what is not is not; the reset lets it go on.
+    /// Checks that commands are refused exactly if the axis is locked, and that the reset releases it.
     fn let_go(&self, rig: &mut Rig, deed: &Deed, text: &str) {
         let (axis, name) = self.axis();
         let enable = rig.give(Action::Enable(AxisSet::one(axis)));
@@ -412,7 +412,7 @@ impl Case {
             rig.give(Action::Halt(AxisSet::one(axis)));
         }
         if self.way == Cut {
-            // Its line stays cut.
+            // The line stays cut.
             return;
         }
         let error = rig.int(&format!("{name}.error"));
@@ -438,13 +438,13 @@ impl Case {
         assert_eq!((rig.int(&format!("{name}.error")), rig.int("error")), (0, 0), "{text}");
         let powered = deed.at_rest.contains("power") || deed.at_rest.contains("goes on") || axis == LINE;
         assert_eq!(rig.state(name), if powered { "STANDSTILL" } else { "DISABLED" }, "{text}: reset");
-        // MACS-IO-05: the brake is opened by nothing but a program.
+        // MACS-IO-05: only a program opens the brake.
         assert_eq!(rig.int("hold") == 1, deed.at_rest.contains("brake"), "{text}: reset");
         rig.give(Action::Enable(AxisSet::first(3)));
         rig.run(40);
         assert_eq!((rig.state(name), rig.int("error")), ("STANDSTILL", 0), "{text}: enabled again");
         if self.interface.is_some_and(|interface| interface != Interface::OpenLoop) {
-            // Away from the limit that has stopped it.
+            // Away from the limit at which the axis has stopped.
             let way = if error == i64::from(Code::SOFTWARE_LIMIT_NEGATIVE.0) { 10 } else { -10 };
             let place = rig.int("x.command.position") + way;
             rig.give(Action::Move(to(X, place)));

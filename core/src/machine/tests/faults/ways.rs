@@ -1,4 +1,4 @@
-//! Faults that show themselves on a way of their own: what they look for does not come, or a limit does.
+//! Faults with a specific motion: a searched switch or index is missing, or a limit is reached.
 
 use super::super::rig::{LINE, Rig, X, at, couple};
 use super::{Fault, Numbers, assign, set};
@@ -9,20 +9,21 @@ use crate::object::Leader;
 use crate::parameter::Value;
 use crate::sim::{Fixtures, Index};
 
-/// Far beyond all ways.
+/// Far outside all travel.
 const FAR: i64 = i64::MAX / 4;
-/// Longest way to a switch (inc).
+/// Longest distance to a switch (inc).
 const MOST: i64 = 3_000;
-/// A revolution of 500 lines: longest way to the index (inc).
+/// A revolution of 500 lines: longest distance to the index (inc).
 const REVOLUTION: i64 = 2_000;
 
-/// Homing that cannot find its zero; ends in the cycle in which that is known, which is looked for here by the place alone.
+/// Runs a homing that cannot find its zero, up to the cycle in which the failure is known. That cycle is determined
+/// here by the position alone.
 pub(super) fn fail_to_home(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -> Code {
     assign(rig, "homing.velocity", Value::Real(20_000.0 + numbers.below(60_000) as f64));
     assign(rig, "homing.index_velocity", Value::Real(10_000.0 + numbers.below(20_000) as f64));
     set(rig, "homing.max_distance", MOST);
     let drive = rig.plant.drive(0).expect("x");
-    // It stands at 0; the switch and the index would come.
+    // The axis is at 0; the switch and the index are ahead.
     drive.fit(Fixtures {
         index: Some(Index { every: REVOLUTION, at: 1 + numbers.below(1_999) as i64 }),
         home: Some((1_500, FAR)),
@@ -58,13 +59,13 @@ pub(super) fn fail_to_home(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -
     code
 }
 
-/// A motion without a target that comes to a software limit; ends in the cycle in which the stop begins. It has to begin in
-/// time, and not before it has to.
+/// Runs a motion without a target into a software limit, up to the cycle in which the stop starts. The stop must start
+/// in time, and not earlier than necessary.
 pub(super) fn run_into_limit(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -> Code {
     let up = numbers.below(2) == 0;
     let sign = if up { 1.0 } else { -1.0 };
     let velocity = 10_000.0 + numbers.below(80_000) as f64;
-    // 1 inc/ms^2: it stops on 4050 inc at most, and as far it takes to be that fast.
+    // 1 inc/ms^2: the axis stops within 4050 inc, and needs the same distance to accelerate.
     let room = 9_000 + numbers.below(9_000) as i64;
     let limit = rig.int("x.command.position") + if up { room } else { -room };
     set(rig, if up { "max_position" } else { "min_position" }, limit);
@@ -78,21 +79,21 @@ pub(super) fn run_into_limit(rig: &mut Rig, numbers: &mut Numbers, fault: Fault)
     let mut before = motion(rig);
     while rig.int("x.error") == 0 {
         let (place, speed) = motion(rig);
-        // A coupled axis moves in whole steps: it is half of one further on when its stop begins.
+        // A coupled axis moves in whole steps: it is half a step further when its stop starts.
         let step = if fault == Fault::LedIntoLimit { speed / 1e3 } else { 0.0 };
         let way = speed * speed / 2e6 - step / 2.0;
         assert!(way <= (limit - place).abs() as f64 + 1.0, "{fault:?}: {speed} inc/s at {place}, the limit is {limit}");
         before = (place, speed);
         rig.run(1);
     }
-    // The cycle after next it could not have stopped any more.
+    // Two cycles later the axis could no longer have stopped before the limit.
     let (place, speed) = before;
     let needed = speed * speed / 2e6 + 2.0 * speed / 1e3 + 2.0;
     assert!((limit - place).abs() as f64 <= needed, "{fault:?}: stops {} before the limit", (limit - place).abs());
     if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE }
 }
 
-/// The software limit that is set (inc).
+/// Returns the software limit that is set (inc).
 pub(super) fn limit(rig: &Rig) -> i64 {
     let p = rig.machine.parameters(X).expect("x");
     p.max_position.or(p.min_position).expect("one of them")

@@ -1,4 +1,4 @@
-//! The cable of an encoder that stays cut.
+//! Encoder cable that stays cut.
 
 use super::super::rig::{Rig, X};
 use super::{error, shared_config};
@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::command::Action;
 use crate::vocabulary::wf::Request;
 
-/// Alarm 7 stays as long as its cause does.
+/// Alarm 7 remains as long as its cause.
 ///
 /// Proves: WF-MON-06
 #[test]

@@ -1,4 +1,4 @@
-//! Words that are wrong, lines that are cut, positions that jump.
+//! Wrong encoder words, cut lines, position jumps.
 
 use super::super::rig::{Rig, X, at, config, couple};
 use super::{corrected, error, gray, shared_config, velocity_config};
@@ -10,8 +10,8 @@ use crate::event::Kind;
 use crate::object::Leader;
 use crate::sim::Model;
 
-/// While the axis moves bits of its words are wrong, a hundred cycles long: nobody sees more than a warning. One more, and the
-/// word is taken as it stands: a position error.
+/// While the axis moves, bits of its encoder words are wrong for a hundred cycles: only a warning is reported. The next
+/// wrong word is used unmodified and causes a position error.
 ///
 /// Proves: MACS-ENC-08, MACS-SYS-01
 #[test]
@@ -21,7 +21,7 @@ fn a_hundred_bad_words_are_replaced_and_the_next_one_is_a_position_error() {
         rig.give(Action::Move(at(X, 50_000.0)));
         rig.run(2_000);
         let behind = rig.int("x.following_error");
-        // The highest bit of the word turns its number over.
+        // The highest bit of the word inverts its sign.
         rig.plant.drive(0).unwrap().disturb(1 << 24, words);
         for _ in 0..100 {
             rig.run(1);
@@ -38,7 +38,7 @@ fn a_hundred_bad_words_are_replaced_and_the_next_one_is_a_position_error() {
     }
 }
 
-/// A line that is cut leaves no word: the same way, and then there is no value, so that the axis is switched off.
+/// A cut line delivers no word: first the same substitution, then no value, so the axis is switched off.
 ///
 /// Proves: MACS-ENC-08
 #[test]
@@ -55,7 +55,7 @@ fn a_cut_line_ends_in_an_error_when_nothing_is_replaced_any_more() {
     assert_eq!((rig.int("x.encoder.errors"), rig.int("x.enabled")), (101, 0));
 }
 
-/// Without correction it is an error in its cycle; with monitoring of the modules it is their alarm 7.
+/// Without correction it is an error in its cycle; with monitoring of the modules it is alarm 7.
 ///
 /// Proves: WF-MON-01, WF-MON-06, WF-MD-18
 #[test]
@@ -84,7 +84,7 @@ fn a_cut_line_stops_the_axis_in_its_cycle() {
     }
 }
 
-/// Whatever time a following error may take: a jump is an error in its cycle, and off, it is told.
+/// With any following error time, a jump is an error in its cycle; if the axis is off, it is reported.
 #[test]
 fn a_jump_is_an_error_in_its_cycle() {
     for (by, expected) in [(300, Code::NONE), (301, Code::ENCODER_JUMP), (-301, Code::ENCODER_JUMP)] {
@@ -115,7 +115,7 @@ fn a_jump_is_an_error_in_its_cycle() {
     assert_eq!((warned.count(), error(&rig)), (1, 0));
 }
 
-/// Words of an encoder in section `encoders`, disturbed: corrected, or told and no value.
+/// Disturbed words of an encoder in section `encoders`: corrected, or reported and without a value.
 ///
 /// Proves: MACS-ENC-08, MACS-ENC-12
 #[test]

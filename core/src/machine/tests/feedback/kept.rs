@@ -1,4 +1,4 @@
-//! What may be set while an axis is on, and what its position and its zero make of it.
+//! Parameters that may be set while an axis is on, and their effect on its position and its zero.
 
 use super::super::rig::{Rig, X, Y, to};
 use super::{change, error, off, set, velocity_config};
@@ -19,7 +19,8 @@ fn lost(rig: &Rig) -> usize {
     rig.events.iter().filter(|event| event.code == Code::HOMING_LOST).count()
 }
 
-/// MD34 only judges the words of an absolute encoder: whenever it is set, the position, its zero and the seams behind it stay.
+/// MD34 only checks the words of an absolute encoder: whenever it is set, the position, its zero and the word overflows
+/// are retained.
 ///
 /// Proves: WF-MD-16, WF-ABS-04
 #[test]
@@ -42,7 +43,7 @@ fn a_largest_step_moves_nothing_when_it_is_set() {
         }
     }
     assert_eq!((rig.int("x.homed"), lost(&rig), error(&rig)), (1, 0, 0));
-    // In motion, and over the seam.
+    // In motion, and over the word boundary.
     rig.give(Action::Move(to(X, 10_000)));
     rig.run(100);
     let before = rig.int("x.actual.position");
@@ -50,7 +51,7 @@ fn a_largest_step_moves_nothing_when_it_is_set() {
     assert!((0..=100).contains(&(rig.int("x.actual.position") - before)), "100 mm/s");
     rig.run(500);
     assert_eq!((rig.int("x.command.position"), error(&rig)), (10_000, 0));
-    // Off as well; and it is in force.
+    // Switched off as well; and the value is in force.
     off(&mut rig, X);
     rig.run(100);
     let before = rig.int("x.actual.position");
@@ -64,7 +65,8 @@ fn a_largest_step_moves_nothing_when_it_is_set() {
     assert_eq!(error(&rig), i64::from(Code::ENCODER_INVALID.0));
 }
 
-/// With ENCODERTYPE 1 to 4 ENCODER is the size of the source, which changes only while the axis is off; of others it is a number.
+/// With ENCODERTYPE 1 to 4 ENCODER is the size of the source, which can only be changed while the axis is off; with
+/// other types it can be changed any time.
 #[test]
 fn the_size_of_an_absolute_encoder_changes_while_its_axis_is_off() {
     for interface in [Interface::Position, Interface::Velocity] {
@@ -94,7 +96,7 @@ fn the_size_of_an_absolute_encoder_changes_while_its_axis_is_off() {
     }
 }
 
-/// The zero of an absolute encoder stands whatever was known before; back to counts, it is known no more.
+/// The zero of an absolute encoder is fixed, whatever was known before; back to counts, it is unknown again.
 ///
 /// Proves: MACS-ENC-10
 #[test]
@@ -111,7 +113,7 @@ fn an_absolute_encoder_is_told_to_know_its_zero() {
     }
 }
 
-/// A limit that would leave its range with a new position is told with the position that was asked for.
+/// A limit that would leave its range with a new position is reported with the requested position.
 #[test]
 fn a_limit_that_cannot_follow_is_told() {
     let mut config = velocity_config();
@@ -125,7 +127,7 @@ fn a_limit_that_cannot_follow_is_told() {
     );
 }
 
-/// The numbers of an error are those of its reset as well.
+/// The numbers of an error also appear in its reset.
 #[test]
 fn a_reset_tells_what_the_error_told() {
     let mut rig = Rig::of(velocity_config());

@@ -1,4 +1,4 @@
-//! Index pulses: those of the encoder that the axis reads, and those that are simulated.
+//! Index pulses: of the encoder that the axis reads, and simulated ones.
 
 use super::super::rig::{Rig, X, at, config, to};
 use super::{change, error, off, set, velocity_config, zero};
@@ -9,7 +9,8 @@ use crate::config::MachineConfig;
 use crate::encoder::PulseCheck;
 use crate::sim::{Fixtures, Index};
 
-/// The drive has an index too, but the loop is not closed with its encoder: its pulses come in other cycles and at other places.
+/// The drive has an index, too, but the loop is not closed with its encoder: its pulses occur in other cycles and at
+/// other positions.
 ///
 /// Proves: MACS-ENC-12
 #[test]
@@ -32,7 +33,7 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
         }
     }
     assert_eq!((seen, error(&rig)), (vec![1_000, 2_000, 3_000, 4_000], 0));
-    // Homing to the index finds that of the encoder as well.
+    // Homing to the index also finds that of the encoder.
     let mut rig = Rig::of({
         let mut config = velocity_config();
         config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 8 });
@@ -75,21 +76,21 @@ fn simulated_marks_lie_at_each_multiple_of_encoderfreq() {
         }
     }
     assert_eq!(seen, [500, 1_000, 1_500, 1_500, 1_000, 500, 0, -500]);
-    // A new zero is no motion: no mark is passed by it, and they lie at multiples of the new coordinate.
+    // A new zero is not a motion: it passes no mark, and marks are at multiples of the new coordinate.
     rig.give(zero(X, 4_999));
     rig.run(5);
     assert_eq!(rig.int("x.index.count"), 8);
     rig.give(Action::Move(to(X, 5_000)));
     rig.run(100);
     assert_eq!((rig.int("x.index.count"), rig.int("x.index.position")), (9, 5_000));
-    // Off, it is the drive that shows where it is, and it has no marks.
+    // If the axis is off, the drive shows its position, and there are no marks.
     off(&mut rig, X);
     rig.plant.drive(0).unwrap().jump(5_000);
     rig.run(10);
     assert_eq!(rig.int("x.index.count"), 9);
 }
 
-/// As a distance of marks any number above 0 is good, as a clock rate only those that there are.
+/// As a mark distance any number above 0 is allowed, as a clock rate only the existing rates.
 ///
 /// Proves: MACS-ENC-13
 #[test]

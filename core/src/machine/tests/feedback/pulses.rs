@@ -1,4 +1,4 @@
-//! Pulses between two marks, counted (WF alarm 8).
+//! Counting of pulses between two marks (WF alarm 8).
 
 use super::super::rig::{Rig, X, Y, at, couple, to};
 use super::{error, set, velocity_config};
@@ -11,7 +11,7 @@ use crate::object::Leader;
 use crate::sim::{Fixtures, Index};
 use crate::vocabulary::wf::Request;
 
-/// 4 x 25 increments from mark to mark; counts of 1 ms at the highest speed and 4 may be wrong.
+/// 4 x 25 increments between marks; the tolerance is the counts of 1 ms at the maximum speed plus 4.
 fn monitored() -> Rig {
     let mut config = velocity_config();
     let p = &mut config.axes[1].parameters;
@@ -24,8 +24,8 @@ fn monitored() -> Rig {
     rig
 }
 
-/// Homed by its index it rests on a mark. From there it goes off by less than a turn and comes back, from either side:
-/// nothing is missing. Then pulses are, and it is told.
+/// Homed by its index the axis rests on a mark. It moves away by less than a revolution and returns, from either side:
+/// no pulse is missing. Then pulses are missing, and this is reported.
 ///
 /// Proves: WF-MON-02
 #[test]
@@ -73,7 +73,7 @@ fn pulses_that_are_too_many_or_missing_are_alarm_8_at_the_next_mark() {
             let sentence = crate::text::sentence(event, rig.machine.config());
             assert!(sentence.starts_with("x: alarm 8: pulses of the encoder are missing or too many: "), "{sentence}");
             assert!(sentence.ends_with(" since the index, beyond 0.024 mm"), "{sentence}");
-            // The reset bit acknowledges it, and the supervision begins anew.
+            // The reset bit acknowledges the alarm, and the supervision starts again.
             let axis = X;
             rig.give(Action::vocabulary(Request { axis, reset: true, ..Request::default() }));
             rig.run(2);
@@ -93,7 +93,7 @@ fn a_mark_that_stays_away_is_alarm_8_as_soon_as_it_is_overdue() {
         assert!(rig.int("x.actual.position") < mark + 1_000 + 24 + 20, "overdue");
     }
     assert_eq!(error(&rig), i64::from(Code::WF_PULSES.0));
-    // Not selected, nobody looks.
+    // Not selected, so not supervised.
     let mut rig = monitored();
     set(&mut rig, &[("wf.md41", 0)]);
     rig.plant.drive(0).unwrap().lose_index();
@@ -101,7 +101,7 @@ fn a_mark_that_stays_away_is_alarm_8_as_soon_as_it_is_overdue() {
     assert_eq!(error(&rig), 0);
 }
 
-/// The same of an entry of section `encoders`: its followers stop, and so does an axis that reads it.
+/// The same for an entry of section `encoders`: its followers stop, and so does an axis that reads it.
 ///
 /// Proves: WF-MON-02
 #[test]

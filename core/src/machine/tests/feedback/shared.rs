@@ -1,4 +1,4 @@
-//! What a zero, a source and a type mean to the axes that read an encoder: their positions, and whether they are homed.
+//! Effect of a zero, a source and a type on all axes that read an encoder: their positions and their homed state.
 
 use super::super::rig::{Rig, X, Y, at, couple, to};
 use super::{change, corrected, error, off, set, shared_config, velocity_config, zero};
@@ -7,7 +7,7 @@ use crate::code::Code;
 use crate::command::Action;
 use crate::object::{AxisSet, Leader};
 
-/// Two users at 25000; a soft zero is one of the first alone, a hard one is the encoder's.
+/// Two users at 25000: a soft zero applies to the first user only, a hard zero to the encoder.
 ///
 /// Proves: MACS-O-59, MACS-ENC-11, MACS-ENC-12
 #[test]
@@ -26,7 +26,7 @@ fn a_soft_zero_is_of_one_user_and_a_hard_one_of_all() {
         assert_eq!(rig.int("x.actual.position"), 0, "at once");
         rig.run(1);
         assert_eq!(seen(&rig), [0, others, others], "enccontrol {control}");
-        // Nothing has moved, and all go on from there.
+        // Nothing has moved, and all users continue from there.
         rig.run(50);
         assert_eq!((seen(&rig), error(&rig)), ([0, others, others], 0));
         rig.give(Action::Move(to(X, 1_000)));
@@ -36,7 +36,7 @@ fn a_soft_zero_is_of_one_user_and_a_hard_one_of_all() {
     }
 }
 
-/// A zero of the encoder would move the place under another user that is on its way: refused, and nothing changes.
+/// A zero of the encoder would shift the coordinate of another user in motion: it is refused, and nothing changes.
 ///
 /// Proves: MACS-ENC-11
 #[test]
@@ -48,7 +48,7 @@ fn a_hard_zero_waits_for_the_other_users() {
     let refused = rig.give(zero(X, 5));
     assert_eq!(rig.refusal(refused), "y: the axis runs at a velocity (CONTINUOUS_MOTION); halt it first");
     let before = rig.int("x.actual.position");
-    // In one cycle with the start of the other: only the axis itself has the new zero, and that is told.
+    // In one cycle with the start of the other user: only the axis itself gets the new zero, and this is reported.
     let mut rig = Rig::of(shared_config());
     rig.enable();
     rig.give_all(vec![zero(X, 500), Action::Move(at(Y, 1_000.0))]);
@@ -60,7 +60,7 @@ fn a_hard_zero_waits_for_the_other_users() {
     assert_eq!(crate::text::sentence(told, rig.machine.config()), sentence);
 }
 
-/// Who follows a shared encoder does not follow its new zero.
+/// Followers of a shared encoder do not follow its new zero.
 #[test]
 fn a_hard_zero_moves_nobody_who_follows() {
     let mut config = velocity_config();
@@ -77,7 +77,8 @@ fn a_hard_zero_moves_nobody_who_follows() {
     assert_eq!((rig.int("belt.position"), rig.int("y.command.position")), (6_000, 1_000));
 }
 
-/// The source changes while the axis is off: soft, its position stays; hard, it is that of the new source.
+/// The source changes while the axis is off: a soft change keeps the position; a hard change takes that of the new
+/// source.
 ///
 /// Proves: MACS-ENC-11
 #[test]
@@ -108,7 +109,7 @@ fn a_soft_change_of_the_source_keeps_the_position() {
     }
 }
 
-/// Another type cancels homing, also of the same source; a soft change keeps the position, and so its zero.
+/// A change of type cancels homing, even with the same source; a soft change keeps the position, and so the zero.
 ///
 /// Proves: MACS-HOME-09, MACS-ENC-11
 #[test]

@@ -1,4 +1,4 @@
-//! What an axis may read, and what each source makes of its words.
+//! Sources that an axis may read, and the conversion of the words of each source.
 
 use super::super::rig::{Rig, X, Y, at, config, to};
 use super::{change, corrected, error, gray, off, set, shared_config, velocity_config};
@@ -11,13 +11,14 @@ use crate::encoder::{Absolute, Form};
 use crate::object::AxisSet;
 use crate::parameter::{Row, Value};
 
-/// A word of 13 bits for a turn and 12 for turns in Gray code: 1:1, and over the seam without a trace.
+/// A word with 13 bits for the position in a revolution and 12 bits for revolutions, in Gray code: 1:1, and without
+/// effects at the word boundary.
 ///
 /// Proves: MACS-ENC-01, WF-ABS-01
 #[test]
 fn an_axis_runs_on_an_absolute_encoder_and_over_its_seam() {
     let mut config = velocity_config();
-    // 400 turns of 100 are one round of its words.
+    // The word range is 400 revolutions of 100.
     config.axes[1].wired = Wired::Drive(Form::Absolute(gray(100, 400)));
     let mut rig = Rig::of(config);
     rig.enable();
@@ -34,13 +35,15 @@ fn an_axis_runs_on_an_absolute_encoder_and_over_its_seam() {
     assert_eq!(rig.int("x.actual.count"), 39_999 ^ 39_999 >> 1);
 }
 
-/// Each number of the table reads what it names: the drive's counts, its words of a turn, a terminal, or the command. Which clock
-/// a serial encoder has is decoded, and matters to nobody here; what a number of a bus names, its decoding shows.
+/// Each number of the table reads the named source: the counts of the drive, its words of one revolution, a terminal,
+/// or the command. The clock of a serial encoder is decoded, and has no effect here; the decoding test shows the source
+/// of a bus number.
 ///
 /// Proves: MACS-ENC-04
 #[test]
 fn each_encodertype_reads_what_it_names() {
-    /// What comes of a drive that goes 7 up and 8 down, over the seam of a word, and of terminals that go 100, 200, 300 up.
+    /// Result of a drive that moves 7 up and 8 down, over the boundary of a word, and of terminals that move 100, 200,
+    /// 300 up.
     #[derive(Debug, PartialEq)]
     struct Seen {
         up: i64,
@@ -49,7 +52,8 @@ fn each_encodertype_reads_what_it_names() {
         errors: i64,
     }
     let counted = |up, down, count| Seen { up, down, count, errors: 0 };
-    // From 0 to 4095 is the longer way within a turn: an overflow, or where there is none, a bad word.
+    // From 0 to 4095 is the longer distance within a revolution: an overflow, or for a source without overflows, a bad
+    // word.
     let (counts, overflows) = (counted(7, -1, -1), counted(7, -1, 4_095));
     let corrected = Seen { errors: 1, ..counted(7, 7, 4_095) };
     let seen = |kind: i64| {
@@ -70,7 +74,7 @@ fn each_encodertype_reads_what_it_names() {
         rig.run(1);
         let down = rig.int("x.actual.position");
         let seen = Seen { up, down, count: rig.int("x.actual.count"), errors: rig.int("x.encoder.errors") };
-        // On, and pushed: only the simulated encoder shows the command.
+        // Switched on and pushed: only the simulated encoder shows the command.
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(20);
         let command = rig.int("x.command.position");
@@ -98,8 +102,8 @@ fn each_encodertype_reads_what_it_names() {
     }
 }
 
-/// VELMAX 600 rpm of 4096 steps are 40960 inc/s, whichever way the cell says that the encoder is absolute; of lines it
-/// is four times that.
+/// VELMAX 600 rpm with 4096 steps is 40960 inc/s, with any way to declare the encoder absolute; with lines it is four
+/// times that.
 ///
 /// Proves: MACS-ENC-01, MACS-PROF-02
 #[test]
@@ -145,7 +149,7 @@ fn an_axis_on_an_absolute_encoder_keeps_velmax() {
     }
 }
 
-/// A drive of 16 bits that closes its own loop: the setpoint goes over the seam with it.
+/// A drive with 16 bits that closes its own loop: the setpoint wraps around with it.
 ///
 /// Proves: MACS-ENC-07
 #[test]
@@ -166,8 +170,8 @@ fn a_drive_of_few_bits_is_commanded_over_its_seam() {
     }
 }
 
-/// The words of MD5 steps in Gray code that the axis reads with MD4 absolute, the first MD7 of them left out; a step beyond MD34 is
-/// no value.
+/// The words of MD5 steps in Gray code that the axis reads with MD4 absolute, with the first MD7 of them omitted; a
+/// step above MD34 is invalid.
 ///
 /// Proves: WF-MD-03, WF-MD-04, WF-MD-05, WF-MD-16, WF-ABS-01, WF-ABS-04
 #[test]
@@ -189,7 +193,7 @@ fn the_module_reads_an_absolute_encoder_by_its_machine_data() {
     }
 }
 
-/// The command is the position, whatever the drive does; off, it is where the drive stands.
+/// The command is the position, independent of the drive; if the axis is off, it is the position of the drive.
 ///
 /// Proves: MACS-ENC-13
 #[test]
@@ -217,7 +221,7 @@ fn a_simulated_encoder_shows_the_command() {
     }
 }
 
-/// What is not there is refused, and nothing changes.
+/// Missing sources are refused, and nothing changes.
 ///
 /// Proves: MACS-ENC-05, MACS-ENC-06
 #[test]
@@ -253,7 +257,7 @@ fn sources_that_are_not_there_are_refused() {
     assert_eq!(config.check(), wrong(Code::ENCODER_NO_TERMINAL));
 }
 
-/// A machine goes on from its state in the middle of all that.
+/// A machine restored from its state continues with all of these sources.
 #[test]
 fn a_restored_machine_reads_on() {
     let mut rig = corrected();

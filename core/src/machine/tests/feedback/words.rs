@@ -1,4 +1,4 @@
-//! Words with parity, words that a drive decodes itself, and coordinates that begin anew.
+//! Words with parity, words that a drive decodes itself, and coordinates that start again.
 
 use super::super::rig::{Rig, X, Y, config, couple, to};
 use super::{error, set, shared_config, velocity_config, zero};
@@ -9,7 +9,7 @@ use crate::parameter::{Change, Row, Value};
 use crate::position::Length;
 use crate::vocabulary::wf::{Mode, Request};
 
-/// One wrong track of a Gray word is a step of one increment somewhere: without parity nobody sees it.
+/// One wrong track of a Gray word is a step of one increment: without parity it is not detected.
 ///
 /// Proves: WF-MD-09, WF-ABS-04
 #[test]
@@ -46,7 +46,7 @@ fn machine_data_of_an_absolute_encoder_are_refused_with_their_own_words() {
         let sentence = rig.refusal(refused);
         let end = "is no parity; with wf.md4 absolute 0 inc (none), 1 inc (even) and 2 inc (odd) are allowed";
         assert!(sentence.starts_with("x: wf.md16 ") && sentence.ends_with(end), "{sentence}");
-        // Of an incremental one it is the reference point.
+        // For an incremental encoder it is the reference point.
         let good = set(&mut rig, &[("wf.md16", value)]);
         assert!(rig.was_accepted(good));
     }
@@ -58,7 +58,7 @@ fn machine_data_of_an_absolute_encoder_are_refused_with_their_own_words() {
     assert_eq!(rig.refusal(refused), sentence);
 }
 
-/// The power of an encoder goes: that is no motion, for nobody who reads or follows it, but its zero is gone.
+/// An encoder loses its power: this is no motion for its users and followers, but its zero is lost.
 ///
 /// Proves: MACS-ENC-12
 #[test]
@@ -85,7 +85,7 @@ fn a_new_epoch_of_an_encoder_is_no_motion_and_drops_the_zero_of_its_users() {
     assert_eq!((rig.int("belt.count"), rig.int("belt.position"), rig.int("y.command.position")), (100, 5_100, 5_100));
 }
 
-/// `synchronized` is 1 where positions refer to a zero that was set, by whichever word: the preset of the modules, homing,
+/// `synchronized` is 1 while positions refer to a zero that was set by any method: the preset of the modules, homing,
 /// set_position. It is 0 again when that zero is lost.
 ///
 /// Proves: WF-IF-11, WF-REF-05
@@ -99,7 +99,7 @@ fn the_modules_know_every_zero_that_was_set_and_lost() {
     assert_eq!(known(&rig), 0);
     rig.give(zero(X, 1_000));
     assert_eq!(known(&rig), 1);
-    // The last zero counts: that of the preset lies 500 before it, and is none any more after the next one.
+    // The last zero counts: the zero of the preset is 500 before it, and is not a zero any more after the next one.
     let preset =
         Request { axis: X, mode: Some(Mode::ActualValue), value: Some(Length::whole(500)), ..Request::default() };
     rig.give(Action::vocabulary(preset));

@@ -15,13 +15,13 @@ fn belt(position: i64) -> Action {
     Action::SetEncoderPosition(SetEncoderPosition { encoder: 0, position: Length::whole(position) })
 }
 
-/// What the line shows of its master, which is the belt.
+/// Sets the master position that the line shows; its master is the belt.
 fn master(position: i64) -> Action {
     let position = MasterPosition::Increments(Length::whole(position));
     Action::SetMasterPosition(SetMasterPosition { axis: LINE, position })
 }
 
-/// x and y read the belt, which is the line's master; its value is 300, and y stands 40 further.
+/// x and y read the belt, which is the master of the line; its value is 300, and y is 40 further.
 fn rig(soft: i64) -> Rig {
     let mut config = shared_config();
     config.axes[usize::from(LINE)].parameters.encoder.mencodertype = 10;
@@ -41,7 +41,7 @@ fn seen(rig: &Rig) -> [i64; 4] {
     [rig.int("x.actual.position"), rig.int("y.actual.position"), rig.int("belt.position"), shown]
 }
 
-/// As if each were shared before the next: the last one stands, for all of them.
+/// As if each were shared before the next: the last zero applies to all of them.
 ///
 /// Proves: MACS-ENC-11, MACS-ENC-12
 #[test]
@@ -64,7 +64,7 @@ fn of_several_zeros_in_a_cycle_the_last_one_stands() {
             rig.run(1);
             assert_eq!(seen(&rig), expected, "{zeros:?}");
         }
-        // Who was moved goes on from there.
+        // An axis whose coordinate was shifted continues from there.
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(40);
         rig.give(Action::Move(to(X, expected[0] + 1_000)));
@@ -74,7 +74,7 @@ fn of_several_zeros_in_a_cycle_the_last_one_stands() {
     }
 }
 
-/// A soft zero behind a hard one is what it says; before it, it moves with the encoder.
+/// A soft zero after a hard one has the commanded value; a soft zero before it moves with the encoder.
 ///
 /// Proves: MACS-ENC-11
 #[test]
@@ -90,7 +90,7 @@ fn a_soft_zero_keeps_its_turn() {
     }
 }
 
-/// Each of two zeros is legal; what would be their sum is nobody's. What does not fit is told as that.
+/// Each of two zeros is legal; their sum would not be a zero of any axis. A zero that does not fit is reported.
 #[test]
 fn a_zero_that_leads_another_user_out_of_range_is_one_of_the_axis_alone() {
     let far = 4_000_000_000_000_000_000;
@@ -99,7 +99,7 @@ fn a_zero_that_leads_another_user_out_of_range_is_one_of_the_axis_alone() {
     rig.run(2);
     assert_eq!(seen(&rig)[..3], [far - 40, far, far - 40]);
     assert!(!rig.events.iter().any(|event| event.code == Code::ENCODER_NOT_SHARED));
-    // y stands 40 further than x.
+    // y is 40 further than x.
     let mut rig = self::rig(0);
     rig.give(zero(X, (1 << 62) - 30));
     rig.run(1);
@@ -112,7 +112,7 @@ fn a_zero_that_leads_another_user_out_of_range_is_one_of_the_axis_alone() {
     );
 }
 
-/// A zero of x moves y in the next cycle. What the drive of y catches in that cycle is recorded in the new coordinate.
+/// A zero of x moves y in the next cycle. A latch of the drive of y in that cycle is recorded in the new coordinate.
 #[test]
 fn a_latch_in_the_cycle_of_a_shared_zero_has_the_new_coordinate() {
     let mut rig = rig(0);

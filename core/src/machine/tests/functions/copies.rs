@@ -1,14 +1,15 @@
-//! Copies onto an axis in speed control: 36000 inc a turn, so 1 rpm is 600 inc/s, and 500 inc/s more or less in a cycle.
+//! Copies onto an axis in speed control: 36000 inc per revolution, so 1 rpm is 600 inc/s; the velocity changes by 500
+//! inc/s per cycle.
 
 use super::*;
 use crate::function::Quantity as Carries;
 
-/// A copy that runs the disc at a speed.
+/// Returns a copy that runs the disc at a speed.
 fn runs(kind: Type, source: SourceConfig) -> SlotConfig {
     SlotConfig { source, sink: SinkConfig::Axis(DISC), quantity: Carries::Speed, ..slot("c", 1, kind) }
 }
 
-/// 30 rpm are 18000 inc/s, 18 inc a cycle; 15 rpm back are -9000 inc/s.
+/// 30 rpm are 18000 inc/s, 18 inc per cycle; 15 rpm backwards are -9000 inc/s.
 ///
 /// Proves: AMK-GEN-18, AMK-ECOPY-04, AMK-ECOPY-05
 #[test]
@@ -37,7 +38,7 @@ fn ecopy_in_speed_control_runs_an_axis_on_its_ramp() {
     rig.run(100);
     let way = rig.int("disc.command.position") - before;
     assert!((1799..=1801).contains(&way), "{way}");
-    // What a mirror of the machine is restored from runs on alike.
+    // A machine restored from here gives the same results.
     rig.mirror();
     rig.give(with(0, Order::ValueNew, &[(live, -150_000)]));
     rig.run(80);
@@ -54,7 +55,7 @@ fn ecopy_in_speed_control_runs_an_axis_on_its_ramp() {
     assert_eq!((rig.state("disc"), rig.real("disc.command.velocity")), ("STANDSTILL", 0.0));
 }
 
-/// The speed of a memory cell: 15 rpm are 9000 inc/s.
+/// Speed from a memory cell: 15 rpm are 9000 inc/s.
 ///
 /// Proves: AMK-GEN-18, AMK-DCOPY-02
 #[test]

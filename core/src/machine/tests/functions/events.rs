@@ -1,11 +1,12 @@
-//! What slots tell of themselves.
+//! Events of slots.
 
 use super::{Line, Order, Type, cell, order, slot};
 use crate::event::Kind;
 use crate::machine::tests::rig::Rig;
 use crate::object::Object;
 
-/// How a function stands is an event: at its start, with each output, at its end; a bit that changes all the time does not flood.
+/// The state of a function is reported as an event: at its start, with each output, at its end. A bit that changes
+/// continuously causes no flood.
 #[test]
 fn a_function_tells_its_start_its_outputs_and_its_end() {
     let line = |object, inverted| Some(Line { object, inverted });

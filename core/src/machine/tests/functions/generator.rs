@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Moves x from 500 on at 10 inc a cycle while e1 is 1, by ramps of 1 inc a cycle, and watches x: A1 is the lamp, A2 a bit.
+/// Moves x from 500 on at 10 inc per cycle while e1 is 1, with ramps of 1 inc per cycle, and watches x: A1 is the lamp,
+/// A2 a bit.
 fn generates() -> Rig {
     let mut slot = slot("gen", 0, Type::Fgen);
     slot.sink = SinkConfig::Axis(X);
@@ -44,12 +45,12 @@ fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
     assert_eq!((rig.int("x.command.position"), rig.int("gen.feedback2"), rig.int("bit")), (501, 0, 0));
     assert_eq!((rig.int("lamp"), rig.int("gen.out1")), (0, 0));
     rig.run(9);
-    // What the drive tells is the last cycle's command: 45 of 55.
+    // The drive reports the command of the last cycle: 45 of 55.
     assert_eq!((rig.int("x.command.position"), rig.int("gen.feedback2"), rig.int("bit")), (555, 45, 1));
     assert_eq!(rig.int("gen.out2"), 1);
     rig.run(100);
     assert_eq!((rig.int("x.command.position"), rig.real("x.command.velocity")), (1555, 10_000.0));
-    // What a mirror of the machine is restored from goes on alike.
+    // A machine restored from here gives the same results.
     rig.mirror();
     rig.give(Action::set_memory(0, -1024.0));
     rig.run(19);
@@ -68,7 +69,7 @@ fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
     assert_eq!((rig.int("x.command.position"), rig.state("x")), (1499, "STANDSTILL"));
 }
 
-/// The image alone is zeroed (G8).
+/// Only the image is set to zero (G8).
 ///
 /// Proves: AMK-FGEN-40
 #[test]
@@ -119,7 +120,7 @@ fn value_new_takes_the_sequence_and_no_other_bit() {
     assert!(rig.refusal(refused).ends_with("0 is no value of it in this `ba`; 1 to 32767 is possible"));
 }
 
-/// Its state is one that can be restored before any START, too.
+/// Its state can also be restored before any START.
 ///
 /// Proves: AMK-BCOM-35, AMK-BCOM-40
 #[test]
@@ -151,13 +152,13 @@ fn a_regulator_runs_a_rotary_axis_and_reset_ends_it() {
     rig.enable();
     let started = rig.give(order(0, Order::Start));
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
-    // x is 100, e -100, so 100000 of 0.0001 rpm, and as much of w2: 20 rpm of 600 inc/s each.
+    // x is 100 and e is -100, so 100000 of 0.0001 rpm, and the same from w2: 20 rpm of 600 inc/s each.
     rig.give(Action::set_memory(0, 100.0));
     rig.give(Action::set_memory(1, 100_000.0));
     assert_eq!(rig.int("held.sink"), 200_000);
     rig.run(60);
     assert_eq!((rig.real("disc.command.velocity"), rig.int("lamp")), (12_000.0, 0));
-    // 500 would be 50 rpm; 40 are let through, and w2 beside them.
+    // 500 would be 50 rpm; it is limited to 40, and w2 is added.
     rig.give(Action::set_memory(0, 500.0));
     rig.run(100);
     assert_eq!((rig.int("held.sink"), rig.int("lamp"), rig.real("disc.command.velocity")), (500_000, 1, 30_000.0));

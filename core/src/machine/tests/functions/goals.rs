@@ -13,14 +13,14 @@ fn travel(by: i64) -> (u16, i64) {
     (field(Type::Epos, "travel"), by)
 }
 
-/// The indexer of x, which is on.
+/// Returns a rig with the indexer of x, which is on.
 fn indexed(values: &[(&str, i64)]) -> Rig {
     let mut rig = Rig::of(cell(vec![indexer(values)]));
     rig.enable();
     rig
 }
 
-/// How a goal ended, once.
+/// Returns the end of a goal, which must occur once.
 #[track_caller]
 fn end(rig: &Rig, goal: u64) -> Event {
     let done = rig.done(goal);
@@ -33,7 +33,7 @@ fn sentence(rig: &Rig, event: &Event) -> String {
     crate::text::sentence(event, rig.machine.config())
 }
 
-/// 64 inc are 4 + 8 + 12 + 16 + 12 + 8 + 4, from the cycle behind the START on.
+/// 64 inc are 4 + 8 + 12 + 16 + 12 + 8 + 4, starting in the cycle after START.
 #[test]
 fn a_goal_starts_its_function_and_succeeds_where_its_order_ends() {
     let mut rig = indexed(&[]);
@@ -43,7 +43,7 @@ fn a_goal_starts_its_function_and_succeeds_where_its_order_ends() {
     rig.run(1);
     assert_eq!((rig.int("pos.sink"), rig.int("lamp"), rig.int("pos.in1")), (4, 0, 0), "the line keeps its level");
     rig.run(2);
-    // What a mirror of the machine is restored from goes on alike.
+    // A machine restored from here gives the same results.
     rig.mirror();
     rig.run(3);
     assert_eq!((rig.done(goal).len(), rig.int("lamp")), (0, 0));
@@ -51,12 +51,12 @@ fn a_goal_starts_its_function_and_succeeds_where_its_order_ends() {
     let done = end(&rig, goal);
     assert_eq!((done.code, done.source, done.position.floor()), (Code::NONE, Object::Function(0), 64));
     assert_eq!((rig.int("lamp"), rig.int("x.command.position")), (1, 64));
-    // The next one is VALUE_NEW of a function that is started, and begins in its cycle.
+    // The next goal is a VALUE_NEW of a started function, and starts in its cycle.
     let goal = rig.give(run(0, &[travel(-64)]));
     assert_eq!((rig.int("pos.sink"), rig.int("lamp")), (60, 0));
     rig.run(6);
     assert_eq!((end(&rig, goal).code, rig.int("x.command.position")), (Code::NONE, 0));
-    // Without values it is the last set once more; a line that stands at 1 keeps no goal from its beginning.
+    // Without values it repeats the last set; a line that is constantly 1 does not prevent the start of a goal.
     rig.tamper = input(E2);
     rig.run(1);
     let goal = rig.give(run(0, &[]));
@@ -102,7 +102,7 @@ fn what_no_goal_can_be_is_refused_and_changes_nothing() {
     rig.tamper = input(E1);
     rig.run(20);
     refused(&mut rig, run(0, &[]), Code::FUNCTION_BUSY, busy);
-    // Something else has the axis.
+    // Another command controls the axis.
     rig.run(700);
     rig.give(Action::Move(to(X, 100)));
     rig.run(2);
@@ -110,7 +110,7 @@ fn what_no_goal_can_be_is_refused_and_changes_nothing() {
     refused(&mut rig, run(0, &[]), Code::FUNCTION_LEFT, left);
 }
 
-/// From 33.333 inc: 17.3, 1.3, rest. What is left is dropped.
+/// From 33.333 inc: 17.3, 1.3, rest. The remaining travel is dropped.
 #[test]
 fn a_cancelled_goal_stops_and_the_next_one_is_a_new_order() {
     let mut rig = indexed(&[]);
@@ -125,7 +125,7 @@ fn a_cancelled_goal_stops_and_the_next_one_is_a_new_order() {
     rig.run(1);
     assert_eq!((end(&rig, goal).code, rig.int("lamp"), rig.int("pos.remaining")), (Code::CANCELLED, 1, 0));
     let here = rig.int("pos.sink");
-    // The cycle of the command still went on.
+    // The cycle of the command still moved.
     assert!((before + 33 + 18..=before + 34 + 20).contains(&here), "{before} {here}");
     let goal = rig.give(run(0, &[travel(64)]));
     rig.run(10);
@@ -185,7 +185,7 @@ fn reset_an_error_of_its_axis_and_whatever_else_takes_it_end_a_goal() {
         rig.give(take.clone());
         rig.run(1);
         assert_eq!(end(&rig, goal).code, code, "{take:?}");
-        // The order goes with it.
+        // The order ends with the goal.
         let here = rig.int("pos.sink");
         rig.run(50);
         assert_eq!((rig.int("pos.sink"), rig.int("pos.active"), rig.int("lamp")), (here, 1, 1));
@@ -210,7 +210,7 @@ fn reset_an_error_of_its_axis_and_whatever_else_takes_it_end_a_goal() {
     }
 }
 
-/// A goal over multiples runs until it is cancelled, as E1 that stands.
+/// A goal over multiples runs until it is cancelled, like an order by a constant E1.
 #[test]
 fn a_goal_over_multiples_runs_until_it_is_cancelled() {
     let mut rig = indexed(&[("ba", 16), ("travel", 1000)]);

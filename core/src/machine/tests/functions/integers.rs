@@ -1,11 +1,11 @@
-//! Whole numbers on their way to a sink: what is carried, what is cut off, what wraps.
+//! Conversion of whole numbers to a sink: which bits are carried, truncated or wrapped.
 
 use super::{Line, Order, SinkConfig, SlotConfig, SourceConfig, Type, cell, field, order, slot};
 use crate::command::Action;
 use crate::machine::tests::rig::Rig;
 use crate::object::{Leader, Object};
 
-/// A ratio of the 64-bit word into a memory cell, started.
+/// Returns a rig with a started ratio from the 64-bit word into a memory cell.
 fn geared(ratio: i64, sak: i64, memory: u16) -> Rig {
     let source = SourceConfig::Signal("l".into());
     let mut gear = SlotConfig { source, sink: SinkConfig::Memory(memory), ..slot("g", 0, Type::Varsync) };
@@ -49,7 +49,7 @@ fn a_share_is_cut_towards_zero_and_computed_in_64_bits() {
     assert_eq!([3, 0, 3, far, 3].map(&mut share), [2, -2, 2, 100 << 33, -(100 << 33)]);
 }
 
-/// What a function measures is no counter, and is cut to its sink all the same (I7).
+/// A measured value of a function is no counter, but is still truncated to the width of its sink (I7).
 ///
 /// Proves: AMK-BCOM-41
 #[test]

@@ -1,4 +1,4 @@
-//! Interpolators in their slots.
+//! Interpolators in slots.
 
 use super::{Line, Order, SinkConfig, SourceConfig, TableConfig, Type, cell, field, order, slot, with};
 use crate::code::Code;
@@ -14,7 +14,7 @@ fn curve(points: &[i64]) -> Arc<Table> {
     Arc::new(Table::new(Form::Y, &[], points).expect("points"))
 }
 
-/// A function that reads one curve of 1000, by the way of `line`, into the double word.
+/// Returns a function that reads one curve of 1000, over the travel of `line`, into the double word.
 fn machine(kind: Type, values: &[(&str, i64)]) -> Rig {
     let mut function = slot("f", 0, kind);
     function.source = SourceConfig::Lead(Leader::AxisCommand(LINE));
@@ -48,14 +48,14 @@ fn reset_holds_a_movement_where_it_is() {
         assert_eq!((rig.int("d"), rig.int("f.out1")), (0, 1));
         rig.give(Action::set_memory(4, 1.0));
         rig.run(50);
-        // 20 inc a cycle of 2000, or 1 ms of 100 ms.
+        // 20 inc per cycle of 2000, or 1 ms of 100 ms.
         assert_eq!((rig.int("d"), rig.int("f.out1")), (500, 0), "{kind:?}");
         rig.give(order(0, Order::Reset));
         let held = rig.int("d");
         assert_eq!((held, rig.int("f.active"), rig.int("lamp")), (500, 0, 1), "{kind:?}");
         rig.run(20);
         assert_eq!(rig.int("d"), held);
-        // It goes on from there.
+        // It continues from there.
         rig.give(Action::set_memory(4, 0.0));
         rig.give(order(0, Order::Start));
         rig.give(Action::set_memory(4, 1.0));
@@ -77,7 +77,7 @@ fn read_value_finds_a_place_at_rest_alone() {
     let read = rig.give(with(0, Order::ReadValue, &[(offset, -500)]));
     assert!(rig.was_accepted(read));
     assert_eq!(found(&rig), -250);
-    // A set that is none finds nothing, and stays out.
+    // An invalid set finds nothing, and is not stored.
     let read = rig.give(with(0, Order::ReadValue, &[(ba, 1)]));
     assert_eq!(rig.answer(read).expect_err("no mode").code, Code::AMK_NO_MODE);
     let modes = "2, 3, 4, 5, 26, 27, 82, 83, 84, 85, 98, 99, 100, 101, 132, 133 are allowed";
@@ -91,7 +91,7 @@ fn read_value_finds_a_place_at_rest_alone() {
     }
 }
 
-/// 1000 over 2000 inc: half of master_offset. The signal is that of the last answer, whatever the function does then.
+/// 1000 over 2000 inc: half of master_offset. The signal shows the last answer, independent of later function calls.
 /// Proves: AMK-XFIPW-44, AMK-XFIPW-88, AMK-XFIPW-119
 #[test]
 fn answer_of_read_value_is_a_signal_and_an_event() {
@@ -119,7 +119,7 @@ fn answer_of_read_value_is_a_signal_and_an_event() {
     rig.give(order(0, Order::Reset));
     rig.run(3);
     assert_eq!((rig.int("f.active"), rig.int("f.output_value")), (0, -250));
-    // Of other types READ_VALUE finds nothing.
+    // With other types READ_VALUE finds nothing.
     let mut rig = machine(Type::Fipw, &FIPW);
     let read = rig.give(order(0, Order::ReadValue));
     assert!(rig.was_accepted(read) && answers(&rig, read).is_empty());
@@ -167,7 +167,7 @@ fn a_table_that_is_in_use_stays_and_the_next_start_takes_the_new_one() {
     rig.give(order(0, Order::Start));
     rig.run(5);
     assert_eq!(rig.int("d"), held + 300);
-    // What is no curve is a table, and no START.
+    // A table without a curve can be loaded, but START refuses it.
     rig.give(order(0, Order::Reset));
     let odd = rig.give(Action::LoadTable { index: 1, table: curve(&[7, 300]) });
     assert!(rig.was_accepted(odd));

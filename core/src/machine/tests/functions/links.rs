@@ -1,4 +1,4 @@
-//! Who sees whose value of which cycle.
+//! Cycle of the values that slots and axes read from each other.
 
 use super::{Line, Order, SinkConfig, SourceConfig, Type, cell, copy, field, gear, order, slot, with};
 use crate::code::Code;
@@ -12,7 +12,7 @@ fn word(name: &str) -> SourceConfig {
     SourceConfig::Signal(name.into())
 }
 
-/// A step of the word `w`, and what reaches `d` in its cycle and in the next.
+/// Returns the values that a step of the word `w` causes in `d`, in its cycle and in the next.
 fn step(slots: Vec<super::SlotConfig>) -> [i64; 2] {
     let count = slots.len() as u16;
     let mut rig = Rig::of(cell(slots));
@@ -91,14 +91,14 @@ fn an_actual_position_is_this_cycles_and_a_command_the_last_cycles() {
         assert_eq!((way, rig.int("d"), rig.int("l")), (20, before[0] + way, before[1]));
         assert_eq!(rig.int("y.command.position"), before[2] + way);
     }
-    // What disturbs the drive is seen in that cycle.
+    // A disturbance of the drive is visible in that cycle.
     rig.tamper = |inputs| inputs.drive[0].count += 7;
     let before = rig.int("d");
     rig.run(1);
     assert_eq!((rig.int("d"), rig.int("d") - before), (rig.int("x.actual.position"), 27));
 }
 
-/// An axis without a drive is where its command is, and that comes behind the slots.
+/// The position of an axis without a drive is its command, which is calculated after the slots.
 #[test]
 fn the_actual_position_of_a_virtual_axis_is_the_last_cycles() {
     let watch = copy("a", 0, SourceConfig::Lead(Leader::AxisActual(LINE)), SinkConfig::Memory(1));
@@ -111,7 +111,7 @@ fn the_actual_position_of_a_virtual_axis_is_the_last_cycles() {
     assert_eq!((rig.int("d"), rig.int("line.actual.position")), (before, before + 20));
 }
 
-/// The drive of x lags by the way of a cycle; compensation makes the command lead by as much, or by more.
+/// The drive of x lags by the travel of one cycle; compensation makes the command lead by the same amount, or by more.
 ///
 /// Proves: AMK-SIDIFF-12
 #[test]
@@ -135,7 +135,7 @@ fn what_compensation_adds_is_no_difference_of_a_drive() {
         rig.run(50);
         let offset = rig.int("g.sink") - rig.int("g.sak_share") - rig.int("x.actual.position");
         assert_eq!((rig.int("x.regulator.error"), rig.int("d")), (20, offset), "sak {sak}");
-        // The drive is pushed ahead of all that.
+        // The drive is pushed ahead by 7 inc in addition.
         rig.tamper = |inputs| inputs.drive[0].count += 7;
         rig.run(2);
         assert_eq!(rig.int("d"), offset - 7);
@@ -166,7 +166,8 @@ fn masks_and_numbers_of_axes_that_the_cell_does_not_have_are_refused_in_every_or
     assert_eq!(rig.refusal(refused), "g: aw_mask: 32 has bit 5 for axis 6; the cell has 4 axes");
 }
 
-/// The second axis of the cell lags by 20 inc. A table that is loaded has no effect before VALUE_NEW, and one that the set cannot use is refused.
+/// The second axis of the cell lags by 20 inc. A loaded table has no effect before VALUE_NEW, and one that the set
+/// cannot use is refused.
 ///
 /// Proves: AMK-SIDIFF-07, AMK-CMD-11, AMK-CMD-14
 #[test]
@@ -192,7 +193,7 @@ fn sidiff_reads_a_loaded_table_again_at_value_new() {
     assert!(rig.was_accepted(loaded), "{:?}", rig.answer(loaded));
     rig.run(20);
     assert_eq!(rig.int("s.out2"), 0, "the threshold is still 50");
-    // What a mirror of the machine is restored from has the same threshold.
+    // A machine restored from here has the same threshold.
     rig.mirror();
     rig.give(order(1, Order::ValueNew));
     assert_eq!(rig.int("s.out2"), 1, "20 is above 19");
@@ -206,7 +207,7 @@ fn sidiff_reads_a_loaded_table_again_at_value_new() {
     assert_eq!(rig.int("s.out2"), 0, "20 is not above 20");
 }
 
-/// What RESET takes from a speed is one change of its sink, and none in the cycles behind it.
+/// A RESET of a speed changes the sink once, and not in the following cycles.
 #[test]
 fn who_follows_a_sink_that_rests_stands() {
     let mut turn = slot("t", 0, Type::Digdreh);

@@ -3,11 +3,11 @@
 use super::*;
 use crate::sim::{Fixtures, Index};
 
-/// The bits of e1 and e2.
+/// Bits of e1 and e2.
 pub(super) const E1: u64 = 1;
 pub(super) const E2: u64 = 2;
 
-/// x by 33.333 inc a cycle, by ramps of 4 and 16; A1 is the lamp, A2 a bit.
+/// Moves x by 33.333 inc per cycle, with ramps of 4 and 16; A1 is the lamp, A2 a bit.
 pub(super) fn indexer(values: &[(&str, i64)]) -> SlotConfig {
     let mut slot = slot("pos", 0, Type::Epos);
     slot.sink = SinkConfig::Axis(X);
@@ -51,13 +51,13 @@ fn an_axis_goes_by_orders_and_holds_what_reset_leaves() {
     assert_eq!((rig.int("pos.sink"), rig.int("x.command.position"), rig.int("lamp")), (504, 504, 0));
     assert_eq!(rig.int("pos.remaining"), 19_996);
     rig.run(99);
-    // What a mirror of the machine is restored from goes on alike.
+    // A machine restored from here gives the same results.
     rig.mirror();
     rig.run(507);
     assert_eq!(rig.int("lamp"), 0);
     rig.run(1);
     assert_eq!((rig.int("x.command.position"), rig.int("lamp"), rig.int("pos.remaining")), (20_500, 1, 0));
-    // Back, stopped on the way: 33.333 down by 16.
+    // Back, stopped in motion: from 33.333 down by 16.
     let taken = rig.give(with(0, Order::ValueNew, &[(field(Type::Epos, "travel"), -20_000)]));
     assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
     rig.tamper = input(0);
@@ -77,8 +77,8 @@ fn an_axis_goes_by_orders_and_holds_what_reset_leaves() {
     assert_eq!((rig.int("x.command.position"), rig.state("x")), (here, "STANDSTILL"));
 }
 
-/// The drive shows the command five cycles late, 166.7 inc at full speed; its index lies at 300. Where the pulse was counts, not where the command
-/// was.
+/// The drive shows the command five cycles late, 166.7 inc at full speed; its index is at 300. The position of the
+/// pulse counts, not that of the command.
 ///
 /// Proves: AMK-EPOS-04, AMK-EPOS-37, AMK-EPOS-40, AMK-EPOS-44, AMK-EPOS-45, AMK-EPOS-46, AMK-CTX-15
 #[test]
@@ -106,7 +106,7 @@ fn the_zero_pulse_of_the_drive_is_the_zero_of_the_end() {
             assert_eq!(rig.int("d"), rig.int("pos.sink"));
         }
     }
-    // The command was 166.7 to 200 beyond the pulse, and 122.7 more to rest.
+    // The command was 166.7 to 200 beyond the pulse, and needed 122.7 more to stop.
     assert!((300 + 289..300 + 324).contains(&peak), "{peak}");
     assert_eq!((rig.int("x.command.position"), rig.int("x.actual.position")), (400, 400));
     assert_eq!((rig.int("pos.sink"), rig.int("lamp"), rig.int("disc.sync.master")), (100, 1, 100));
@@ -131,7 +131,7 @@ fn without_a_drive_there_is_no_reference() {
     }
 }
 
-/// The end at a multiple, as often as an input says; A2 is a bit.
+/// The end is at a multiple, repeated as long as an input is set; A2 is a bit.
 ///
 /// Proves: AMK-EPOS-03, AMK-EPOS-13, AMK-EPOS-22, AMK-BCOM-35, AMK-BCOM-36
 #[test]

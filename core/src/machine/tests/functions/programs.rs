@@ -1,11 +1,11 @@
-//! Programs of the user in slots: commands, what they write, exchange, and what becomes of their axis where they fail.
+//! User programs in slots: commands, outputs, exchange, and the reaction of their axis to a failure.
 
 use super::*;
 use crate::config::ProgramConfig;
 use crate::function::Quantity as Carries;
 use lineshaft_program::Module;
 
-/// What traps, runs out of fuel and counts, as its source says.
+/// A program that traps, exhausts its fuel or counts, as its source defines.
 pub(super) const WILD: &str = include_str!("../../../../tests/programs/wild.wat");
 
 const FB10: &[u8] = include_bytes!("../../../../../launch-configs/functions/programs/fb10.wasm");
@@ -14,7 +14,7 @@ pub(super) fn module(text: &str) -> Arc<Module> {
     Arc::new(Module::load(&wat::parse_str(text).expect("a module")).expect("it is taken"))
 }
 
-/// A module with 16 bytes of its own and this body of its function, with local `$n` (i64).
+/// Returns a module with 16 bytes of data and this function body, with local `$n` (i64).
 fn body(text: &str) -> Arc<Module> {
     module(&format!(
         "(module (memory 1) (global (export \"image\") i32 (i32.const 16)) (data (i32.const 16) \"\\c0\\03\") \
@@ -22,7 +22,7 @@ fn body(text: &str) -> Arc<Module> {
     ))
 }
 
-/// A cell whose first slot runs it; e1 is its first input, the lamp its first output.
+/// Returns a cell whose first slot runs the module; e1 is its first input, the lamp its first output.
 fn runs(module: &Arc<Module>, change: impl FnOnce(&mut SlotConfig)) -> MachineConfig {
     let mut slot = slot("p", 0, Type::Apsf);
     slot.program = Some(0);
@@ -49,7 +49,7 @@ fn fb10_makes_a_speed_of_a_foreign_encoder() {
     rig.tamper = |inputs| inputs.digital[0] = 1;
     rig.give(Action::set_memory(2, 4711.0));
     rig.give(Action::set_memory(1, 32_700.0));
-    // k: 1, then 255: the way since the call before.
+    // Command k is 1, then 255: the travel since the previous call.
     let started = rig.give(order(0, Order::Start));
     assert!(rig.was_accepted(started), "{}", rig.refusal(started));
     assert_eq!((rig.int("p.sink"), rig.int("l")), (0, 0));
@@ -57,12 +57,12 @@ fn fb10_makes_a_speed_of_a_foreign_encoder() {
     assert_eq!((rig.int("p.sink"), rig.int("l")), (60 * 15_000, 60 * 15_000));
     rig.run(1);
     assert_eq!(rig.int("l"), 0);
-    // 16 bits wrap: 32760 to -32736 are 40 on.
+    // 16 bits wrap: from 32760 to -32736 are 40.
     rig.give(Action::set_memory(1, -32_736.0));
     assert_eq!(rig.int("l"), 40 * 15_000);
     rig.give(Action::set_memory(1, -32_800.0));
     assert_eq!(rig.int("l"), -64 * 15_000);
-    // Without its enable it is 0, and goes on from where the encoder is.
+    // Without its enable the speed is 0, and the next travel counts from the present encoder value.
     rig.tamper = |inputs| inputs.digital[0] = 0;
     rig.give(Action::set_memory(1, 100.0));
     assert_eq!(rig.int("l"), 0);
@@ -74,7 +74,7 @@ fn fb10_makes_a_speed_of_a_foreign_encoder() {
     assert_eq!((rig.int("l"), rig.int("p.active"), rig.int("p.fuel")), (0, 0, 0));
 }
 
-/// Sink := 1000 * command + the count of calls.
+/// Sink := 1000 * command + number of calls.
 const TELLS: &str = "(i64.store (i32.const 960) (i64.add (i64.load (i32.const 960)) (i64.const 1)))
     (i64.store (i32.const 40) (i64.add (i64.mul (i64.load8_u (i32.const 20)) (i64.const 1000)) (i64.load (i32.const 960))))
     (i32.store8 (i32.const 22) (i32.load8_u (i32.const 20)))";
@@ -95,7 +95,7 @@ fn the_program_is_called_once_with_each_command() {
     rig.run(1);
     assert_eq!(rig.int("l"), 255_003);
     rig.give(order(0, Order::Reset));
-    // Its last values stay (A-33): command 0 cleared A1.
+    // The last values remain (A-33): command 0 cleared A1.
     assert_eq!((rig.int("l"), rig.int("lamp"), rig.int("p.active")), (4, 0, 0));
     rig.run(5);
     assert_eq!(rig.int("l"), 4);
@@ -115,7 +115,7 @@ fn the_program_is_called_once_with_each_command() {
     assert_eq!(calls, [1, 1, 2, 2, 2, 3, 3]);
 }
 
-/// Cells := (d + 1, d > 0, d / 2.0) of what is read: d, r and the state of e1.
+/// Cells := (d + 1, d > 0, d / 2.0) of the inputs: d, r and the state of e1.
 const CELLS: &str = "(local.set $n (i64.load (i32.const 56)))
     (i64.store (i32.const 184) (i64.add (local.get $n) (i64.const 1)))
     (i64.store (i32.const 192) (i64.extend_i32_u (i64.gt_s (local.get $n) (i64.const 0))))
@@ -138,11 +138,11 @@ fn signals_are_read_and_memory_cells_written_by_their_names() {
     rig.run_to("y.command.velocity", 10_000.0);
     rig.give(Action::set_memory(1, 40_000.0));
     rig.give(order(0, Order::Start));
-    // A word of 16 bits has the low ones: 40001 - 65536.
+    // A word of 16 bits holds the low bits: 40001 - 65536.
     assert_eq!((rig.int("w"), rig.int("bit"), rig.real("r"), rig.int("p.sink")), (-25_535, 1, 30_000.0, 1));
     rig.give(Action::set_memory(1, -4.0));
     assert_eq!((rig.int("w"), rig.int("bit"), rig.real("r")), (-3, 0, 9998.0));
-    // Nobody else writes them.
+    // No other function may write them.
     let mut twice = with(vec![2]);
     let copied = copy("c", 7, SourceConfig::Signal("d".into()), SinkConfig::Memory(2));
     twice.slots.push(copied);
@@ -159,7 +159,7 @@ fn what_is_no_number_fails_before_anything_is_written() {
     assert_eq!(rig.int("p.error"), i64::from(Code::AMK_NOT_FINITE.0));
 }
 
-/// The sink goes 20 on in each call, until d is 7: then the program loops for ever. A1 is on.
+/// The sink advances by 20 in each call until d is 7: then the program loops forever. A1 is on.
 const RUNS_ON: &str = "(i32.store8 (i32.const 22) (i32.const 1))
     (i64.store (i32.const 40) (i64.add (i64.load (i32.const 40)) (i64.const 20)))
     (if (i64.eq (i64.load (i32.const 24)) (i64.const 7)) (then (loop $l (br $l))))";
@@ -191,7 +191,7 @@ fn the_axis_of_a_program_that_fails_stops_in_that_cycle_with_its_error() {
     }
     rig.run(100);
     assert_eq!(rig.int("x.command.position"), before);
-    // Once the error is gone it begins anew.
+    // After the reset of the error the program starts again.
     rig.give(Action::set_memory(1, 0.0));
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     let started = rig.give(order(0, Order::Start));
@@ -229,7 +229,7 @@ fn a_start_that_fails_leaves_everything_where_it_is() {
     rig.give(order(0, Order::Start));
     rig.run(3);
     assert_eq!((rig.int("x.command.position"), rig.int("p.sink"), rig.int("p.active")), (500, 500, 0));
-    // The axis was never its: it has no error, and is free.
+    // The program never controlled the axis, which has no error and is free.
     assert_eq!((rig.int("x.error"), rig.int("p.error")), (0, Code::AMK_UNREACHABLE.0.into()));
     let moved = rig.give(Action::Move(to(X, 600)));
     assert!(rig.was_accepted(moved));
@@ -249,7 +249,7 @@ fn an_exchange_in_motion_keeps_the_state_or_begins_anew() {
     let anew = rig.give(load(&tens, false));
     assert!(rig.was_accepted(anew));
     assert_eq!(rig.int("l"), 1010, "it is told to begin");
-    // The first cell comes back with the power.
+    // The first program is in force again after the power cycle.
     rig.run(1);
     rig.give(Action::PowerCycle);
     rig.give(order(0, Order::Start));
@@ -330,7 +330,7 @@ fn a_slot_has_a_program_and_no_other_type_has_one() {
     assert!(says(|config| config.slots[0].writes = vec![1, 1]).contains("written by something else"));
 }
 
-/// The position of an axis is no speed.
+/// The position of an axis is not used as a speed.
 #[test]
 fn a_speed_begins_at_0_wherever_its_axis_stands() {
     let mut rig = Rig::of(runs(&body(""), |slot| {

@@ -1,4 +1,4 @@
-//! Cells of slots linked at random, and whatever happens to them.
+//! Cells with randomly linked slots, with random events.
 
 use super::programs::{WILD, module};
 use super::{DISC, cell, field, with};
@@ -12,7 +12,7 @@ use crate::table::{Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Choices of one slot, as numbers that are taken by what there is.
+/// Choices for one slot, as numbers that are reduced to the available options.
 #[derive(Clone, Debug)]
 struct Choice {
     kind: usize,
@@ -34,7 +34,7 @@ fn choice() -> impl Strategy<Value = Choice> {
     })
 }
 
-/// A cell of these slots; what is taken already goes without.
+/// Returns a cell of these slots; a slot whose choice is already in use omits it.
 fn linked(choices: &[Choice]) -> MachineConfig {
     let mut sinks = vec![SinkConfig::Axis(X), SinkConfig::Axis(DISC), SinkConfig::Output(2)];
     sinks.extend((0..4).map(SinkConfig::Memory));
@@ -106,7 +106,7 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             let (_, place) = row.find(name).expect("a field");
             slot.values[place] = 7;
         }
-        // 30 inc a cycle, 3 and 9 more or less.
+        // 30 inc per cycle, with an acceleration of 3 and a deceleration of 9.
         let rates = [
             ("travel", 700),
             ("velocity", 18_000_000),
@@ -132,7 +132,7 @@ fn linked(choices: &[Choice]) -> MachineConfig {
     config
 }
 
-/// A set with which an interpolator starts.
+/// Sets values with which an interpolator starts.
 fn interpolate(slot: &mut SlotConfig, choice: usize) {
     let modes = [2, 26, 4, 132];
     let mode = modes[choice % 4];
@@ -153,7 +153,7 @@ fn interpolate(slot: &mut SlotConfig, choice: usize) {
 enum Happening {
     Order(usize, Order, Vec<(usize, i64)>),
     Run(usize, i64),
-    /// The goal that was given so many goals ago.
+    /// Cancels the goal that was given this many goals ago.
     Cancel(usize),
     Memory(u16, i64),
     Input(u8),
@@ -188,14 +188,14 @@ fn happening() -> impl Strategy<Value = Happening> {
     ]
 }
 
-/// A function that is in RESET, or comes to it, holds its sink; but a speed is 0 then, and the power may have come back.
+/// Checks that a function in RESET holds its sink, except that a speed is 0 then, and that a power cycle is allowed.
 fn run(rig: &mut Rig, cycles: u64) {
     for _ in 0..cycles {
         watched(rig, None, |rig| rig.run(1));
     }
 }
 
-/// The same of what is done, which may start that slot.
+/// Does the same during an action that may start this slot.
 fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -> T) -> T {
     let slots = rig.machine.slots().iter().enumerate();
     let before: Vec<_> = slots.map(|(at, slot)| (slot.sink(), slot.is_active() || starts == Some(at))).collect();
@@ -205,8 +205,8 @@ fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -
         let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
         let resets = config.on_axis_error == OnAxisError::Reset;
         let has_program = config.kind == Kind::Apsf;
-        // An error of its axis ends it after its call of that cycle, even the first one. A program is called with RESET
-        // then, in the cycle after that.
+        // An error of its axis ends the function after its call of that cycle, even the first one. A program is then
+        // called with RESET in the next cycle.
         let may_have_moved = is_speed || ran && (resets || has_program) || resets && has_program;
         assert!(
             slot.is_active() || slot.sink() == before || may_have_moved,
@@ -298,7 +298,7 @@ proptest! {
         let mut goals = Vec::new();
         happenings.iter().for_each(|what| make_happen(&mut rig, what, &mut goals));
         run(&mut rig, 70);
-        // Each goal ends, once; what runs still does with its function.
+        // Each goal ends once, at the latest with its function.
         for slot in 0..choices.len() as u16 {
             rig.give(with(slot, Order::Reset, &[]));
         }
@@ -306,7 +306,7 @@ proptest! {
         for goal in goals {
             prop_assert_eq!(rig.done(goal).len(), 1, "{}", goal);
         }
-        // What a cycle copies is all of it.
+        // The copy of a cycle is complete.
         let mut copy = crate::machine::Machine::new(linked(&choices)).expect("a machine").state().clone();
         copy.clone_from(rig.machine.state());
         let bytes = |state| postcard::to_allocvec(state).expect("a state has a form");

@@ -1,8 +1,9 @@
-//! A rotary axis that runs at a speed by a table.
+//! A rotary axis that runs at a speed from a table.
 
 use super::*;
 
-/// Follows cell `l` (0.0001 rpm) by table t, 0 to 100 to 0 rpm at 0, 50 and 100 rpm, without inputs.
+/// Returns a rig whose disc follows cell `l` (0.0001 rpm) by table t, 0 to 100 to 0 rpm at 0, 50 and 100 rpm, without
+/// inputs.
 pub(in crate::machine::tests) fn follows() -> Rig {
     let mut slot = slot("wind", 0, Type::Dfkt);
     (slot.source, slot.sink) = (SourceConfig::Signal("l".into()), SinkConfig::Axis(DISC));
@@ -40,14 +41,14 @@ fn a_rotary_axis_runs_a_speed_by_a_table_and_reset_ends_it() {
     let started = rig.give(order(0, Order::Start));
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
     assert_eq!((rig.int("wind.sink"), rig.state("disc"), rig.int("disc.reference")), (0, "STANDSTILL", 8));
-    // 15 rpm: 30 rpm of 600 inc/s each, 500 inc/s faster in a cycle.
+    // 15 rpm: 30 rpm of 600 inc/s each, accelerated by 500 inc/s per cycle.
     rig.give(Action::set_memory(2, 150_000.0));
     rig.run(10);
     assert_eq!(rig.int("wind.sink"), 300_000);
     assert!(rig.real("disc.command.velocity") <= 5_500.0, "on its ramp");
     rig.run(60);
     assert_eq!((rig.real("disc.command.velocity"), rig.int("disc.in_velocity")), (18_000.0, 1));
-    // 50 rpm would be 100, of which 80 are let through; beyond the top it is slower.
+    // 50 rpm would be 100, limited to 80; above the peak of the table the speed decreases.
     rig.give(Action::set_memory(2, 500_000.0));
     rig.run(200);
     assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (800_000, 48_000.0));
@@ -61,7 +62,7 @@ fn a_rotary_axis_runs_a_speed_by_a_table_and_reset_ends_it() {
     assert_eq!((rig.real("disc.command.velocity"), rig.state("disc")), (0.0, "STANDSTILL"));
 }
 
-/// 50 rpm are 100 by the table, of which out_max lets 80 through; 110 rpm lie beyond its end, and -1 rpm before its begin.
+/// 50 rpm are 100 by the table, limited to 80 by out_max; 110 rpm are beyond its end, and -1 rpm before its start.
 /// Proves: AMK-DFKT-52, AMK-DFKT-53, AMK-DFKT-54
 #[test]
 fn signals_show_the_limits_ratio_and_table_of_a_speed_by_a_table() {
@@ -90,7 +91,7 @@ fn signals_show_the_limits_ratio_and_table_of_a_speed_by_a_table() {
 fn an_input_runs_and_stops_it_and_a1_stands_for_rest() {
     let mut rig = follows();
     rig.give(Action::set_memory(2, 150_000.0));
-    // No input is wired: it never runs.
+    // No input is wired: the function never runs.
     rig.give(with(0, Order::Start, &[(field(Type::Dfkt, "ba"), 2)]));
     rig.run(5);
     assert_eq!((rig.int("wind.sink"), rig.int("lamp"), rig.int("wind.out1")), (0, 1, 1));
@@ -137,7 +138,7 @@ fn tables_that_do_not_run_get_new_numbers() {
     assert_eq!(rig.int("wind.sink"), 200_000);
     let taken = rig.give(load(0, &[0, 10]));
     assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
-    // What a mirror of the machine is restored from has the same tables.
+    // A machine restored from here has the same tables.
     rig.mirror();
     rig.run(60);
     assert_eq!((rig.int("wind.sink"), rig.real("disc.command.velocity")), (200_000, 12_000.0));
@@ -155,7 +156,7 @@ fn the_table_of_a_start_counts_in_its_cycle_also_where_inputs_choose() {
     let last = rig.give_all(vec![start, load(0), load(1)]);
     assert_eq!(rig.answer(last - 1).expect_err("it is active").code, Code::AMK_TABLE_IN_USE);
     assert!(rig.was_accepted(last));
-    // VALUE_NEW in that cycle belongs to START.
+    // A VALUE_NEW in that cycle belongs to START.
     rig.give(order(0, Order::Reset));
     let [start, active] = [field(Type::Dfkt, "ba"), field(Type::Dfkt, "active_table")];
     let beyond = with(0, Order::ValueNew, &[(active, 3)]);

@@ -1,4 +1,4 @@
-//! Homing of an axis with two drives: each has its reference switch, and both come square.
+//! Homing of an axis with two drives: each has its reference switch, and both are squared.
 
 use super::super::rig::{Rig, X, cases};
 use super::{FIRST, MAX_SKEW, SECOND, cell, controls, errors};
@@ -12,12 +12,12 @@ use crate::parameter::Value;
 use crate::sim::{Fixtures, Index};
 use proptest::prelude::*;
 
-/// Beyond all ways of the tests.
+/// Outside all travel of the tests.
 const FAR: i64 = 1 << 40;
 /// 2 mm.
 const MOST: i64 = 2_000;
 
-/// Drives that start at these places, each with a reference switch from that place on.
+/// Returns drives that start at these positions, each with a reference switch that is actuated in this range.
 fn rig([one, other]: [i64; 2], [switch, second]: [(i64, i64); 2]) -> Rig {
     let mut config = cell();
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -53,17 +53,17 @@ fn run_to_end(rig: &mut Rig, sequence: u64) -> Event {
     panic!("homing has no end; x is {}", rig.state("x"));
 }
 
-/// Where both drives stand on the machine.
+/// Returns the positions of both drives on the machine.
 fn places(rig: &Rig, starts: [i64; 2]) -> [i64; 2] {
     [starts[0] + rig.int("x.actual.count"), starts[1] + rig.int("x.second.count")]
 }
 
-/// Where the zero lies on the machine, by the first drive.
+/// Returns the position of the zero on the machine, from the first drive.
 fn zero(rig: &Rig, start: i64) -> i64 {
     start + rig.int("x.actual.count") - rig.int("x.actual.position")
 }
 
-/// The second switch stands 30 inc behind the first: square is 30 inc apart.
+/// The second switch is 30 inc after the first: square is a difference of 30 inc.
 const SWITCHES: [(i64, i64); 2] = [(5_000, FAR), (5_030, FAR)];
 
 /// The zero is the edge of the first switch, as with one drive, or the index of the first drive.
@@ -85,7 +85,7 @@ fn both_come_square_at_their_switches() {
     }
 }
 
-/// Both move together until both switches have told; the skew is shown, and led to 0.
+/// Both drives move together until both switches have been detected; then the skew is shown and reduced to 0.
 #[test]
 fn both_move_together_until_both_edges_are_known() {
     let starts = [-12_000, -11_500];
@@ -96,19 +96,19 @@ fn both_move_together_until_both_edges_are_known() {
         let [one, other] = places(&rig, starts);
         let phase = rig.int("x.homing.phase");
         assert!((0..=500).contains(&(other - one)), "{}", other - one);
-        // Until its last leg is over it holds what it came on with.
+        // Until its last phase ends, it holds the difference at switch-on.
         if phase == 1 {
             assert_eq!(other - one, 500);
         }
         largest = largest.max(rig.int("x.skew").abs());
         rig.run(1);
     }
-    // Nothing was known of the skew before; from the edges on it comes to 0.
+    // The skew was unknown before; from the edges on it is reduced to 0.
     assert!(largest <= 500);
     assert_eq!(places(&rig, starts).map(|place| place - places(&rig, starts)[0]), [0, 0]);
 }
 
-/// A skew beyond squaring_distance is none that homing takes away: it ends, nothing was twisted, and no zero is known.
+/// Homing does not remove a skew above squaring_distance: it ends, nothing was twisted, and no zero is known.
 #[test]
 fn beyond_the_squaring_distance_homing_ends() {
     for skew in [-2_001, 2_001, 4_000] {
@@ -126,7 +126,7 @@ fn beyond_the_squaring_distance_homing_ends() {
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
 }
 
-/// A switch that never comes: the axis goes squaring_distance behind the other one, and no further.
+/// If a switch is missing, the axis moves squaring_distance after the other one, and no further.
 #[test]
 fn a_switch_that_does_not_come_ends_homing() {
     for (dead, place) in [([(FAR, FAR), (5_000, FAR)], SECOND), ([(5_000, FAR), (FAR, FAR)], FIRST)] {
@@ -134,13 +134,13 @@ fn a_switch_that_does_not_come_ends_homing() {
         let mut rig = rig(starts, dead);
         let sequence = home(&mut rig, 19);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NOT_SQUARE);
-        // 20 inc in a cycle: it shows with the first that lies beyond.
+        // 20 inc per cycle: it is detected in the first cycle beyond the distance.
         let gone = places(&rig, starts)[0] - 5_000;
         assert!((MOST..=MOST + 60).contains(&gone), "{gone}, {place}");
     }
 }
 
-/// What squares nothing is refused by name.
+/// A method that squares nothing is refused by name.
 #[test]
 fn what_squares_nothing_is_refused() {
     for (method, expected) in [
@@ -157,14 +157,15 @@ fn what_squares_nothing_is_refused() {
         let sequence = home(&mut rig, method);
         assert_eq!(rig.refusal(sequence), expected);
     }
-    // The zero where it stands: what was square stays so.
+    // The zero is set in place: the square position is retained.
     let mut rig = rig([0, 100], SWITCHES);
     let sequence = home(&mut rig, 35);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     assert_eq!((rig.int("x.homed"), rig.int("x.skew"), rig.int("x.second.position")), (1, 0, 0));
 }
 
-/// Something ends homing while the second drive is on its way: it stops, both hold what they have, and the zero is known no more.
+/// If something ends homing while the second drive moves, the drive stops, both hold their positions, and the zero is
+/// unknown.
 #[test]
 fn what_ends_homing_stops_the_second_drive_on_its_way() {
     for stop in [Action::Halt(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
@@ -182,7 +183,7 @@ fn what_ends_homing_stops_the_second_drive_on_its_way() {
         assert_eq!((apart(&rig), errors(&rig)), (700, vec![]));
         rig.give(stop);
         rig.run(100);
-        // At 1 inc in a cycle, with a tenth of 1 m/s^2, it stops within 10 inc.
+        // At 1 inc per cycle, with a tenth of 1 m/s^2, it stops within 10 inc.
         let stopped = apart(&rig);
         assert!((690..=700).contains(&stopped), "{stopped}");
         rig.run(200);
@@ -196,7 +197,7 @@ fn what_ends_homing_stops_the_second_drive_on_its_way() {
     }
 }
 
-/// Squared once, the square outlives off and on; beyond max_skew it is not switched on.
+/// Once squared, the square position is retained over off and on; above max_skew the axis is not switched on.
 #[test]
 fn the_square_is_kept_while_the_axis_is_off() {
     let starts = [-12_000, -11_300];
@@ -211,7 +212,7 @@ fn the_square_is_kept_while_the_axis_is_off() {
     rig.enable();
     rig.run(50);
     assert_eq!((rig.int("x.skew"), rig.state("x")), (MAX_SKEW, "STANDSTILL"));
-    // It homes with that skew, and has none then.
+    // The axis homes with that skew, and has none after that.
     let sequence = home(&mut rig, 19);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     rig.run(2);
@@ -224,7 +225,8 @@ fn the_square_is_kept_while_the_axis_is_off() {
     assert!(rig.refusal(sequence).contains("0.201 mm from square"), "{}", rig.refusal(sequence));
 }
 
-/// The reference switches may be inputs of the cell, each of its drive: in the cycle in which they are named, and by both together.
+/// The reference switches may be inputs of the cell, one for each drive: assigned in the same cycle, and only both
+/// together.
 #[test]
 fn the_reference_switches_may_be_inputs() {
     let mut config = cell();
@@ -233,7 +235,7 @@ fn the_reference_switches_may_be_inputs() {
     let mut rig = Rig::of(config);
     rig.run(2);
     rig.set("i_refswitch_second", Value::Int(-2));
-    // One input is no two switches.
+    // One input cannot be both switches.
     for same in [2, -2] {
         let sequence = rig.set("i_refswitch", Value::Int(same));
         let refusal = rig.refusal(sequence);
@@ -259,7 +261,8 @@ fn the_reference_switches_may_be_inputs() {
     assert_eq!(rig.refusal(sequence), "x: the axis is homing; wait for its end, or cancel it");
 }
 
-/// One side is held while homing looks for its switches: both are without voltage once they are max_skew further apart.
+/// One side is held while homing searches for its switches: both drives are switched off once their difference has
+/// grown by max_skew.
 #[test]
 fn the_skew_is_supervised_while_homing() {
     for side in [FIRST, SECOND] {
@@ -280,7 +283,7 @@ fn the_skew_is_supervised_while_homing() {
     }
 }
 
-/// From a skew of 1500 inc, on the way to the square, with 700 inc left of it.
+/// Returns a rig with an initial skew of 1500 inc that is being squared, with 700 inc remaining.
 fn squaring(method: i8) -> (Rig, [i64; 2]) {
     let starts = [-12_000, -10_500];
     let mut rig = rig(starts, [(5_000, FAR); 2]);
@@ -298,11 +301,11 @@ fn skew_of(rig: &Rig, starts: [i64; 2]) -> i64 {
     other - one
 }
 
-/// Either drive is held on the way to the square: both are without voltage once they are max_skew from where they are led, not at the end of
-/// the way. At 1 inc in a cycle, a lag of three cycles is allowed.
+/// Either drive is held during squaring: both are switched off once they are max_skew away from their setpoints, not at
+/// the end of the motion. At 1 inc per cycle, a lag of three cycles is allowed.
 #[test]
 fn a_drive_that_is_held_while_the_other_is_squared_is_seen() {
-    // Behind the edge the first one goes on to its index.
+    // After the edge the first drive moves on to its index.
     for (side, method) in [(SECOND, 19), (FIRST, 4)] {
         let (mut rig, starts) = squaring(method);
         rig.plant.drive(side).unwrap().jam(true);
@@ -320,7 +323,7 @@ fn a_drive_that_is_held_while_the_other_is_squared_is_seen() {
     }
 }
 
-/// The limit switch of the end that the second drive is led to ends homing; that of the other end does not.
+/// The limit switch at the end toward which the second drive moves ends homing; that of the other end does not.
 #[test]
 fn a_limit_switch_on_the_way_to_the_square_ends_homing() {
     for side in [FIRST, SECOND] {
@@ -337,7 +340,8 @@ fn a_limit_switch_on_the_way_to_the_square_ends_homing() {
     }
 }
 
-/// A stop stops the second drive with the deceleration of stops, ten times that of homing, and the power waits for it.
+/// A stop also stops the second drive, with the deceleration of stops, ten times that of homing, and the power remains
+/// on until then.
 #[test]
 fn the_power_waits_for_the_second_drive_that_is_squared() {
     for stop in [Action::Disable(AxisSet::one(X)), Action::QuickStop(AxisSet::one(X))] {
@@ -348,7 +352,8 @@ fn the_power_waits_for_the_second_drive_that_is_squared() {
         while skew_of(&rig, starts) > 700 {
             rig.run(1);
         }
-        // 10 inc/ms with 200 inc/s in each ms: 50 cycles and 250 inc, from 660 on: three cycles pass before it begins.
+        // 10 inc/ms with 200 inc/s per ms: 50 cycles and 250 inc, starting from 660: three cycles pass before it
+        // starts.
         rig.set("max_deceleration", Value::Real(200_000.0));
         assert!((690..=700).contains(&skew_of(&rig, starts)));
         let disables = stop == Action::Disable(AxisSet::one(X));
@@ -362,7 +367,7 @@ fn the_power_waits_for_the_second_drive_that_is_squared() {
     }
 }
 
-/// A cam that is shorter than the skew: one side has passed its own before the other one comes.
+/// A cam shorter than the skew: one side has passed its cam before the other reaches its own.
 #[test]
 fn a_cam_shorter_than_the_skew_ends_homing() {
     for skew in [-1_500, 1_500] {
@@ -373,13 +378,13 @@ fn a_cam_shorter_than_the_skew_ends_homing() {
         let error = rig.events.iter().find(|event| event.kind == Kind::Error).expect("it was told");
         let sentence = crate::text::sentence(error, rig.machine.config());
         assert!(sentence.ends_with("so that nothing tells what is square"), "{sentence}");
-        // A switch may bounce for max_skew; at 20 inc in a cycle.
+        // A switch may bounce for max_skew; at 20 inc per cycle.
         let ahead = places(&rig, starts)[usize::from(skew > 0)];
         assert!((6_000 + MAX_SKEW..=6_060 + MAX_SKEW).contains(&ahead), "{ahead}");
     }
 }
 
-/// The edge of both is that of the second drive: a first one that is pushed back in that very cycle does not hide it.
+/// The common edge is that of the second drive: a first drive that is pushed back in the same cycle does not hide it.
 #[test]
 fn the_edge_of_the_second_drive_is_not_hidden_by_a_trembling_first_one() {
     let starts = [-12_000, -12_300];
@@ -396,8 +401,9 @@ fn the_edge_of_the_second_drive_is_not_hidden_by_a_trembling_first_one() {
 proptest! {
     #![proptest_config(cases(40))]
 
-    /// From any skew within squaring_distance, with any sense of rotation and wherever the switches are: square, with the zero at the edge of the
-    /// first; beyond it the error, and the skew as it was. A machine restored on the way does the same.
+    /// From any skew within squaring_distance, with any direction polarity and any switch positions: the result is
+    /// square, with the zero at the edge of the first switch. Above squaring_distance there is the error, and the skew
+    /// is unchanged. A machine restored in between gives the same results.
     #[test]
     fn homing_squares_what_it_may(skew in -2_600_i64..2_600, shift in -900_i64..900, turned: bool, method in prop::sample::select(vec![19_i8, 20, 23, 24, 25, 26]), after in 1_u64..900) {
         let starts = [-3_000, -3_000 + shift + skew];

@@ -1,4 +1,4 @@
-//! Homing under what else holds for the axis: the override, the shape of its ramps, inverted counts, contacts of the cell.
+//! Homing under other conditions of the axis: override, shape of the ramps, inverted counts, contacts of the cell.
 
 use super::super::rig::{Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
@@ -13,7 +13,7 @@ use crate::sim::Model;
 
 const START: i64 = -12_000;
 
-/// An override of 0 holds it in any phase, and later it goes on where it was; the zero is that of an undisturbed one.
+/// An override of 0 holds homing in any phase, and it continues later; the zero is that of an undisturbed homing.
 #[test]
 fn an_override_of_0_holds_it_and_later_it_goes_on() {
     for (method, expected) in [(3, 4_300), (8, 6_300), (-1, 4_300), (-4, 7_000), (1, -19_700)] {
@@ -48,7 +48,7 @@ fn an_override_of_0_holds_it_and_later_it_goes_on() {
     }
 }
 
-/// Whatever the shape of the ramps: the same places.
+/// With any shape of the ramps the positions are the same.
 #[test]
 fn the_shape_of_the_ramps_does_not_move_the_zero() {
     let expected =
@@ -70,7 +70,7 @@ fn the_shape_of_the_ramps_does_not_move_the_zero() {
     }
 }
 
-/// Inverted counts, and the drive homes: its switches keep their sides.
+/// Inverted counts with homing in the drive: its switches keep their sides.
 #[test]
 fn a_drive_homes_in_inverted_units() {
     for (method, reference) in [(3, 4_300), (1, -19_700), (19, 5_000), (33, -13_700)] {
@@ -83,7 +83,7 @@ fn a_drive_homes_in_inverted_units() {
         let sequence = home(&mut rig, method);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
         rig.run(10);
-        // Its counts are 0 at the reference, and positions count against them.
+        // Its counts are 0 at the reference, and positions have the opposite direction.
         let zero = reference + rig.int("x.actual.count") + rig.int("x.actual.position");
         assert_eq!((zero, rig.int("x.error")), (reference + 450, 0), "{method}");
     }
@@ -106,7 +106,8 @@ fn guarded(in_drive: bool) -> Rig {
     rig
 }
 
-/// A contact that opens ends homing in its cycle, whoever moves the axis, with the largest deceleration; there is no zero then.
+/// A contact that opens ends homing in its cycle, in the drive or in the core, with the maximum deceleration; there is
+/// no zero then.
 ///
 /// Proves: MACS-HOME-09
 #[test]
@@ -126,11 +127,11 @@ fn a_contact_that_opens_ends_it() {
         rig.run(1);
         assert_eq!((rig.done(sequence)[0].code, rig.state("x")), (code, "ERROR_STOP"), "{in_drive}");
         rig.run(40);
-        // 10000 inc/s with 1e6 inc/s^2: 50 inc, and a cycle or two on the way.
+        // 10000 inc/s with 1e6 inc/s^2: 50 inc, plus the travel of one or two cycles.
         let gone = place(&rig, START) - before;
         assert!((40..=80).contains(&gone), "{in_drive}: {gone}");
         assert_eq!((rig.int("x.enabled"), rig.int("x.homed"), rig.int("x.homing.phase")), (on, 0, 0));
-        // While it is open homing does not begin, and afterwards the axis still has no zero.
+        // While the contact is open homing does not start, and after that the axis still has no zero.
         let refused = home(&mut rig, 3);
         assert!(!rig.refusal(refused).is_empty());
         rig.plant.set_digital(contact, true);
@@ -145,7 +146,7 @@ fn a_contact_that_opens_ends_it() {
     }
 }
 
-/// What asks for an axis at rest says what it does instead.
+/// A command that requires an axis at rest reports the present state.
 #[test]
 fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
     let moving: [(Action, &str); 3] = [
@@ -171,7 +172,7 @@ fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
     }
 }
 
-/// Each scheme has numbers of its own.
+/// Each scheme has its own numbers.
 #[test]
 fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
     let mut rig = rig(way(START, (5_000, 7_000)));
@@ -187,8 +188,8 @@ fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
     }
 }
 
-/// Its drive shows no digital inputs: a method that looks for a switch is refused without an input for it; one by the index, or in the drive, is
-/// not.
+/// The drive reports no digital inputs: a method that searches for a switch is refused without an input for it; a
+/// method with the index, or in the drive, is not.
 #[test]
 fn homing_by_a_switch_that_is_not_read_is_refused() {
     let told = |name: &str, key: &str, method: i64| {

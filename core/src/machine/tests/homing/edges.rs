@@ -1,4 +1,4 @@
-//! Homing from beside an edge, and edges that a simulated switch lets its input latch.
+//! Homing from next to an edge, and edges that a simulated switch latches with its input.
 
 use super::super::rig::X;
 use super::{assign, cell, home, rig_with, run_to_end, zero};
@@ -11,7 +11,8 @@ use crate::sim::{Fixtures, Index, Mechanics, Model, VelocityLag, Wire};
 const L: i64 = 200;
 const R: i64 = 1_200;
 
-/// The switch of a method, and the place of its reference with pulses at 100 + 300 n, by hand from the figures of CiA 402-2.
+/// Returns the switch of a method, and the position of its reference with pulses at 100 + 300 n, derived by hand from
+/// the figures of CiA 402-2.
 fn expected(method: i64) -> ((i64, i64), i64) {
     let (to_right, to_left, part) = ((L, 9_000), (-9_000, R), (L, R));
     match method {
@@ -30,8 +31,9 @@ fn expected(method: i64) -> ((i64, i64), i64) {
     }
 }
 
-/// The core closes the loop, so that the axis trembles where it stands: across the edge of a switch from beside it, in the middle
-/// of a leg that turns round there. Each leg finds its edge, and the zero is that of any other start.
+/// The core closes the loop, so the position of the axis oscillates at rest: across the edge of a switch from next to
+/// it, in the middle of a phase that reverses there. Each phase finds its edge, and the zero is the same as for any
+/// other start.
 #[test]
 fn an_axis_that_trembles_across_an_edge_finds_its_zero() {
     for method in (3..=14).chain(19..=30) {
@@ -48,7 +50,7 @@ fn an_axis_that_trembles_across_an_edge_finds_its_zero() {
                     assign(p, "max_acceleration", Value::Real(200_000.0));
                     assign(p, "homing.acceleration", Value::Real(50_000.0));
                     assign(p, "homing.velocity", Value::Real(fast));
-                    // Its steps are uneven: no more than an increment a cycle all the same.
+                    // The steps vary, but never exceed one increment per cycle.
                     assign(p, "homing.index_velocity", Value::Real(500.0));
                     assign(p, "wf.md22", Value::Real(1.0));
                     let index = Some(Index { every: 300, at: 100 });
@@ -72,8 +74,8 @@ fn an_axis_that_trembles_across_an_edge_finds_its_zero() {
     }
 }
 
-/// A switch of the simulation that is wired to an input with `latch: true`: the zero is its edge at a constant velocity of any
-/// height, from either side, with either contact.
+/// A simulated switch that is wired to an input with `latch: true`: the zero is its edge at any constant velocity, from
+/// either side, with either contact type.
 #[test]
 fn a_simulated_switch_lets_its_input_latch() {
     for (method, reference) in
@@ -83,7 +85,7 @@ fn a_simulated_switch_lets_its_input_latch() {
             for slow in [700.0, 7_000.0, 6_130.0] {
                 let mut config = cell(0);
                 let p = &mut config.axes[usize::from(X)].parameters;
-                // It has its velocity where it passes the edge.
+                // The axis has reached its velocity when it passes the edge.
                 assign(p, "homing.acceleration", Value::Real(500_000.0));
                 assign(p, "homing.index_velocity", Value::Real(slow));
                 let number = Value::Int(if normally_closed { -1 } else { 1 });

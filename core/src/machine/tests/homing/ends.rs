@@ -1,4 +1,4 @@
-//! What ends homing before its time, and what it refuses meanwhile.
+//! Events that end homing early, and commands that are refused meanwhile.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, way};
@@ -8,7 +8,7 @@ use crate::object::{AxisSet, Leader};
 use crate::parameter::Value;
 use crate::sim::Model;
 
-/// Homing under way, at speed.
+/// Returns a rig with active homing, at speed.
 fn under_way() -> (Rig, u64) {
     let mut rig = rig(way(-12_000, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
@@ -58,7 +58,7 @@ fn cancel_stops_it_with_its_own_deceleration() {
     let (mut rig, sequence) = under_way();
     rig.give(Action::Cancel { goal: sequence });
     assert_eq!((rig.done(sequence).len(), rig.int("x.homing.phase")), (0, 0));
-    // 10 inc a cycle at 0.1 inc/cycle^2.
+    // 10 inc per cycle at 0.1 inc/cycle^2.
     rig.run(99);
     assert!(rig.real("x.command.velocity") > 0.0);
     rig.run(2);
@@ -66,8 +66,8 @@ fn cancel_stops_it_with_its_own_deceleration() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// Methods that seek a limit switch brake on it. Who stops them there gets that stop, not the error of a motion into a limit;
-/// but a new goal does not lead on.
+/// Methods that search for a limit switch brake on it. A stop at that point is executed as a stop, without the error of
+/// a motion into a limit; but a new goal does not lead further.
 ///
 /// Proves: MACS-LIM-09
 #[test]
@@ -102,8 +102,8 @@ fn a_stop_on_the_limit_switch_that_homing_seeks_only_stops() {
     }
 }
 
-/// While it only brakes there, nothing else leads on into the switch: what is superimposed could, at the velocity that the stop
-/// loses.
+/// While the axis only brakes there, no other motion may lead further into the switch: a superimposed motion could,
+/// with the velocity that the stop reduces.
 ///
 /// Proves: MACS-LIM-09
 #[test]
@@ -124,7 +124,7 @@ fn nothing_is_superimposed_on_a_stop_on_the_limit_switch() {
     }
 }
 
-/// Stopped before it comes to the switch, it is no homing that meets it there.
+/// If the axis is stopped before it reaches the switch, homing does not cover the switch.
 ///
 /// Proves: MACS-LIM-08
 #[test]
@@ -157,7 +157,7 @@ fn errors_end_it_in_the_same_cycle() {
     assert_over(&rig, sequence, code);
 }
 
-/// Standing still is no way out of a motion that nobody wants any more.
+/// The motion of a failed homing has no purpose, so the axis stops with any reaction.
 #[test]
 fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
     for reaction in 0..=5 {
@@ -168,7 +168,7 @@ fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
         while rig.done(sequence).is_empty() {
             rig.run(1);
         }
-        // The positive limit switch comes first.
+        // The positive limit switch is reached first.
         assert_over(&rig, sequence, Code::HOMING_AT_LIMIT);
         rig.run(300);
         assert_eq!(rig.int("x.error"), i64::from(Code::HOMING_AT_LIMIT.0), "{reaction}");
@@ -179,7 +179,7 @@ fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
     }
 }
 
-/// How far the axis goes for a switch that is stuck at `value`, until its error.
+/// Returns the distance that the axis moves until its error for a switch that is stuck at `value`.
 fn gone_without_a_switch(rig: &mut Rig, value: u32, method: i64) -> i64 {
     rig.plant.drive(0).unwrap().stick(4, value);
     rig.run(1);
@@ -202,7 +202,7 @@ fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
     }
 }
 
-/// An axis that turns for ever, without limits and without a largest way: two turns are enough to have seen its switch.
+/// A rotary axis without limits and without a maximum distance: two revolutions are enough to detect its switch.
 #[test]
 fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
     for (value, method) in [(0, 19), (4, 19), (0, -2)] {
@@ -212,7 +212,7 @@ fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
         x.parameters.homing.max_distance = None;
         let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
         let mut rig = rig_with(config, Model::Ideal, fixtures);
-        // 7200 1/3 inc are 7201.
+        // 7200 1/3 inc are rounded up to 7201.
         let gone = gone_without_a_switch(&mut rig, value, method);
         assert!((14_403..=14_412).contains(&gone), "{method}, stuck at {value}: {gone}");
     }
@@ -269,7 +269,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
         assert_eq!(rig.refusal(sequence), format!("x: {sentence}"));
         assert_eq!((rig.state("x"), rig.int("x.homed")), ("STANDSTILL", 0));
     }
-    // Forward all the way, it may.
+    // If all motion is forward, homing is allowed.
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
     let mut rig = rig_with(config, Model::Ideal, way(0, (5_000, 7_000)));
@@ -290,7 +290,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
     );
 }
 
-/// A second machine that takes over in the middle does the same.
+/// A second machine that continues in the middle gives the same results.
 #[test]
 fn the_state_of_homing_can_be_restored() {
     let mut rig = rig_with(cell(2), Model::Ideal, way(-12_000, (4_000, 7_000)));
@@ -300,7 +300,7 @@ fn the_state_of_homing_can_be_restored() {
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
 }
 
-/// Limits do not hold while homing looks for its zero: a stop that begins just where one stands has its ramp all the same.
+/// Limits are not active during homing: a stop that starts exactly at a limit still has its ramp.
 #[test]
 fn a_stop_of_homing_on_a_software_limit_has_its_ramp() {
     for ahead in [0, 10] {

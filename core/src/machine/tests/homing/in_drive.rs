@@ -1,4 +1,4 @@
-//! Homing that the drive runs by itself.
+//! Homing that the drive executes itself.
 
 use super::super::rig::{Rig, X, Y, couple, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
@@ -34,7 +34,7 @@ fn the_drive_finds_the_zero_and_its_counts_begin_there() {
             assert_eq!(i64::from(order.method), method);
             let done = run_to_end(&mut rig, sequence);
             assert_eq!((done.code, rig.int("x.homed")), (Code::NONE, 1), "{method}");
-            // Counts are from the reference on, so that it is at 0.
+            // Counts start at the reference, which is at 0.
             let reference = expected - offset;
             assert_eq!(rig.int("x.actual.count") - rig.int("x.actual.position"), offset, "{method}");
             assert_eq!(zero(&rig, reference), expected, "{method}");
@@ -57,7 +57,7 @@ fn who_follows_it_sees_no_jump() {
     let sequence = home(&mut rig, 3);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     rig.run(2_000);
-    // From the start to the index, whatever the counts say.
+    // From the start to the index, independent of the counts.
     assert_eq!(rig.int("y.command.position"), 4_300 - START);
 }
 
@@ -78,7 +78,7 @@ fn a_sequence_of_macs_is_none_of_a_drive() {
     assert_eq!(rig.refusal(sequence), sentence);
 }
 
-/// The axis takes over from the motion of its drive, and brakes it.
+/// The axis takes over the motion of its drive, and brakes it.
 #[test]
 fn a_stop_takes_the_axis_from_its_drive() {
     for (action, code) in [
@@ -97,7 +97,7 @@ fn a_stop_takes_the_axis_from_its_drive() {
         for _ in 0..300 {
             rig.run(1);
             let now = rig.real("x.actual.velocity");
-            // Largest deceleration 1e6 inc/s^2: 1000 inc/s a cycle, and what rounding to whole increments adds.
+            // Maximum deceleration 1e6 inc/s^2: 1000 inc/s per cycle, plus the rounding to whole increments.
             assert!((before - now).abs() <= 2_000.0, "{before} {now}");
             before = now;
         }
@@ -105,7 +105,7 @@ fn a_stop_takes_the_axis_from_its_drive() {
     }
 }
 
-/// A new raw coordinate that nobody asked for: the zero is gone.
+/// A new raw coordinate without a command: the zero is lost.
 #[test]
 fn a_new_epoch_drops_the_zero() {
     let mut rig = in_drive(0, 0);
@@ -119,8 +119,8 @@ fn a_new_epoch_drops_the_zero() {
     assert!(rig.events.iter().any(|event| event.code == Code::HOMING_LOST));
 }
 
-/// However long its delay is and however fast it goes, what the drive does by itself is no following error; nor is it when
-/// the axis takes over.
+/// With any delay and velocity, the motion of the drive itself causes no following error, nor does the takeover by the
+/// axis.
 #[test]
 fn what_the_drive_does_by_itself_is_no_following_error() {
     for stops in [false, true] {
@@ -145,7 +145,7 @@ fn what_the_drive_does_by_itself_is_no_following_error() {
     }
 }
 
-/// A drive that does not take its mode 6, and one that leaves it.
+/// A drive that does not enter its mode 6, and one that leaves it.
 #[test]
 fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     let mut rig = in_drive(0, 0);
@@ -164,7 +164,8 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
 }
 
-/// A drive that is to home and is still in mode 8 goes where it is asked to, and trembles: a command that followed it would drive it away.
+/// A drive that must home and is still in mode 8 follows its setpoint with oscillation: a command that followed the
+/// drive would move it away.
 #[test]
 fn command_stays_until_the_drive_is_in_mode_homing() {
     let mut rig = in_drive(0, 0);
@@ -181,7 +182,8 @@ fn command_stays_until_the_drive_is_in_mode_homing() {
     }
 }
 
-/// The drive has its zero and shows mode 6 for 300 ms more: the axis is homed after that, and moves off in the mode of the axis only.
+/// The drive has its zero and reports mode 6 for 300 ms more: the axis is homed after that, and moves only in the mode
+/// of the axis.
 #[test]
 fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
     let mut rig = in_drive(0, 0);
@@ -201,7 +203,8 @@ fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
     assert_eq!((rig.int("x.homed"), rig.int("x.error")), (1, 0));
 }
 
-/// Bits 10 and 12 of the first homing stand long after bit 4 has risen for the second one: the axis is moved meanwhile, and not homed.
+/// Bits 10 and 12 of the first homing remain long after bit 4 was set for the second one: the axis is moved meanwhile,
+/// and is not homed.
 #[test]
 fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
     let mut rig = in_drive(0, 0);
@@ -220,7 +223,7 @@ fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
     assert_eq!((rig.int("x.actual.count"), rig.int("x.actual.position"), rig.int("x.homed")), (0, 0, 1));
 }
 
-/// A drive that shows no begin within 5 s is an error once it stands; while it moves it stays in mode 6.
+/// A drive that does not report a start within 5 s is an error once it is at rest; while it moves it stays in mode 6.
 #[test]
 fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
     let mut rig = in_drive(0, 0);
@@ -241,7 +244,7 @@ fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
     assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
 }
 
-/// A drive that finds nothing, and has nothing that ends its way.
+/// A drive that finds nothing, on a travel range without end.
 #[test]
 fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     let mut rig = in_drive(0, 0);
@@ -262,7 +265,7 @@ fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     assert_eq!((rig.state("x"), rig.real("x.actual.velocity"), rig.int("x.homed")), ("ERROR_STOP", 0.0, 0));
 }
 
-/// At 200 inc/s, without a switch that ends its way.
+/// Returns a rig that homes at 200 inc/s, without a switch that ends its motion.
 fn slow(in_drive: bool) -> Rig {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -276,7 +279,8 @@ fn slow(in_drive: bool) -> Rig {
     rig
 }
 
-/// 2 s are 2000 cycles; the limit holds for the homing under way, whoever homes, and the axis is braked and has an error.
+/// 2 s are 2000 cycles. The limit applies to the active homing, in the drive or in the core; the axis is braked and has
+/// an error.
 #[test]
 fn homing_that_lasts_longer_than_max_time_ends_in_an_error() {
     for in_drive in [true, false] {
@@ -296,7 +300,8 @@ fn homing_that_lasts_longer_than_max_time_ends_in_an_error() {
     }
 }
 
-/// Without a limit it goes on, and is told of after 60 s and 120 s. A search of the core is bounded by its distance.
+/// Without a limit homing continues, and is reported after 60 s and 120 s. A search of the core is limited by its
+/// distance.
 #[test]
 fn homing_in_the_drive_that_lasts_is_told_each_minute() {
     for in_drive in [true, false] {

@@ -1,4 +1,4 @@
-//! INDEX: to the next index pulse, without a zero.
+//! INDEX: motion to the next index pulse, without setting a zero.
 
 use super::super::rig::{Rig, X};
 use super::{cell, home, place, rig, rig_with, run_to_end, way};
@@ -13,7 +13,7 @@ use crate::parameter::Value;
 use crate::position::Length;
 use crate::sim::Model;
 
-/// Marks at 300 + 2000 n, the next one at 2300; no switch is near.
+/// Marks are at 300 + 2000 n, the next one at 2300; no switch is near.
 const START: i64 = 1_000;
 const NOWHERE: (i64, i64) = (15_000, 16_000);
 
@@ -43,7 +43,7 @@ fn run(rig: &mut Rig, sequence: u64) -> Vec<Code> {
     rig.done(sequence).iter().map(|event| event.code).collect()
 }
 
-/// With 7.3 inc a cycle no sample lies on the mark: the count that the encoder caught decides.
+/// With 7.3 inc per cycle no sample is exactly at the mark: the count that the encoder captured decides.
 ///
 /// Proves: MACS-CMD-02
 #[test]
@@ -59,7 +59,7 @@ fn it_goes_to_the_next_index_pulse_and_sets_no_zero() {
         assert_eq!(marks.len(), 1);
         assert_eq!((marks[0].command, marks[0].position.floor()), (sequence, mark - START));
         assert!(marks[0].age_ns < 1_000_000);
-        // The next one is the next one.
+        // The next search finds the next mark.
         let sequence = give(&mut rig, index(2_500, 0));
         let codes = run(&mut rig, sequence);
         let next = if end < 2_300 { 2_300 } else { 4_300 };
@@ -67,7 +67,7 @@ fn it_goes_to_the_next_index_pulse_and_sets_no_zero() {
     }
 }
 
-/// A revolution has 2000 increments: beyond it comes the error, in its cycle, however far the search was to go.
+/// A revolution has 2000 increments: after it the error follows, in its cycle, with any search distance.
 ///
 /// Proves: MACS-CMD-02, MACS-HOME-05
 #[test]
@@ -112,7 +112,8 @@ fn absolute_encoders_have_none() {
     assert_eq!(rig.refusal(sequence), sentence);
 }
 
-/// The motor of the axis has an index of its own, at 300 + 2000 n, and that is not the one of the encoder that the axis reads.
+/// The motor of the axis has an index of its own, at 300 + 2000 n, which is not that of the encoder that the axis
+/// reads.
 #[test]
 fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
     for searches in [false, true] {
@@ -128,7 +129,7 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
         rig.run(200);
         let mark = before - before.rem_euclid(2_000) + 2_000;
         let (count, position) = (rig.int("belt.count"), rig.int("x.actual.position"));
-        // Where the command is in counts of the encoder; the zero where homing has set it.
+        // The command in counts of the encoder; for homing, the zero.
         let place = count - position + if searches { rig.int("x.command.position") } else { 0 };
         assert_eq!(place, mark, "searches: {searches}");
     }

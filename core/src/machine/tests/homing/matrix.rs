@@ -1,29 +1,29 @@
-//! The matrix: every method from every kind of place, with and without the index. What is expected was written from the
-//! standard (CiA 402-2, figures of the methods) and MACS-HOME-03 before anything ran.
+//! Matrix of every method from every kind of start position, with and without the index. The expected values were taken
+//! from the standard (CiA 402-2, figures of the methods) and MACS-HOME-03 before any test was run.
 
 use super::{FAR, LEFT_END, RIGHT_END, cell, home, homed_events, place, rig, rig_with, run_to_end, way, zero};
 use crate::code::Code;
 use crate::event::Number;
 use crate::sim::{Model, SecondOrder};
 
-/// Actuated from here to the right end, for methods 3, 4 and their like.
+/// Actuated from here to the right end, for methods 3, 4 and similar ones.
 const TO_THE_RIGHT: (i64, i64) = (5_000, FAR);
-/// To the left end.
+/// Actuated from the left end to here.
 const TO_THE_LEFT: (i64, i64) = (-FAR, -5_000);
-/// On a part of the way.
+/// Actuated on a part of the travel range.
 const PART: (i64, i64) = (4_000, 7_000);
-/// As wide as one place.
+/// Actuated on a width of 12 increments.
 const NARROW: (i64, i64) = (4_000, 4_011);
 
-/// Left, right, on and between: the ends, the edges of all switches and the places beside them.
+/// Left, right, on and between: the ends, the edges of all switches and the positions next to them.
 const STARTS: [i64; 16] = [
     -20_500, -20_000, -19_999, -12_000, -5_001, -5_000, -1, 3_999, 4_000, 5_000, 5_500, 7_000, 7_001, 12_000, 19_999,
     20_500,
 ];
 
-/// Method, its switch, the place of its reference.
+/// Method, its switch, the position of its reference.
 const EXPECTED: [(i64, (i64, i64), i64); 32] = [
-    // The first pulse right of where the negative limit switch is left, left of the positive one.
+    // The first pulse right of the position where the negative limit switch is released, and left of the positive one.
     (1, PART, -19_700),
     (2, PART, 18_300),
     // The first pulse left and right of the edge of the reference switch.
@@ -41,7 +41,7 @@ const EXPECTED: [(i64, (i64, i64), i64); 32] = [
     (12, PART, 6_300),
     (13, PART, 4_300),
     (14, PART, 2_300),
-    // The same edges themselves: the outermost place at which the switch is actuated.
+    // The same edges themselves: the outermost position at which the switch is actuated.
     (17, PART, LEFT_END),
     (18, PART, RIGHT_END),
     (19, TO_THE_RIGHT, 5_000),
@@ -56,15 +56,15 @@ const EXPECTED: [(i64, (i64, i64), i64); 32] = [
     (28, PART, 7_000),
     (29, PART, 4_000),
     (30, PART, 4_000),
-    // HOME_TYPE 0: back off the switch, on to the index; 1: its edge.
+    // HOME_TYPE 0: back off the switch, then to the index; 1: its edge.
     (-1, TO_THE_RIGHT, 4_300),
     (-2, TO_THE_RIGHT, 5_000),
-    // 2: across the switch, on to the index; 3: its far edge.
+    // 2: across the switch, then to the index; 3: its far edge.
     (-3, PART, 8_300),
     (-4, PART, 7_000),
 ];
 
-/// A sequence of MACS always goes the same way: from behind the switch it never finds it.
+/// A sequence of MACS always moves in the same direction: from a start beyond the switch it never finds it.
 fn never_finds(method: i64, switch: (i64, i64), start: i64) -> bool {
     matches!(method, -4 | -3) && start > switch.1
 }
@@ -87,7 +87,7 @@ fn every_method_finds_the_place_of_the_standard_from_everywhere() {
             }
             assert_eq!(done.code, Code::NONE, "{what}");
             assert_eq!(zero(&rig, start), expected, "{what}");
-            // The new zero in the coordinate of before, which began with 0 at the start.
+            // The new zero in the previous coordinate, which was 0 at the start.
             let shift = Number::Position(expected - start);
             assert_eq!((done.asked, homed_events(&rig)), (shift, vec![shift]), "{what}");
             assert_eq!((rig.int("x.homed"), rig.int("x.error"), rig.int("x.homing.phase")), (1, 0, 0), "{what}");
@@ -99,7 +99,7 @@ fn every_method_finds_the_place_of_the_standard_from_everywhere() {
     }
 }
 
-/// ENCODER 500: an error once more than 2000 qc are gone.
+/// ENCODER 500: an error after more than 2000 qc.
 ///
 /// Proves: MACS-O-19, MACS-HOME-05
 #[test]
@@ -126,7 +126,7 @@ fn without_the_index_every_method_that_needs_it_ends_in_its_error_within_a_revol
             };
             assert_eq!(done.code, expected, "{what}");
             if expected == Code::HOMING_INDEX_MISSED {
-                // More than a revolution, by no more than a cycle.
+                // More than a revolution, by at most one cycle.
                 let gone = (place(&rig, start) - from.unwrap()).abs();
                 assert_eq!(gone, 2_001, "{what}");
                 assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0), "{what}");
@@ -138,12 +138,12 @@ fn without_the_index_every_method_that_needs_it_ends_in_its_error_within_a_revol
 
 #[test]
 fn the_next_index_to_either_side() {
-    // Further into a limit switch there is none to be found.
+    // In the direction into a limit switch there is no index.
     let mut into_limit = rig(way(LEFT_END, PART));
     let sequence = home(&mut into_limit, 33);
     assert_eq!(run_to_end(&mut into_limit, sequence).code, Code::HOMING_AT_LIMIT);
     for start in [-12_345, -1_701, -1_700, -1_699, 299, 300, 301, 12_345] {
-        // Pulses at 300 + 2000 n; the one on which it stands has passed.
+        // Pulses at 300 + 2000 n; the pulse at the start position has passed.
         let left = (start - 301_i64).div_euclid(2_000) * 2_000 + 300;
         let right = (start - 300_i64).div_euclid(2_000) * 2_000 + 2_300;
         for (method, expected) in [(33, left), (34, right)] {
@@ -165,7 +165,7 @@ fn the_next_index_to_either_side() {
     }
 }
 
-/// A drive with a will of its own, and inputs that come late.
+/// A drive with its own dynamics, and inputs that arrive late.
 #[test]
 fn a_drive_that_lags_finds_the_same_places() {
     let law = SecondOrder::new(60.0, 0.8, 1_000_000).unwrap();
@@ -183,10 +183,10 @@ fn a_drive_that_lags_finds_the_same_places() {
     }
 }
 
-/// The axis cannot stop on a switch that is narrower than its way to stop: 500 places of stopping, 12 of switch.
+/// The axis cannot stop on a switch that is narrower than its stopping distance: 500 inc, while the switch has 12.
 #[test]
 fn a_switch_that_is_passed_while_stopping_is_found_again() {
-    // Pulses on both sides and none within.
+    // Pulses on both sides of the switch and none within it.
     let expected =
         [(23, 4_000), (24, 4_000), (25, 4_011), (26, 4_011), (27, 4_011), (28, 4_011), (29, 4_000), (30, 4_000)];
     for (method, expected) in expected.into_iter().chain([(7, 2_300), (10, 4_300), (11, 4_300), (14, 2_300)]) {

@@ -1,4 +1,4 @@
-//! Homing where it meets switches, encoders, parameters, goals that wait.
+//! Homing together with switches, encoders, parameters, waiting goals.
 
 use super::super::rig::{X, to};
 use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
@@ -9,7 +9,7 @@ use crate::sim::Model;
 
 const START: i64 = -12_000;
 
-/// The zero of a sequence of MACS lies behind the end of the way: the limit switch ends the way to it.
+/// The zero of a sequence of MACS is beyond the end of travel: the limit switch ends the motion to it.
 #[test]
 fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
     for (offset, end) in [(30_000, 20_000), (-30_000, -20_000)] {
@@ -19,13 +19,13 @@ fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_AT_LIMIT);
         rig.run(500);
         assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
-        // 10 inc a cycle, stopped with 1 inc/cycle^2.
+        // 10 inc per cycle, stopped with 1 inc/cycle^2.
         let beyond = (place(&rig, START) - end) * offset.signum();
         assert!((0..100).contains(&beyond), "{beyond}");
     }
 }
 
-/// Where revers forbids the way back to it, the zero is known all the same: the axis stands behind it.
+/// If revers forbids the motion back to it, the zero is still valid: the axis stops after it.
 #[test]
 fn without_a_way_back_the_axis_stands_behind_its_zero() {
     let mut config = cell(0);
@@ -38,7 +38,7 @@ fn without_a_way_back_the_axis_stands_behind_its_zero() {
     assert!((1..10).contains(&rig.int("x.actual.position")), "{}", rig.int("x.actual.position"));
 }
 
-/// Counts that begin anew in the middle: what was seen of switches and index does not belong to them.
+/// Counts that start again during homing: detected switches and index do not belong to them.
 #[test]
 fn a_new_epoch_ends_homing() {
     let mut rig = rig(way(START, (5_000, FAR)));
@@ -49,7 +49,7 @@ fn a_new_epoch_ends_homing() {
     assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
 }
 
-/// The zero that is being found would not be that of the new parameters.
+/// The zero that is being searched would not match the new parameters.
 #[test]
 fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
     let mut rig = rig(way(START, (5_000, FAR)));
@@ -63,7 +63,7 @@ fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
     assert_eq!((rig.int("x.homed"), zero(&rig, START)), (1, 4_300));
 }
 
-/// Another input for a switch would be an edge where nothing has moved.
+/// Another input for a switch would cause an edge without a motion.
 ///
 /// Proves: MACS-HOME-04
 #[test]
@@ -86,7 +86,7 @@ fn the_switches_stay_where_they_are_while_it_homes() {
     assert_eq!(rig.int("x.homed"), 1, "A-15: it does not ask for homing");
 }
 
-/// Homing that waits for its target window says so.
+/// Homing that waits for its target window reports this.
 #[test]
 fn a_long_wait_for_the_window_is_told_of() {
     let mut config = cell(0);
@@ -101,7 +101,7 @@ fn a_long_wait_for_the_window_is_told_of() {
     assert_eq!(rig.events.iter().filter(|event| event.code == Code::IN_POSITION_TIMEOUT).count(), 1);
 }
 
-/// The zero is lost while a goal waits: with homing required it does not begin.
+/// The zero is lost while a goal waits: with homing required the goal does not start.
 #[test]
 fn a_goal_that_waits_needs_the_zero_when_it_begins() {
     let mut config = cell(0);

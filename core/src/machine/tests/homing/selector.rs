@@ -1,4 +1,4 @@
-//! Reference 5 of the selector: how it begins, what ends it, and what it leaves behind.
+//! Reference 5 of the selector: its start, its end, and its effects after the end.
 
 use super::super::rig::{LINE, Rig, X, at, to};
 use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
@@ -41,7 +41,7 @@ fn reference(rig: &mut Rig, number: i64) -> u64 {
     select(rig, &[("reference_select", Value::Int(number))])
 }
 
-/// Reference 5 is in force, and the axis has looked for its switch for a while.
+/// Returns a rig in which reference 5 is in force, and the axis has searched for its switch for a while.
 fn homing(mut rig: Rig) -> Rig {
     let sequence = reference(&mut rig, 5);
     assert!(rig.was_accepted(sequence));
@@ -50,7 +50,7 @@ fn homing(mut rig: Rig) -> Rig {
     rig
 }
 
-/// 34.007 as it is written, as it is in force, and what commands the axis.
+/// Returns 34.007 as written, as in force, and the reference that commands the axis.
 fn shown(rig: &Rig) -> (i64, i64, i64) {
     let written = rig.machine.parameters(X).unwrap().vocabularies.amc.reference_select;
     (written, rig.int("x.amc.select"), rig.int("x.reference"))
@@ -64,7 +64,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
 const LEFT: &str = "x: another reference was selected, and that ended homing: the axis has no new zero";
 const BUSY: &str = "x: the axis is homing; wait for its end, or cancel it";
 
-/// Whatever is selected comes in the place of homing, in that sample: written, or triggered.
+/// A selection replaces homing in the same sample: written or triggered.
 ///
 /// Proves: AMC-FSM-02, AMC-FSM-03, AMC-FSM-06, AMC-FSM-07, AMC-SEL-09, AMC-TRG-01
 #[test]
@@ -92,7 +92,7 @@ fn another_reference_ends_homing_and_says_so() {
                 1 => assert_eq!((now, rig.state("x")), (3, "STANDSTILL")),
                 2 => assert_eq!(rig.real("x.command.velocity"), 500.0),
                 4 => assert_eq!((rig.real("x.command.velocity"), rig.int("x.in_sync")), (0.0, 1)),
-                // The profile stood there in the sample of the selection: a cycle's way further, and 3 with 6.
+                // The profile was there in the sample of the selection: one cycle of travel further, and 3 with 6.
                 6 => assert_eq!(now, before + 10 + 3),
                 _ => assert_eq!(now, before + 10),
             }
@@ -100,7 +100,7 @@ fn another_reference_ends_homing_and_says_so() {
     }
 }
 
-/// Reference 0 ends it as the others do: written, triggered, or selected by a following error. The axis stops.
+/// Reference 0 ends it like the others: written, triggered, or selected by a following error. The axis stops.
 ///
 /// Proves: AMC-FSM-01, AMC-STP-06
 #[test]
@@ -130,7 +130,7 @@ fn reference_0_ends_homing_and_says_so() {
     }
 }
 
-/// Nothing else is to begin while a goal homes the axis: refused at the door, and nothing is changed.
+/// No other motion may start while a goal homes the axis: it is refused immediately, and nothing is changed.
 #[test]
 fn a_selection_waits_for_the_homing_of_a_goal() {
     let mut rig = amc();
@@ -148,7 +148,7 @@ fn a_selection_waits_for_the_homing_of_a_goal() {
     assert_eq!((zero(&rig, START), rig.int("x.homed"), warnings(&rig).len()), (4_300, 1, 0));
 }
 
-/// A freeze has no door: it is told, in a sentence that is no setpoint's.
+/// A freeze event cannot be refused in advance: it is reported, with a message that does not refer to a setpoint.
 #[test]
 fn an_event_waits_for_the_homing_of_a_goal_and_ends_that_of_the_selector() {
     let latch = Latch { object: Object::Io(0), edge: Edge::Rising, age_ns: Some(0), position: None };
@@ -177,7 +177,7 @@ fn where_homing_is_required_no_reference_ends_the_first_one() {
     rig.run_until("x.homed", 1);
     let sequence = reference(&mut rig, 1);
     assert!(rig.was_accepted(sequence));
-    // Its zero is known: now homing may be left.
+    // Its zero is known, so homing may be aborted now.
     let again = reference(&mut rig, 5);
     assert!(rig.was_accepted(again));
     rig.run(300);
@@ -186,7 +186,7 @@ fn where_homing_is_required_no_reference_ends_the_first_one() {
     assert_eq!((shown(&rig), rig.int("x.homed")), ((1, 1, 1), 1));
 }
 
-/// On the limit switch that it looked for, the axis is not led on: the switch counts for any other motion.
+/// On the limit switch that was searched, the axis is not moved further: the switch applies to any other motion.
 #[test]
 fn a_reference_that_limits_forbid_leaves_homing_as_it_is() {
     let mut rig = amc_with(17, |_| ());
@@ -201,7 +201,7 @@ fn a_reference_that_limits_forbid_leaves_homing_as_it_is() {
     assert_eq!((zero(&rig, START), rig.int("x.error")), (-20_000, 0));
 }
 
-/// 20 inc a cycle, 1 inc/cycle^2: 20 cycles to rest, then homing.
+/// 20 inc per cycle, 1 inc/cycle^2: 20 cycles to rest, then homing.
 ///
 /// Proves: AMC-FSM-08, AMC-SEL-05
 #[test]
@@ -230,7 +230,7 @@ fn from_any_motion_reference_5_stops_the_axis_and_homes_it() {
     }
 }
 
-/// While it brakes for homing, whoever takes the axis, or another reference, keeps it from homing.
+/// While the axis brakes for homing, every takeover of the axis and every other reference prevents homing.
 ///
 /// Proves: AMC-FSM-08, AMC-FSM-01
 #[test]
@@ -272,7 +272,7 @@ fn homing_that_waits_for_rest_may_be_given_up() {
 /// Proves: AMC-SEL-08, AMC-FSM-08
 #[test]
 fn the_end_of_homing_is_one_cycle() {
-    // Method 35 is there at once; its zero lies where the axis stands.
+    // Method 35 is done at once; its zero is the present position of the axis.
     for (method, stop_mode) in [(3, 0), (3, 1), (35, 0), (35, 1)] {
         let mut rig =
             amc_with(method, |cell| cell.axes[usize::from(X)].parameters.vocabularies.amc.stop_mode = stop_mode);
@@ -297,7 +297,7 @@ fn the_end_of_homing_is_one_cycle() {
     }
 }
 
-/// An axis does not home by itself because its homing has been cut short by disable (M14); other references do come back (M08).
+/// An axis does not home by itself after its homing was ended by disable (M14); other references do resume (M08).
 ///
 /// Proves: AMC-SEL-08
 #[test]
@@ -310,7 +310,7 @@ fn after_disable_homing_does_not_begin_by_itself() {
     rig.enable();
     rig.run(100);
     assert_eq!((rig.state("x"), shown(&rig), rig.real("x.command.velocity")), ("STANDSTILL", (0, 0, 0), 0.0));
-    // What is selected while the axis is off is meant.
+    // A selection while the axis is off is intended.
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(50);
     reference(&mut rig, 5);
@@ -318,7 +318,7 @@ fn after_disable_homing_does_not_begin_by_itself() {
     assert_eq!((rig.state("x"), shown(&rig)), ("HOMING", (5, 5, 5)));
 }
 
-/// What the selector was up to was meant in the coordinate of before.
+/// The state of the selector refers to the previous coordinate.
 #[test]
 fn after_set_position_no_reference_is_shown_any_more() {
     for number in [1, 6, 7] {

@@ -1,4 +1,4 @@
-//! Reference travel in open loop: what switches the speed off, in which phase ever, and what is shown then.
+//! Reference travel in open loop: events that switch the speed off, in any phase, and the signals after that.
 
 use super::super::rig::{Rig, X};
 use super::vocabularies::{START, jog, wf};
@@ -15,7 +15,7 @@ const IDLE: i64 = 0;
 const RUN: i64 = 1;
 const SETTLE: i64 = 5;
 
-/// The cam lies from 5000 to 7000; md7 2 turns round on it.
+/// Returns a rig whose cam is from 5000 to 7000; with md7 2 the axis reverses on it.
 fn open(md7: i64) -> Rig {
     wf(START, |cell| {
         let axis = &mut cell.axes[usize::from(X)];
@@ -24,19 +24,19 @@ fn open(md7: i64) -> Rig {
     })
 }
 
-/// On its way in that phase of homing.
+/// Returns a rig in this phase of homing.
 fn under_way(md7: i64, phase: i64) -> Rig {
     let mut rig = open(md7);
     jog(&mut rig, Jog::Plus);
     rig.run_until("x.homing.phase", phase);
-    // Where it turns round it soon leaves the cam.
+    // In a reversing phase it soon leaves the cam.
     rig.run(2);
     assert_eq!((rig.int("x.homing.phase"), rig.int("x.wf.q"), rig.int("x.wf.state")), (phase, 1, RUN));
     assert!(rig.real("x.output.velocity") != 0.0 && rig.real("x.wf.dac") != 0.0);
     rig
 }
 
-/// No speed, no output, no voltage, no direction, no enable.
+/// Checks that there is no speed, output, voltage, direction or enable.
 fn assert_off(rig: &Rig, what: &str) {
     assert_eq!(
         (rig.real("x.output.velocity"), rig.real("x.wf.speed"), rig.real("x.wf.dac")),
@@ -53,7 +53,7 @@ fn ask(change: impl FnOnce(&mut Request)) -> Action {
     Action::vocabulary(request)
 }
 
-/// Every verb that takes the enable, whatever stands beside it.
+/// Returns every verb that removes the enable, in all combinations.
 fn taking_the_enable() -> Vec<(&'static str, Action)> {
     vec![
         ("enable", ask(|request| request.enable = Some(false))),
@@ -86,7 +86,7 @@ fn what_takes_the_enable_switches_the_speed_off_in_every_phase() {
     }
 }
 
-/// Whatever else comes in its cycle.
+/// With any other command in its cycle.
 ///
 /// Proves: WF-OST-10
 #[test]
@@ -123,7 +123,7 @@ fn released_everything_is_off_in_that_cycle() {
     }
 }
 
-/// While it coasts from the mark nothing runs any more, and neither JOG nor the enable take the zero away.
+/// While the axis coasts from the mark all outputs are off, and neither JOG nor the enable removes the zero.
 ///
 /// Proves: WF-REF-02, WF-REF-09, WF-OLC-09, WF-DAC-01, WF-IF-10
 #[test]
@@ -168,7 +168,7 @@ fn at_the_mark_everything_is_off_and_the_zero_is_found() {
     }
 }
 
-/// A stop of another vocabulary ends the travel for good: no edge and no mark lets it go on.
+/// A stop of another vocabulary ends the travel permanently: no edge and no mark continues it.
 #[test]
 fn a_stop_on_the_actual_position_ends_it() {
     let mut rig = under_way(0, 1);
@@ -180,7 +180,7 @@ fn a_stop_on_the_actual_position_ends_it() {
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.homing.phase")), ("STANDSTILL", 0, 0));
 }
 
-/// Closed loop: the enable that is taken beside a quick stop leaves that as steep as it is, whatever MD2 says.
+/// Closed loop: removing the enable during a quick stop keeps the deceleration of the quick stop, with any MD2.
 ///
 /// Proves: WF-IF-03
 #[test]

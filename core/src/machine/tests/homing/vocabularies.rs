@@ -1,4 +1,4 @@
-//! Homing in the words of the sources: reference 5 of the AMC, reference travel of the positioning modules.
+//! Homing with the commands of the source systems: reference 5 of the AMC, reference travel of the positioning modules.
 
 use super::super::rig::{Rig, X};
 use super::{FAR, assign, cell, place, rig_with, way, zero};
@@ -63,7 +63,7 @@ fn reference_5_without_a_method_is_refused() {
     let sequence = rig.set("amc.reference_select", Value::Int(5));
     let sentence = "x: homing.method is 0: give the axis a method, or name one in the command";
     assert_eq!(rig.refusal(sequence), sentence);
-    // A virtual axis has nothing that most of them look for.
+    // A virtual axis lacks the inputs that most methods search for.
     let (row, _) = Row::find("amc.reference_select").unwrap();
     let change = Change { axis: 0, row, value: Value::Int(5) };
     let select = rig.give(Action::SetParameters(Box::new([change])));
@@ -75,7 +75,7 @@ fn reference_5_without_a_method_is_refused() {
     }
 }
 
-/// Cam from 5000 to 7000, zero marks at 300 + 2000 n: behind it to the right 8300, to the left 4300.
+/// Cam from 5000 to 7000, zero marks at 300 + 2000 n: after it to the right 8300, to the left 4300.
 pub(super) fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -118,12 +118,12 @@ fn reference_travel_leads_across_the_cam_to_the_zero_mark_and_on_by_md17() {
     let expected = [(1, 1e4), (2, 1e4), (2, 4e3), (3, 4e3), (3, 1e3), (4, 1e3)];
     assert_eq!(speeds, expected, "each phase begins with the speed of the one before");
     rig.run(2);
-    // The mark at 8300, moved by MD17; there it is MD16.
+    // The mark at 8300, shifted by MD17; there the position is MD16.
     assert_eq!((place(&rig, START), rig.int("x.actual.position")), (8_180, 50_000));
     assert_eq!((rig.int("x.wf.synchronized"), rig.int("x.homed"), rig.int("x.wf.state")), (1, 1, 0));
 }
 
-/// Coarse by the cam, fine by the zero mark: wherever the travel begins, and a switch that acts some increments early or late,
+/// Coarse by the cam, fine by the zero mark: from any start, and with a switch that acts some increments early or late,
 /// the zero is the same to the increment.
 ///
 /// Proves: WF-INC-03
@@ -141,7 +141,7 @@ fn the_zero_mark_decides_and_not_the_edge_of_the_cam() {
     }
 }
 
-/// The cam lies from 5000 to 7000: its plus side has the mark 8300, its minus side 4300.
+/// The cam is from 5000 to 7000: its plus side has the mark 8300, its minus side 4300.
 ///
 /// Proves: WF-MD-05, WF-REF-02
 #[test]
@@ -182,10 +182,10 @@ fn an_axis_that_may_not_go_back_does_not_turn_round_on_the_cam() {
     let cases = [
         (0, 0, Jog::Plus, None),
         (1, 0, Jog::Plus, None),
-        // At the speed of the way that leads back: 4 and 10 hundredths of 100 mm/s.
+        // At the speed of the backward motion: 4 and 10 hundredths of 100 mm/s.
         (2, 0, Jog::Plus, Some("-4")),
         (0, 0, Jog::Minus, Some("-10")),
-        // The reference point lies behind the mark.
+        // The reference point is after the mark.
         (0, -120, Jog::Plus, Some("-10")),
         (0, 120, Jog::Plus, None),
     ];
@@ -215,7 +215,7 @@ fn tell(rig: &mut Rig, cam: bool) {
     assert!(rig.was_accepted(sequence));
 }
 
-/// With MD15 interface the reference switch of the way counts for nothing, the cam of the verbs does.
+/// With MD15 set to interface, the reference switch on the travel range has no effect, and the cam of the verbs has.
 ///
 /// Proves: WF-MD-08, WF-REF-04, WF-MD-09, WF-MD-10
 #[test]
@@ -236,11 +236,11 @@ fn md15_chooses_where_the_cam_comes_from() {
     tell(&mut rig, false);
     rig.run_until("x.homed", 1);
     rig.run(1);
-    // The mark behind 10500 is 12300.
+    // The mark after 10500 is 12300.
     assert_eq!((place(&rig, START), rig.int("x.actual.position"), rig.int("x.wf.synchronized")), (12_180, 50_000, 1));
 }
 
-/// A revolution is what MD34 says: 250 pulses are 1000 increments, and the mark lies 1300 behind the cam.
+/// MD34 defines a revolution: 250 pulses are 1000 increments, and the mark is 1300 after the cam.
 ///
 /// Proves: WF-REF-04, WF-REF-10
 #[test]
@@ -254,7 +254,7 @@ fn the_mark_has_to_come_within_the_revolution_of_md34() {
     }
 }
 
-/// Machine data without a number have names of their own.
+/// Machine data without a number have their own names.
 ///
 /// Proves: WF-MD-22, WF-MD-13
 #[test]
@@ -278,7 +278,8 @@ fn what_has_no_number_has_a_name() {
     }
     let sequence = rig.set("wf.md21", Value::Int(2));
     assert!(rig.refusal(sequence).contains("md21"), "the drive counts all edges");
-    // The jerk limit and the new speeds act: 3 hundredths of 100000 inc/s in setup, up its ramp with 10^7 inc/s^3.
+    // The jerk limit and the new speeds apply: 3 hundredths of 100000 inc/s in setup, with a jerk of 10^7 inc/s^3 on
+    // its ramp.
     let setup = Request { axis: X, mode: Some(Mode::Jog), jog: Some(Jog::Plus), ..Request::default() };
     rig.give(Action::vocabulary(setup));
     let (mut top, mut steepest) = (0.0_f64, 0.0_f64);
@@ -317,7 +318,7 @@ fn without_a_zero_mark_in_a_revolution_comes_alarm_9() {
     jog(&mut rig, Jog::Plus);
     rig.run_until("x.wf.alarm", 9);
     assert_eq!((rig.int("x.error"), rig.state("x")), (i64::from(Code::WF_NO_ZERO_MARK.0), "ERROR_STOP"));
-    // From the sample behind the cam, which is up to a cycle of 4 increments behind it.
+    // From the sample after the cam, which is up to one cycle of 4 increments after it.
     let gone = place(&rig, START) - 7_001;
     assert!((2_001..=2_005).contains(&gone), "{gone}");
     rig.run(20);
@@ -341,7 +342,7 @@ fn in_open_loop_the_mark_switches_the_speed_off_and_md17_counts_for_nothing() {
             runs = rig.real("x.output.velocity") != 0.0;
         }
         assert!(!runs);
-        // It coasts on, but the mark has its place.
+        // The axis coasts on, but the position of the mark is known.
         rig.run(100);
         assert_eq!(zero(&rig, start), mark - 50_000, "{direction:?}");
         assert_eq!((rig.int("x.wf.synchronized"), rig.int("x.homed")), (1, 1));
@@ -350,7 +351,7 @@ fn in_open_loop_the_mark_switches_the_speed_off_and_md17_counts_for_nothing() {
     }
 }
 
-/// A stop ends reference travel in open loop as any other motion: the axis coasts, and then stands.
+/// A stop ends reference travel in open loop like any other motion: the axis coasts to rest.
 #[test]
 fn in_open_loop_whatever_ends_it_leaves_an_axis_that_stands() {
     for action in [Some(Action::Halt(AxisSet::one(X))), None] {
@@ -368,7 +369,7 @@ fn in_open_loop_whatever_ends_it_leaves_an_axis_that_stands() {
     }
 }
 
-/// Stop mode 1 stands at once where the axis is: homing is over, and so is its state.
+/// Stop mode 1 stops at once at the actual position: homing has ended, and so has its state.
 #[test]
 fn reference_0_with_a_stop_on_the_actual_position_ends_homing() {
     let mut rig = amc();
@@ -380,7 +381,7 @@ fn reference_0_with_a_stop_on_the_actual_position_ends_homing() {
     assert_eq!((rig.state("x"), rig.int("x.homed"), rig.int("x.homing.phase")), ("STANDSTILL", 0, 0));
 }
 
-/// The drive moves the axis, which has no motion of its own: it does not rest for all that.
+/// The drive moves the axis, whose own generator is idle: the axis does not count as at rest.
 #[test]
 fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     let mut config = cell(0);

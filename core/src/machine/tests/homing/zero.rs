@@ -1,4 +1,4 @@
-//! The zero: who needs it, when it is kept, what goes with it.
+//! Zero: which commands need it, when it is retained, which values move with it.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
 use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, way, zero};
@@ -46,7 +46,7 @@ fn forced_homing_comes_before_every_motion() {
     rig.stream(X, 1_000.0);
     rig.run(5);
     assert_eq!((rig.state("x"), rig.int("x.command.position")), ("STANDSTILL", 0));
-    // One that was aborted does not count.
+    // An aborted homing does not count.
     home(&mut rig, 3);
     rig.run(100);
     rig.give(Action::Halt(AxisSet::one(X)));
@@ -63,7 +63,7 @@ fn forced_homing_comes_before_every_motion() {
     assert!(refused.clone().count() == 4 && refused.into_iter().all(|event| event.code.0 == 6), "error 6 of MACS");
 }
 
-/// What a controller shows that has homed may be set: it is shown again, and does what 1 does.
+/// The value that a homed controller shows may be set: it is shown again, and has the effect of 1.
 ///
 /// Proves: MACS-HOME-09
 #[test]
@@ -80,7 +80,7 @@ fn compulsory_and_done_is_shown_as_it_was_set_and_acts_as_1() {
     assert_eq!(rig.refusal(refused), "x: homing is required and has not been done; home the axis first");
     let sequence = home(&mut rig, 3);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
-    // By each of its names the same is asked for, so that the zero is kept.
+    // Each name requests the same, so the zero is kept.
     for (key, value, force) in
         [("home_force", 1, 1), ("home_force", 255, 255), ("homing.required", 1, 1), ("home_force", 255, 255)]
     {
@@ -106,7 +106,7 @@ fn a_change_of_what_the_zero_depends_on_asks_for_it_again() {
         ("homing.required", Value::Int(1), false),
         ("homing.max_time", Value::Int(1_000_000_000), true),
         ("max_velocity", Value::Real(50_000.0), true),
-        // What is in force by another name, in parts of 100; the tens digit is that of the other loop.
+        // The value in force under another name, in parts of 100; the tens digit is that of the other loop.
         ("home_vel", Value::Int(10), true),
         ("homezerovel", Value::Int(1), true),
         ("home_ramp", Value::Int(10), true),
@@ -147,7 +147,7 @@ fn set_position_disable_and_errors_keep_it_and_power_does_not() {
     assert_eq!(rig.int("x.homed"), 0);
 }
 
-/// Not at all is a plain choice.
+/// No method at all is a valid choice.
 #[test]
 fn without_a_method_the_zero_is_where_it_was_switched_on() {
     let mut rig = rig(way(START, (5_000, FAR)));
@@ -162,7 +162,7 @@ fn without_a_method_the_zero_is_where_it_was_switched_on() {
 #[test]
 fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
     for offset in [-700, 450] {
-        // The index left of the edge lies at 4300, the edge at 5000.
+        // The index left of the edge is at 4300, the edge at 5000.
         for (method, reference) in [(3, 4_300), (19, 5_000), (35, START), (-1, 4_300), (-2, 5_000)] {
             let mut rig = rig(way(START, (5_000, FAR)));
             rig.set("homing.offset", Value::Int(offset));
@@ -174,7 +174,7 @@ fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
             }
             assert_eq!(zero(&rig, START), reference + offset, "{method}");
             assert_eq!(moved, method < 0, "{method}");
-            // The actual position is that of the command of a cycle before.
+            // The actual position follows the command one cycle later.
             rig.run(1);
             if method < 0 {
                 assert_eq!((rig.int("x.command.position"), place(&rig, START)), (0, reference + offset), "{method}");
@@ -183,11 +183,11 @@ fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
     }
 }
 
-/// HOME_OFFSET counts in the sense of the counts. DIR-02: HOME_VEL goes in that of the units.
+/// HOME_OFFSET has the direction of the counts. DIR-02: HOME_VEL has the direction of the units.
 /// Proves: MACS-DIR-02
 #[test]
 fn inverted_units_keep_the_places_of_switches_and_offset() {
-    // By the standard: left of the edge at 5000, and the sequence of MACS goes where its velocity points.
+    // By the standard: left of the edge at 5000, and the sequence of MACS moves in the direction of its velocity.
     for (method, velocity, reference) in [(3, 10.0, 4_300), (1, 10.0, -19_700), (-1, -10.0, 4_300), (-2, -10.0, 5_000)]
     {
         let mut config = cell(0);
@@ -199,7 +199,7 @@ fn inverted_units_keep_the_places_of_switches_and_offset() {
         let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
         let sequence = home(&mut rig, method);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
-        // Positions count against the places.
+        // Positions have the opposite direction of the travel range.
         let zero = place(&rig, START) + rig.int("x.actual.position");
         assert_eq!(zero, reference + 450, "{method}");
     }
@@ -225,7 +225,7 @@ fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_
     let sequence = rig.give(Action::Move(to(X, 7_900)));
     assert!(rig.was_accepted(sequence));
     rig.run_until("x.state", 1);
-    // What is saved does not move with the coordinate.
+    // Saved limits do not move with the coordinate.
     rig.give(Action::SaveParameters(AxisSet::one(X)));
     assert_eq!(rig.machine.parameter_image().user[usize::from(X)].max_position, Some(1_000));
     rig.give(Action::ResetParameters { axes: AxisSet::one(X), layer: Layer::User });
@@ -235,8 +235,8 @@ fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_
     assert_eq!(limits(&rig), (Some(-10_000), Some(1_000)));
 }
 
-/// POSLIMIT and NEGLIMIT at the ends of their range guard the same places after DEFORIGIN, whether they were on or off,
-/// are switched off and on again there, and what is saved of them is what was given.
+/// POSLIMIT and NEGLIMIT at the ends of their range guard the same machine positions after DEFORIGIN, whether they were
+/// on or off. They can be switched off and on again there, and the saved values are the given ones.
 ///
 /// Proves: MACS-LIM-01, MACS-LIM-02
 #[test]
@@ -264,7 +264,7 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
         let guarded = (Some(by - MLONG), Some(by + MLONG));
         on(&mut rig, 1);
         assert_eq!(limits(&rig), guarded, "{was_on} {turned} {by}");
-        // Another value of one leaves the place of the other.
+        // A new value of one limit does not move the other.
         rig.set("in_position_window", Value::Int(3));
         on(&mut rig, 0);
         set_position(&mut rig, here + by);
@@ -275,7 +275,7 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
         assert_eq!((saved.min_position, saved.max_position), (Some(-MLONG), Some(MLONG)));
         assert_eq!((saved.macs.neglimit, saved.macs.poslimit), (-MLONG, MLONG));
         assert!(saved.is_sound() && rig.machine.parameters(X).unwrap().is_sound());
-        // Off when the zero is found: they are as they were given.
+        // They are off when the zero is found: they have their given values.
         on(&mut rig, 0);
         set_position(&mut rig, here);
         let p = rig.machine.parameters(X).copied().unwrap();
@@ -283,7 +283,7 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
     }
 }
 
-/// Software limits of a zero that is not known yet stop nothing.
+/// Software limits without a known zero stop nothing.
 #[test]
 fn software_limits_do_not_hold_while_it_homes() {
     let mut config = cell(0);
@@ -298,7 +298,7 @@ fn software_limits_do_not_hold_while_it_homes() {
     assert!(rig.refusal(sequence).contains("max_position"));
 }
 
-/// Who follows the axis sees its motion, and nothing of its new coordinate.
+/// Followers of the axis see its motion, but not its new coordinate.
 #[test]
 fn a_follower_does_not_jump_with_the_zero() {
     let mut rig = rig(way(START, (5_000, FAR)));
@@ -314,12 +314,12 @@ fn a_follower_does_not_jump_with_the_zero() {
     assert_eq!(rig.state("y"), "SYNCHRONIZED_MOTION");
 }
 
-/// The input that i_refswitch names latches: the edge is where it was at that instant, whatever the velocity.
+/// The input that i_refswitch names latches: the edge is at the latched position, at any velocity.
 #[test]
 fn a_latched_edge_is_exact_at_any_velocity() {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
-    // 10 inc a cycle in the last approach, too.
+    // 10 inc per cycle in the last approach, too.
     assign(p, "homing.index_velocity", Value::Real(10_000.0));
     let mut rig = rig_with(config, Model::Ideal, Fixtures { home: None, ..way(0, (0, 0)) });
     let sequence = home(&mut rig, 20);
@@ -346,7 +346,7 @@ fn a_latched_edge_is_exact_at_any_velocity() {
     assert_eq!(homed_events(&rig), [Number::Position(3_000)]);
 }
 
-/// HOME_TYPE 3 across a switch that is shorter than the way to brake: its far edge is passed at speed, and latched.
+/// HOME_TYPE 3 across a switch that is shorter than the braking distance: its far edge is passed at speed, and latched.
 #[test]
 fn a_latched_far_edge_is_exact_while_the_axis_still_brakes() {
     let (from, to) = (4_000, 4_011);
@@ -354,7 +354,7 @@ fn a_latched_far_edge_is_exact_while_the_axis_still_brakes() {
     let sequence = home(&mut rig, -4);
     let mut passed_at = None;
     while rig.done(sequence).is_empty() {
-        // The ideal drive is in the next cycle where the command is now.
+        // The ideal drive reaches the present command in the next cycle.
         let (now, next) = (rig.int("x.actual.position"), rig.int("x.command.position"));
         if passed_at.is_none() && now <= to && next > to {
             let age_ns = ((next - to) * 1_000_000 / (next - now)) as u32;
@@ -370,7 +370,7 @@ fn a_latched_far_edge_is_exact_while_the_axis_still_brakes() {
     assert_eq!((zero(&rig, 0), homed_events(&rig)), (to, vec![Number::Position(to)]));
 }
 
-/// What the rows say: i_refswitch, i_poslimitsw, i_neglimitsw, homing.required act in the cycle in which they are set.
+/// As the rows state: i_refswitch, i_poslimitsw, i_neglimitsw, homing.required act in the cycle in which they are set.
 #[test]
 fn assigned_inputs_are_read_in_the_next_cycle() {
     for (key, signal) in [
@@ -411,12 +411,12 @@ fn the_rates_of_homing_in_parts_of_the_largest_ones() {
     assert!(near(p.homing_index_velocity(), 4_000.0 / 3.0), "{}", p.homing_index_velocity());
     // 33333.3 qc/s in 1 s, with 20 of 100 in 5 s.
     assert!(near(p.homing_acceleration(), 100_000.0 / 15.0), "{}", p.homing_acceleration());
-    // Never above DFLTACC, nor the slow speed above HOME_VEL.
+    // Never above DFLTACC, and the slow speed never above HOME_VEL.
     assign(&mut p, "dfltacc", Value::Int(10));
     assign(&mut p, "homezerovel", Value::Int(400));
     assert!(near(p.homing_acceleration(), 100_000.0 / 30.0), "{}", p.homing_acceleration());
     assert!(near(p.homing_index_velocity(), 10_000.0 / 3.0), "{}", p.homing_index_velocity());
-    // The native values are the same ones, and absolute once they are given.
+    // The native values are the same, and absolute once they are given.
     assign(&mut p, "homing.velocity", Value::Real(-500.0));
     assign(&mut p, "velmax", Value::Real(2_000.0));
     assert_eq!((p.homing_velocity(), p.home_vel()), (-500.0, -1));

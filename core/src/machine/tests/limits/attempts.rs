@@ -1,4 +1,4 @@
-//! Whatever has led an axis into its software limit: the first new attempt is 98, and back it may be led.
+//! With any source of motion into a software limit, the first new attempt is error 98, and motion back is allowed.
 
 use super::super::direction::set;
 use super::super::rig::{LINE, Rig, X, at, cam, config, couple, scale};
@@ -21,7 +21,7 @@ const HIGH: i64 = 4_000;
 const LOW: i64 = -2_000;
 const TO_LINE: Leader = Leader::AxisCommand(LINE);
 
-/// What leads x on.
+/// Source of the motion of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Led {
     Gear,
@@ -47,12 +47,12 @@ const ALL: [Led; 9] = [
     Led::ShiftOfSlave,
 ];
 
-/// x from -2 mm to 4 mm with 2 m/s^2; the line is at its velocity at once.
+/// x has limits of -2 mm and 4 mm with 2 m/s^2; the line reaches its velocity at once.
 fn rig(reaction: i64, model: Model) -> Rig {
     let mut config = config(0);
     let input = |name: &str| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch: true };
     config.io = vec![input("product"), input("label")];
-    // Half an increment further for each one of the master, out and back again.
+    // One increment for each increment of the master, out and back.
     let table = Table::new(Form::Xy, &[0, 8_000, 16_000], &[0, 8_000, 0]).expect("points");
     let table = Arc::new(table.with_cam(CamSetting::default()));
     config.tables = vec![TableConfig { name: "knife".into(), table }];
@@ -76,7 +76,7 @@ fn machine(rig: &mut Rig, values: &[(&str, i64)]) {
     assert!(rig.was_accepted(given));
 }
 
-/// Leads x on, `way` 1 up, -1 down, until it is stopped, or for 300 cycles.
+/// Moves x, with `way` 1 up and -1 down, until it is stopped, or for 300 cycles.
 fn lead(rig: &mut Rig, led: Led, way: i64) {
     let gear = couple(X, TO_LINE, 1, 1);
     let runs = at(LINE, way as f64 * 20_000.0);
@@ -90,7 +90,7 @@ fn lead(rig: &mut Rig, led: Led, way: i64) {
         }
         Led::OnEvent => Synchronize { engage: Engage::OnEvent(Object::Io(0)), ..gear },
         Led::Cam => {
-            // Downwards where the table leads there.
+            // Downwards in the part of the table with a negative slope.
             let mut cam = cam(0, CamStart::Relative);
             cam.master_offset = Length::whole(if way > 0 { 0 } else { 8_000 });
             Synchronize { cam: Some(cam), ..couple(X, TO_LINE, 0, 0) }
@@ -143,7 +143,7 @@ fn errors(rig: &Rig) -> Vec<Code> {
     found.map(|event| event.code).collect()
 }
 
-/// Until it stands, and may be moved again.
+/// Waits until the axis is at rest, and resets it.
 fn reset(rig: &mut Rig) {
     rig.run_until("x.state", 7);
     rig.run(20);
@@ -162,7 +162,8 @@ fn reset(rig: &mut Rig) {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// Whatever leads it, on whichever side; the way back is no error, and what leads there again from behind is a first error again.
+/// For any source of motion and on either side: motion back is not an error, and a new motion into the limit after that
+/// is a first error again.
 ///
 /// Proves: MACS-LIM-05
 #[test]
@@ -179,7 +180,7 @@ fn whatever_leads_into_a_limit_again_is_error_98_at_its_first_attempt() {
             let limit = if way > 0 { HIGH } else { LOW };
             assert!(rig.int("x.command.position").abs() <= limit.abs(), "{led:?} {way}");
             reset(&mut rig);
-            // 98 is cleared as the first error, and back is no error until the other limit.
+            // Error 98 is cleared like the first error, and motion back is no error up to the other limit.
             lead(&mut rig, led, -way);
             assert_eq!(errors(&rig).len(), 3, "{led:?} {way}, back");
             assert_ne!(errors(&rig)[2], first);
@@ -188,7 +189,7 @@ fn whatever_leads_into_a_limit_again_is_error_98_at_its_first_attempt() {
     }
 }
 
-/// The power went before the drive was where its command had come to rest.
+/// The power was removed before the drive reached the position at which its command had stopped.
 ///
 /// Proves: MACS-LIM-05
 #[test]
@@ -201,7 +202,7 @@ fn a_drive_that_is_behind_when_its_power_goes_has_not_left_the_limit() {
             lead(&mut rig, led, way);
             assert_eq!(errors(&rig), [first], "{led:?} {way}");
             reset(&mut rig);
-            // Under power its drive comes to its command.
+            // Under power the drive reaches its command.
             let short = (rig.int("x.command.position") - if way > 0 { HIGH } else { LOW }) * way;
             assert!((-4_000..-2).contains(&short) || reaction == 3 && short == 0, "{led:?} {way} {reaction}: {short}");
             lead(&mut rig, led, way);
@@ -210,7 +211,8 @@ fn a_drive_that_is_behind_when_its_power_goes_has_not_left_the_limit() {
     }
 }
 
-/// On a cam that makes 14.6 increments of a count of its leader, which stands: the way to catch up is no trembling of counts, so that the stop at the limit begins in time.
+/// A cam with 14.6 increments per count of its leader, which is at rest: the catch-up distance is not treated as count
+/// noise, so the stop at the limit starts in time.
 /// Proves: MACS-LIM-01
 #[test]
 fn a_leader_that_stands_hides_no_velocity() {

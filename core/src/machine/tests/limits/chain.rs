@@ -6,7 +6,8 @@ use crate::event::Kind;
 use crate::object::Leader;
 use proptest::prelude::*;
 
-/// x follows the line 1:1 up to its limit, y follows x with `numerator` : `denominator`, and its limits are those of x, geared.
+/// x follows the line 1:1 up to its limit, y follows x with `numerator` : `denominator`, and the limits of y are those
+/// of x, geared.
 fn chain(limit: i64, (numerator, denominator): (i64, i64), cycle_ms: u64, rate: f64) -> Rig {
     let mut config = config(0);
     config.cycle_ns = cycle_ms * 1_000_000;
@@ -32,7 +33,8 @@ fn place(rig: &Rig, axis: &str) -> f64 {
     rig.int(&format!("{axis}.command.position")) as f64 + rig.real(&format!("{axis}.command.fraction"))
 }
 
-/// Runs until x is stopped and stands; y keeps its gear, and no cycle takes more of the speed of x than `most` (inc per cycle).
+/// Runs until x is stopped and at rest. Checks that y keeps its gear ratio, and that the speed of x decreases by at
+/// most `most` per cycle (inc per cycle).
 fn stop(rig: &mut Rig, velocity: f64, ratio: f64, most: f64) -> Result<(), TestCaseError> {
     rig.give(Action::Move(Move { acceleration: 3e5, ..at(LINE, velocity) }));
     let (mut before, mut step) = (place(rig, "x"), 0.0_f64);
@@ -59,15 +61,15 @@ fn stop(rig: &mut Rig, velocity: f64, ratio: f64, most: f64) -> Result<(), TestC
     Ok(())
 }
 
-/// 75 inc in each cycle, of which a stop may take 1: in whole steps, 74 + 73 + .. + 1 = 2775 inc, and in continuous time from 74.5
-/// an eighth of one more. The limit lies where the whole steps just fit.
+/// 75 inc in each cycle, which a stop may reduce by 1: in whole steps, 74 + 73 + .. + 1 = 2775 inc, and in continuous
+/// time from 74.5 an eighth of an inc more. The limit is where the whole steps just fit.
 ///
 /// Proves: MACS-LIM-04, MACS-SYNC-02
 #[test]
 fn a_stop_in_whole_steps_takes_no_more_than_its_deceleration() {
     for way in [1.0, -1.0] {
         for velocity in [75_000.0, 60_000.0, 30_000.0, 6_000.0, 3_000.0] {
-            // The line comes to a place that is a whole number of its steps before.
+            // The line reaches a position that is a whole number of its steps before the limit.
             let mut rig = chain(1_000_000, (1, 2), 1, 1e6);
             rig.give(Action::Move(Move { acceleration: 3e5, ..at(LINE, velocity * way) }));
             rig.run((velocity / 300.0) as u64 + 20);
@@ -86,7 +88,7 @@ fn a_stop_in_whole_steps_takes_no_more_than_its_deceleration() {
 proptest! {
     #![proptest_config(cases(150))]
 
-    /// Wherever the limit lies, whatever the speed, and the steps of the leader whole or not.
+    /// For any limit and any velocity, with whole and fractional steps of the leader.
     ///
     /// Proves: MACS-LIM-04, MACS-SYNC-02
     #[test]

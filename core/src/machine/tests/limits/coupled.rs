@@ -1,4 +1,4 @@
-//! What follows something, however slowly, never passes a software limit.
+//! An axis that follows a leader, at any low speed, never exceeds a software limit.
 
 use super::super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
@@ -11,7 +11,7 @@ use crate::position::Length;
 use crate::sync::{Disengage, SyncMode};
 use proptest::prelude::*;
 
-/// Where the limits of x are (inc).
+/// Limits of x (inc).
 const LOW: i64 = -700;
 const HIGH: i64 = 1_000;
 
@@ -22,7 +22,7 @@ fn cell(cycle_ms: u64, rate: f64, posdrct: i64) -> Rig {
 fn braking(cycle_ms: u64, rate: f64, posdrct: i64, deceleration: Option<f64>) -> Rig {
     let mut config = config(0);
     config.cycle_ns = cycle_ms * 1_000_000;
-    // The line jumps.
+    // The line changes its velocity in one cycle.
     config.axes[usize::from(LINE)].parameters.max_acceleration = 1e9;
     let p = &mut config.axes[usize::from(X)].parameters;
     (p.min_position, p.max_position) = (Some(LOW), Some(HIGH));
@@ -54,7 +54,7 @@ fn errors(rig: &Rig) -> Vec<Code> {
     found.map(|event| event.code).collect()
 }
 
-/// At 1 inc in each cycle, of which it may change 1 a cycle, the 1000th inc is the last one: the 1001st is an error.
+/// At 1 inc per cycle, with a possible change of 1 per cycle, the 1000th inc is the last one: the 1001st is an error.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -80,7 +80,7 @@ fn a_coupling_of_an_increment_a_cycle_ends_on_the_limit() {
     }
 }
 
-/// What stands at its limit stays there when its leader leads on, however fast, and follows it away.
+/// An axis at its limit stays there when its leader moves further, at any velocity, and follows it back.
 ///
 /// Proves: MACS-LIM-04, MACS-LIM-05
 #[test]
@@ -117,7 +117,8 @@ fn from_its_limit_an_axis_is_led_away_and_nowhere_else() {
     }
 }
 
-/// Beyond its limit it may be led back by a leader that trembles, but a leader that creeps outwards does not take it along.
+/// An axis outside its limit may be led back by a leader with count noise, but a leader that creeps outwards does not
+/// move it.
 #[test]
 fn led_back_from_beyond_its_limit_it_may_tremble_but_not_creep() {
     let mut rig = cell(1, 2e6, 1);
@@ -141,7 +142,7 @@ fn led_back_from_beyond_its_limit_it_may_tremble_but_not_creep() {
     assert!(place(&rig) <= inmost + 4.0, "{} from {inmost}", place(&rig));
 }
 
-/// Each is done in one cycle: 3 inc of a limit that is 1 away.
+/// Each motion is done in one cycle: 3 inc with the limit 1 inc away.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -170,7 +171,7 @@ fn what_hardly_moves_before_it_would_pass_the_limit_does_not_creep_there() {
     assert!((place(&rig) - (HIGH - 30) as f64).abs() < 0.1, "{}", place(&rig));
 }
 
-/// Two increments to a count: a cycle may not change what one count makes of the velocity, and the axis still ends on its limit.
+/// Two increments per count: a cycle cannot brake the velocity of one count, and the axis still ends at its limit.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -195,7 +196,7 @@ fn counts_that_are_larger_than_a_cycle_may_stop_end_on_the_limit() {
     }
 }
 
-/// Four increments to a count, one count in each cycle: 4000 inc/s, of which a cycle may take 100.
+/// Four increments per count, one count in each cycle: 4000 inc/s, which a cycle may reduce by 100.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -208,8 +209,9 @@ fn coarse_counts_leave_the_way_that_a_stop_takes() {
         rig.plant.jump_encoder(0, 1);
         rig.run(1);
         let velocity = rig.real("x.command.velocity");
-        // In 8 cycles it went 32 inc, but for one count, and not more than 0.35 of 3.5 inc a cycle may be gone since: a stop from
-        // 3.15 inc takes 48 inc, of which a count may be gone. 4^2 / (2 * 44) inc a cycle, and 0.05 at the end of a step.
+        // In 8 cycles it moved 32 inc, within one count. Since then it may have lost at most 0.35 of 3.5 inc per cycle:
+        // a stop from 3.15 inc takes 48 inc, of which one count may be missing. 4^2 / (2 * 44) inc per cycle, and 0.05
+        // at the end of a step.
         assert!(cycle < 8 || before - velocity < 235.0, "{} in cycle {cycle}", before - velocity);
         before = velocity;
     }
@@ -217,12 +219,13 @@ fn coarse_counts_leave_the_way_that_a_stop_takes() {
     assert_eq!((place(&rig), before), (HIGH as f64, 0.0));
 }
 
-/// The same speed, but the leader itself slows down, by as much as the axis may: it ends on the limit, and nothing is wrong.
+/// The same speed, but the leader itself decelerates, with the limit of the axis: the axis ends at its limit, without
+/// an error.
 #[test]
 fn coarse_counts_of_a_leader_that_stops_in_time_are_no_error() {
     for (share, start) in [(0.99_f64, 0.0_f64), (0.99, 1.7), (0.5, 0.3), (0.1, 2.9)] {
         let mut rig = cell(1, 1e5, 1);
-        // From 4 inc a cycle with this share of 0.1 inc a cycle each: to the limit, in whole counts.
+        // From 4 inc per cycle with this share of 0.1 inc/cycle^2: to the limit, in whole counts.
         let rate = 0.1 * share;
         let way = 16.0 / (2.0 * rate);
         let counts = ((way + start) / 4.0).floor() as i64;
@@ -248,7 +251,7 @@ fn coarse_counts_of_a_leader_that_stops_in_time_are_no_error() {
     }
 }
 
-/// A halt of what came to the limit as slowly as a cycle may stop keeps it there.
+/// A halt of an axis that reached the limit at a velocity that one cycle can stop keeps it there.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -267,7 +270,7 @@ fn a_halt_on_the_limit_stands_there() {
     assert_eq!((rig.state("x"), place(&rig), errors(&rig)), ("STANDSTILL", HIGH as f64, vec![]));
 }
 
-/// A thousandth of an increment in a cycle.
+/// A thousandth of an increment per cycle.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -284,8 +287,9 @@ fn a_velocity_of_an_increment_in_many_cycles_ends_at_the_limit() {
     }
 }
 
-/// The override comes back while the axis brakes, and is asked again in each cycle, until the new plan fits. That what is
-/// superimposed speeds the axis up meanwhile changes nothing: the way below it and the rest of what is added count together.
+/// The override is restored while the axis brakes, and is checked again in each cycle until the new plan fits. A
+/// superimposed motion that accelerates the axis meanwhile does not matter: the base motion and the rest of the
+/// superimposed distance count together.
 #[test]
 fn an_override_that_comes_back_below_a_superimposed_motion_keeps_the_limit() {
     let mut rig = cell(1, 155_020.447_424_407_32, 1);
@@ -330,7 +334,7 @@ enum Happening {
     Position(i64),
     Add(i64),
     Override(f64),
-    /// Counts of the belt in each of so many cycles.
+    /// Counts of the belt per cycle, and the number of cycles.
     Belt(i64, u64),
     Cancel,
     Halt,
@@ -377,7 +381,8 @@ fn is_kept(rig: &Rig) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A superimposed motion at rest stops in the shape of the profile, which takes more way than a constant deceleration.
+/// A superimposed motion at rest stops in the shape of the profile, which takes more distance than a constant
+/// deceleration.
 ///
 /// Proves: MACS-LIM-02
 #[test]
@@ -403,7 +408,7 @@ fn what_is_added_at_rest_has_the_way_that_its_shape_takes() {
 proptest! {
     #![proptest_config(cases(150))]
 
-    /// Any leader, as slow or fast as it likes, engaged anywhere, with whatever is added to it.
+    /// Any leader, at any velocity, engaged at any position, with any superimposed motion.
     ///
     /// Proves: MACS-LIM-02, MACS-LIM-04
     #[test]
@@ -436,7 +441,7 @@ proptest! {
                     rig.give_all(vec![Action::Move(at(LINE, velocity)), Action::Move(at(Y, velocity))]);
                 }
                 Happening::Virtual(velocity) => {
-                    // It jumps, too.
+                    // It changes its velocity in one cycle, too.
                     set(&mut rig, MACHINE, "pulsacc", Value::Int(-1));
                     set(&mut rig, MACHINE, "setsys_15", Value::Int(velocity as i64));
                 }
@@ -486,7 +491,7 @@ proptest! {
         for code in errors(&rig) {
             prop_assert!(limits.contains(&code), "error {:?}", code);
         }
-        // What stands there, or is stopped there, comes back.
+        // An axis that is at rest or stopped at the limit can move back.
         rig.give(Action::Halt(AxisSet::first(3)));
         rig.run(2_000);
         rig.give(Action::ResetErrors(AxisSet::first(3)));

@@ -1,5 +1,5 @@
-//! What a stop leaves to do once the axis stands: the power goes then, the brake closes then, and not before; and what a
-//! software limit has stopped may not try again.
+//! Actions after a stop once the axis is at rest: the power is removed and the brake closes then, and not earlier; and
+//! an axis that was stopped by a software limit must not try again.
 
 use super::super::rig::{LINE, Rig, X, at, config, couple};
 use crate::code::Code;
@@ -24,7 +24,7 @@ fn set(rig: &mut Rig, key: &str, value: i64) {
     assert!(rig.was_accepted(sequence));
 }
 
-/// x from -2 mm to 4 mm with 2 m/s^2; the line jumps to its velocity.
+/// x has limits of -2 mm and 4 mm with 2 m/s^2; the line reaches its velocity at once.
 fn coupled(profile: i64) -> Rig {
     let mut config = config(0);
     config.axes[usize::from(LINE)].parameters.max_acceleration = 1e9;
@@ -43,7 +43,7 @@ fn lead(rig: &mut Rig, velocity: f64) {
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
 }
 
-/// Runs until it is stopped and stands; gives how it was moving when the stop came (inc/s).
+/// Runs until the axis is stopped and at rest. Returns its velocity at the start of the stop (inc/s).
 fn run_to_limit(rig: &mut Rig) -> f64 {
     rig.run_until("x.state", 7);
     let velocity = rig.real("x.command.velocity");
@@ -58,8 +58,8 @@ fn reset(rig: &mut Rig) {
     assert_eq!((rig.state("x"), rig.int("x.error")), ("STANDSTILL", 0));
 }
 
-/// At the limit it does what error_reaction says; a new attempt reacts as code 98 at a switch: endswmod 1 stops and holds, with 0
-/// error_reaction decides, of which 5 holds, too.
+/// At the limit the axis follows error_reaction. A new attempt has the reaction of code 98 at a switch: endswmod 1
+/// stops and holds; with 0 error_reaction decides, where 5 holds, too.
 ///
 /// Proves: MACS-LIM-05, MACS-LIM-08
 #[test]
@@ -86,7 +86,8 @@ fn a_new_attempt_at_a_software_limit_reacts_as_its_code_says() {
     }
 }
 
-/// It was led there at 20 mm/s and had to brake, and so it was before its limit when the stop came: the first new attempt is 98.
+/// It was led there at 20 mm/s and had to brake, so it was before its limit when the stop started: the first new
+/// attempt is 98.
 ///
 /// Proves: MACS-LIM-05
 #[test]
@@ -113,7 +114,7 @@ fn what_was_braked_before_its_limit_may_not_try_again_either() {
                 assert_eq!(rig.int("x.command.position"), limit);
                 assert_eq!((errors(&rig).len(), errors(&rig)[attempt]), (attempt + 1, Code::LIMIT_VIOLATION));
             }
-            // Led away by 1 mm it has left the limit: what leads it there is no new attempt.
+            // Led away by 1 mm it has left the limit: motion into the limit is not a new attempt.
             reset(&mut rig);
             lead(&mut rig, -10_000.0 * way);
             rig.run(100);
@@ -128,7 +129,7 @@ fn what_was_braked_before_its_limit_may_not_try_again_either() {
     }
 }
 
-/// A limit that was moved on is another one.
+/// A limit that was moved further counts as another limit.
 ///
 /// Proves: MACS-LIM-06
 #[test]
@@ -143,7 +144,7 @@ fn a_limit_that_was_moved_on_is_another_one() {
     assert_eq!((errors(&rig), rig.int("x.command.position")), (vec![Code::SOFTWARE_LIMIT_POSITIVE; 2], 6_000));
 }
 
-/// A drive that is far behind its command when that stands.
+/// Returns a rig with a drive that is far behind its command when this stops.
 fn lagging(reaction: i64, io: &[IoKind]) -> Rig {
     let mut config = config(0);
     config.io = io.iter().map(|kind| IoConfig { name: "contact".into(), kind: *kind, latch: false }).collect();
@@ -160,7 +161,7 @@ fn lagging(reaction: i64, io: &[IoKind]) -> Rig {
     rig
 }
 
-/// Runs until the power goes; gives for how long the command has stood then.
+/// Runs until the power is removed. Returns for how many cycles the command has been at rest then.
 fn run_until_off(rig: &mut Rig) -> u64 {
     let mut stands = 0;
     for _ in 0..10_000 {
@@ -174,8 +175,9 @@ fn run_until_off(rig: &mut Rig) -> u64 {
     panic!("the power stays");
 }
 
-/// Behind a drive of 5 Hz with damping 1 the way d that was left when the command came to rest dies away as d (1 + wt) e^-wt, and
-/// d is 2 / w of 50 mm/s less what the ramp of 50 ms has given back: some 1.5 mm. At rest is what moves no more than 2 inc in 5 ms.
+/// With a drive of 5 Hz and damping 1, the remaining distance d at the stop of the command decreases as d (1 + wt)
+/// e^-wt, where d is 2 / w of 50 mm/s less the share of the 50 ms ramp: about 1.5 mm. At rest means at most 2 inc in 5
+/// ms.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -213,7 +215,7 @@ fn the_power_goes_once_the_axis_stands_and_not_its_command() {
     }
 }
 
-/// It is waited for until 5 s are over, and a reset in the meantime lets nothing go on before.
+/// The wait ends after 5 s, and a reset in between does not end it earlier.
 #[test]
 fn what_never_stands_loses_its_power_all_the_same() {
     fn tremble(inputs: &mut Inputs) {
@@ -231,7 +233,7 @@ fn what_never_stands_loses_its_power_all_the_same() {
     assert_eq!((rig.state("x"), rig.done(sequence).len()), ("DISABLED", 1));
 }
 
-/// Who goes away from its command, beyond what it may be off, does not come to rest under power.
+/// A drive that moves away from its command by more than the following error limit is not waited for.
 #[test]
 fn what_runs_away_from_its_command_is_not_waited_for() {
     fn run_away(inputs: &mut Inputs) {
@@ -242,7 +244,8 @@ fn what_runs_away_from_its_command_is_not_waited_for() {
     rig.run_until("x.state", 7);
     rig.tamper = run_away;
     let waited = run_until_off(&mut rig);
-    // Some 40 ms until the command stands; 40 inc/ms past it, 4 mm are gone 100 ms after the drive has come there.
+    // About 40 ms until the command is at rest; with 40 inc/ms past it, the error is 4 mm 100 ms after the drive
+    // reached the position.
     assert!((50..300).contains(&waited), "{waited}");
     let error = rig.int("x.fault.actual") - rig.int("x.actual.position");
     assert!(error < -4_000, "{error}");

@@ -1,4 +1,5 @@
-//! Jogs and streams into a software limit: `jog_at_limit: stop` stops them at it without an error, `error` as any other motion.
+//! Jogs and streams into a software limit: `jog_at_limit: stop` stops them at the limit without an error, `error`
+//! treats them like any other motion.
 
 use super::super::rig::{LINE, Rig, X, Y, at, cases, config, couple, to};
 use crate::code::Code;
@@ -14,10 +15,11 @@ use proptest::prelude::*;
 
 const HIGH: i64 = 4_000;
 const LOW: i64 = -2_000;
-/// A jog comes 50 times a second.
+/// A jog is repeated 50 times a second.
 const PERIOD: u64 = 20;
 
-/// x from -2 mm to 4 mm, 100 mm/s, 1 m/s^2: a stream speeds up with half of that. Without power after an error, as by default.
+/// x has limits of -2 mm and 4 mm, 100 mm/s, 1 m/s^2: a stream accelerates with half of that. The power is removed
+/// after an error, as by default.
 fn rig_of(change: impl Fn(&mut AxisParameters)) -> Rig {
     let mut config = config(0);
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -36,7 +38,7 @@ fn place(rig: &Rig) -> f64 {
     rig.int("x.command.position") as f64 + rig.real("x.command.fraction")
 }
 
-/// A client jogs for so many cycles. No cycle passes a limit, or slows down by more than 1 m/s^2.
+/// Jogs for a number of cycles. Checks that no cycle exceeds a limit, or decelerates by more than 1 m/s^2.
 #[track_caller]
 fn jog(rig: &mut Rig, velocity: f64, cycles: u64) {
     jog_within(rig, velocity, cycles, (LOW, HIGH));
@@ -57,7 +59,7 @@ fn jog_within(rig: &mut Rig, velocity: f64, cycles: u64, (low, high): (i64, i64)
     }
 }
 
-/// What was reported but for states, since the last look.
+/// Returns the events since the last call, except states, acceptances, ends and parameters.
 fn told(rig: &mut Rig) -> Vec<(Kind, Code)> {
     let mut told: Vec<_> = rig.events.drain(..).collect();
     told.retain(|event| !matches!(event.kind, Kind::State | Kind::Accepted | Kind::Done | Kind::Parameter));
@@ -77,14 +79,16 @@ fn stands(rig: &Rig, place: i64) {
     assert_eq!((rig.int("x.enabled"), rig.int("x.error")), (1, 0));
 }
 
-/// From 0 with 20 mm/s: 40 ms and 0.4 mm to speed up, then the stop of 20 ms and 0.2 mm begins at 3.8 mm (or -1.8 mm).
+/// From 0 with 20 mm/s: acceleration takes 40 ms and 0.4 mm, then the stop of 20 ms and 0.2 mm starts at 3.8 mm (or
+/// -1.8 mm).
 #[test]
 fn a_jog_stops_at_the_limit_without_an_error_and_leads_away_at_once() {
     for up in [true, false] {
         let mut rig = rig();
         rig.mirror();
         let (way, end) = if up { (20_000.0, HIGH) } else { (-20_000.0, LOW) };
-        // The ramp takes 40 ms for the way of 20; then 20 inc a cycle up to 200 inc before the limit; 20 ms to stop.
+        // The ramp takes 40 ms for the travel of 20 ms; then 20 inc per cycle up to 200 inc before the limit; 20 ms to
+        // stop.
         let cycles = (end.unsigned_abs() - 400 - 200) / 20 + 40 + 20;
         jog(&mut rig, way, cycles - 1);
         assert_eq!(rig.state("x"), "CONTINUOUS_MOTION");
@@ -108,7 +112,7 @@ fn a_jog_stops_at_the_limit_without_an_error_and_leads_away_at_once() {
     }
 }
 
-/// The way back counts from the cycle of the setpoint, also while the stop is under way.
+/// Motion back applies from the cycle of the setpoint, also during the stop.
 #[test]
 fn a_jog_leads_away_from_the_limit_while_it_still_brakes() {
     for up in [true, false] {
@@ -119,7 +123,7 @@ fn a_jog_leads_away_from_the_limit_while_it_still_brakes() {
             jog(&mut rig, way, 1);
         }
         jog(&mut rig, way, 10);
-        // 11 of 20 cycles are over, and 9 mm/s left: 40.5 inc.
+        // 11 of 20 cycles have passed, and 9 mm/s remain: 40.5 inc.
         let before = rig.real("x.command.velocity");
         assert!((before.abs() - 9_000.0).abs() < 200.0, "{before}");
         jog(&mut rig, -way, 80);
@@ -128,7 +132,7 @@ fn a_jog_leads_away_from_the_limit_while_it_still_brakes() {
     }
 }
 
-/// A press of 50 ms every 500 ms, each longer silent than setpoint_timeout; then all of them with a duration.
+/// A press of 50 ms every 500 ms, with pauses longer than setpoint_timeout; then all presses with a duration.
 #[test]
 fn each_further_press_moves_nothing_and_is_not_told_again() {
     let mut rig = rig();
@@ -144,19 +148,19 @@ fn each_further_press_moves_nothing_and_is_not_told_again() {
         }
         rig.run(450);
     }
-    // Nothing is asked for: no direction.
+    // A setpoint of 0 has no direction.
     rig.stream(X, 0.0);
     rig.stream(X, 20_000.0);
     stands(&rig, HIGH);
     assert_eq!(told(&mut rig), []);
-    // The direction changes for a cycle, by less than it has to leave by.
+    // The direction changes for one cycle, which moves the axis by less than the distance for leaving the limit.
     rig.stream(X, -20_000.0);
     jog(&mut rig, 20_000.0, 100);
     stands(&rig, HIGH);
     assert_eq!(told(&mut rig), [limit(true)]);
 }
 
-/// 10 mm/s for 50 ms: 30 ms at its velocity behind 20 ms to speed up, and 20 ms to stop: 500 inc each.
+/// 10 mm/s for 50 ms: 20 ms of acceleration, 30 ms at constant velocity, and 20 ms to stop: 500 inc each.
 #[test]
 fn short_jogs_by_duration_come_to_the_limit_and_are_told_once() {
     let mut rig = rig();
@@ -168,8 +172,8 @@ fn short_jogs_by_duration_come_to_the_limit_and_are_told_once() {
     assert_eq!(told(&mut rig), [FURTHER], "the eighth one ends at the limit by itself");
 }
 
-/// From rest 1 to 400 increments before the limit, in every shape, however fast: it comes to the limit, and is told once. Released on
-/// the way it stops.
+/// From rest 1 to 400 increments before the limit, in every shape, at any velocity: the axis reaches the limit, and
+/// this is reported once. If the jog is released in between, it stops.
 #[test]
 fn a_jog_that_begins_next_to_the_limit_still_ends_at_it() {
     for (profile, before) in [(0, 1), (0, 3), (1, 18), (1, 400), (2, 1), (2, 18), (2, 400)] {
@@ -204,7 +208,7 @@ fn a_jog_that_begins_next_to_the_limit_still_ends_at_it() {
     assert!((HIGH - 400..HIGH).contains(&rig.int("x.command.position")), "{}", rig.int("x.command.position"));
 }
 
-/// Goals, halts and silence end a jog as they do elsewhere, and what comes back to the limit is told again.
+/// Goals, halts and silence end a jog as usual, and reaching the limit again is reported again.
 #[test]
 fn an_axis_that_a_goal_leads_away_and_back_is_told_again() {
     let mut rig = rig();
@@ -223,7 +227,7 @@ fn an_axis_that_a_goal_leads_away_and_back_is_told_again() {
     }
     stands(&rig, HIGH);
     assert_eq!(told(&mut rig), [FURTHER], "it came there without the jog");
-    // Switched off and on where it stands it has not left it.
+    // Switched off and on in place, it has not left the limit.
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(20);
     rig.enable();
@@ -248,7 +252,7 @@ fn silence_and_halt_in_the_stop_at_the_limit_end_it_as_they_do_elsewhere() {
     }
 }
 
-/// The reaction of any motion without an end: 10202 or 10203, and error_reaction 0 takes the power.
+/// The reaction of any motion without an end: 10202 or 10203, and error_reaction 0 removes the power.
 ///
 /// Proves: MACS-LIM-04
 #[test]
@@ -265,7 +269,7 @@ fn with_error_a_jog_ends_as_any_motion_without_an_end() {
     }
 }
 
-/// What follows it, and what has an end of its own, is no jog.
+/// A coupled axis and a motion with an end of its own are no jogs.
 ///
 /// Proves: MACS-LIM-04, MACS-LIM-05
 #[test]
@@ -273,7 +277,7 @@ fn other_motion_into_the_limit_is_the_error_that_it_was() {
     let code = Code::SOFTWARE_LIMIT_POSITIVE;
     for led in [false, true] {
         let mut rig = rig_of(|p| p.error_reaction = 2);
-        // That a jog was stopped there makes the first attempt of another motion no second one.
+        // The stop of a jog at the limit does not turn the first attempt of another motion into a second one.
         jog(&mut rig, 20_000.0, 400);
         stands(&rig, HIGH);
         told(&mut rig);
@@ -294,7 +298,8 @@ fn other_motion_into_the_limit_is_the_error_that_it_was() {
         rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);
         told(&mut rig);
-        // A jog on into it is told once, is no error, and leaves the next attempt of a coupling what it is.
+        // A jog further into the limit is reported once, is no error, and does not change the next attempt of a
+        // coupling.
         jog(&mut rig, 20_000.0, 300);
         rig.run(300);
         jog(&mut rig, 20_000.0, 300);
@@ -307,7 +312,7 @@ fn other_motion_into_the_limit_is_the_error_that_it_was() {
     }
 }
 
-/// The stop holds both motions; the goal of the superimposed one ends with the reason.
+/// The stop ends both motions; the goal of the superimposed motion ends with the reason.
 #[test]
 fn a_jog_that_carries_a_superimposed_motion_stops_at_the_limit_with_it() {
     let mut rig = rig();
@@ -331,7 +336,7 @@ fn limits_that_change_under_a_jog_hold_from_then_on() {
     };
     let mut rig = rig();
     rig.mirror();
-    // At the limit, and then in the middle of the stop at it: it goes on with the next message.
+    // At the limit, and then in the middle of the stop at it: the axis moves on with the next message.
     jog(&mut rig, 20_000.0, 400);
     set(&mut rig, 6_000);
     stands(&rig, HIGH);
@@ -346,7 +351,8 @@ fn limits_that_change_under_a_jog_hold_from_then_on() {
     jog_within(&mut rig, 20_000.0, 400, (LOW, 9_000));
     stands(&rig, 9_000);
     assert_eq!(told(&mut rig), [limit(true); 2]);
-    // Below where it is: further out moves nothing, back it goes, and turned round out there it stops.
+    // Below the present position: further outwards nothing moves, motion back is allowed, and a reversal outside the
+    // limit stops.
     set(&mut rig, 1_000);
     jog_within(&mut rig, 20_000.0, 300, (LOW, 9_000));
     stands(&rig, 9_000);
@@ -356,7 +362,7 @@ fn limits_that_change_under_a_jog_hold_from_then_on() {
     jog_within(&mut rig, 20_000.0, 300, (LOW, 9_000));
     assert_eq!((rig.state("x"), told(&mut rig)), ("STANDSTILL", vec![FURTHER]));
     assert!((1_000..9_000).contains(&rig.int("x.command.position")));
-    // Lowered to where a jog could not stop any more it is refused, as before.
+    // A limit before which the jog could no longer stop is refused, as before.
     jog_within(&mut rig, -20_000.0, 600, (LOW, 9_000));
     stands(&rig, LOW);
     jog_within(&mut rig, 20_000.0, 60, (LOW, 9_000));
@@ -364,7 +370,7 @@ fn limits_that_change_under_a_jog_hold_from_then_on() {
     assert!(rig.refusal(refused).contains("max_position"));
 }
 
-/// Limits of an axis with turns count over all of them.
+/// Limits of an axis with a modulo apply to the position over all revolutions.
 #[test]
 fn a_jog_of_an_axis_with_a_modulo_stops_at_the_limit_of_all_turns() {
     let mut config = config(0);
@@ -381,7 +387,7 @@ fn a_jog_of_an_axis_with_a_modulo_stops_at_the_limit_of_all_turns() {
     assert_eq!(told(&mut rig), [limit(true), limit(false)]);
 }
 
-/// The parameter counts in the cycle in which the limit is met.
+/// The parameter counts in the cycle in which the limit is reached.
 #[test]
 fn jog_at_limit_is_changed_in_motion() {
     let row = Row::find("jog_at_limit").expect("a row").1;
@@ -398,7 +404,7 @@ fn jog_at_limit_is_changed_in_motion() {
     assert!(rig.refusal(sequence).contains("jog_at_limit"));
 }
 
-/// A limit switch has no place to stop at: it stays an error, in the cycle of its edge.
+/// A limit switch has no position to stop at: it remains an error, in the cycle of its edge.
 ///
 /// Proves: MACS-LIM-07
 #[test]
@@ -410,7 +416,8 @@ fn a_jog_into_a_limit_switch_is_an_error() {
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", i64::from(Code::HARDWARE_LIMIT_POSITIVE.0)));
 }
 
-/// The power goes while the drive is still 1.5 mm behind: from there a jog moves the axis again, and is told again.
+/// The power is removed while the drive is still 1.5 mm behind: from there a jog moves the axis again, and is reported
+/// again.
 #[test]
 fn a_drive_that_was_behind_when_its_power_went_may_be_jogged_to_the_limit_again() {
     let mut config = config(0);
@@ -439,7 +446,7 @@ fn a_drive_that_was_behind_when_its_power_went_may_be_jogged_to_the_limit_again(
     assert_eq!(told(&mut rig), [limit(true)]);
 }
 
-/// Each axis of a message by itself.
+/// Each axis of a message is handled separately.
 #[test]
 fn a_jog_of_two_axes_stops_the_one_that_is_at_its_limit() {
     let mut rig = rig();
@@ -459,7 +466,7 @@ fn a_jog_of_two_axes_stops_the_one_that_is_at_its_limit() {
 
 #[derive(Clone, Copy, Debug)]
 enum Hand {
-    /// So fast, for so many cycles, in a message every so many.
+    /// Velocity, number of cycles, cycles between messages.
     Jog(f64, u64, u64),
     Silent(u64),
     Override(f64),
@@ -477,8 +484,9 @@ fn hand() -> impl Strategy<Value = Hand> {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// However it is jogged, in whatever shape: never beyond a limit, never an error, with power, and never more deceleration than
-    /// the axis has. The last jog ends at the limit, and there are no more events than approaches.
+    /// With any jogs and any shape, a jog never exceeds a limit, never causes an error, keeps the power, and never
+    /// exceeds the deceleration of the axis. The last jog ends at the limit, and there are no more events than
+    /// approaches.
     #[test]
     fn no_jog_passes_a_limit_or_ends_in_an_error(
         profile in 0_i64..3, deceleration in prop::option::of(2e5..4e6_f64), hands in prop::collection::vec(hand(), 1..20),

@@ -1,4 +1,5 @@
-//! A drive that is given a voltage: reference by an ao, enable by a do, ready by a di, position by an entry of encoders.
+//! A drive with a voltage reference: reference by an ao, enable by a do, ready by a di, position by an entry of
+//! encoders.
 
 use super::super::rig::{Rig, X, at, config, to};
 use super::MS;
@@ -15,7 +16,7 @@ use crate::sim::{
     Amplifier, Friction, Load, Mechanics, Model, Motor, MotorData, Reading, Sign, SimBrake, Stage, VelocityLag,
 };
 
-/// x is at 200 mm/s with 10 V: it takes 30 ms to come on.
+/// x runs at 200 mm/s with 10 V: its drive takes 30 ms to be enabled.
 fn analog_config(interface: Interface) -> MachineConfig {
     let entry = |name: &str, kind| IoConfig { name: name.into(), kind, latch: false };
     let mut config = config(0);
@@ -46,7 +47,7 @@ fn lag() -> Model {
     Model::Velocity(VelocityLag::new(5_000_000, MS).unwrap())
 }
 
-/// 1 Nm on 5e-4 kg m^2, 10000 inc for each rad.
+/// 1 Nm on 5e-4 kg m^2, 10000 inc per rad.
 fn motor() -> Model {
     let data = MotorData {
         inertia: 2.5e-4,
@@ -71,7 +72,7 @@ fn on(interface: Interface) -> Rig {
     rig
 }
 
-/// 50 of 200 mm/s are 2.5 V, by any law whose feed-forward or error asks for it, and a move lands.
+/// 50 of 200 mm/s are 2.5 V, with any control law, from its feed-forward or its error, and a move ends at its target.
 ///
 /// Proves: WF-CLC-04, MACS-CAN-01
 #[test]
@@ -79,7 +80,7 @@ fn a_quarter_of_what_10_v_are_is_2_5_v() {
     for law in [Law::Proportional, Law::Pid] {
         let mut config = analog_config(Interface::Velocity);
         let axis = &mut config.axes[1];
-        // FFVEL: 1000 VELMAX / (speed at 10 V) is that of the reference itself; here the output is a velocity.
+        // FFVEL: 1000 VELMAX / (speed at 10 V) gives the command velocity; here the output is a velocity.
         (axis.law, axis.parameters.pid.velocity) = (law, 1000);
         let mut rig = rig(config, lag());
         rig.enable();
@@ -103,7 +104,8 @@ fn a_quarter_of_what_10_v_are_is_2_5_v() {
     }
 }
 
-/// Shutdown in the cycle of the command, switched on in the next; the third gives its enable, and 30 ms later it is on. Off, neither.
+/// Shutdown in the cycle of the command, switched on in the next; the third sets its enable, and 30 ms later it is on.
+/// If it is off, neither is set.
 #[test]
 fn it_is_enabled_by_its_output_and_comes_on_behind_its_time() {
     let mut rig = rig(analog_config(Interface::Velocity), lag());
@@ -121,8 +123,8 @@ fn it_is_enabled_by_its_output_and_comes_on_behind_its_time() {
     assert_eq!((rig.int("enable"), rig.real("reference"), rig.state("x")), (0, 0.0, "DISABLED"));
 }
 
-/// Its contact opens in motion: in the same cycle it has neither reference nor enable. The simulated one is ready again without its enable;
-/// a reset, and it comes on again.
+/// Its contact opens in motion: in the same cycle both reference and enable are removed. The simulated drive is ready
+/// again without its enable; after a reset it can be enabled again.
 #[test]
 fn not_ready_takes_reference_and_enable_in_the_same_cycle() {
     let mut rig = on(Interface::Velocity);
@@ -132,7 +134,7 @@ fn not_ready_takes_reference_and_enable_in_the_same_cycle() {
     rig.run(1);
     assert_eq!(rig.int("x.error"), i64::from(Code::drive_fault(0x1000).0));
     assert_eq!((rig.real("reference"), rig.int("enable"), rig.state("x")), (0.0, 0, "ERROR_STOP"));
-    // It waits for 5 s.
+    // The reset waits for 5 s.
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.run(5_100);
     assert_eq!((rig.state("x"), rig.int("enable")), ("ERROR_STOP", 0));
@@ -147,7 +149,7 @@ fn not_ready_takes_reference_and_enable_in_the_same_cycle() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// A fault of the simulated drive shows at its contact alone, whether it is on or off.
+/// A fault of the simulated drive is visible only at its contact, whether it is on or off.
 #[test]
 fn a_fault_of_the_amplifier_opens_its_contact() {
     for is_on in [true, false] {
@@ -169,12 +171,12 @@ fn a_fault_of_the_amplifier_opens_its_contact() {
         }
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(60);
-        // Off, the fault has to be reset first, too.
+        // If the axis is off, the fault has to be reset first, too.
         assert_eq!(rig.state("x"), if is_on { "STANDSTILL" } else { "ERROR_STOP" });
     }
 }
 
-/// The supply of the amplifier is away, and nobody would tell it a code.
+/// The supply of the amplifier is missing, and no fault code is reported.
 #[test]
 fn an_amplifier_without_supply_is_not_ready_and_does_not_move() {
     let mut rig = on(Interface::Velocity);
@@ -189,7 +191,7 @@ fn an_amplifier_without_supply_is_not_ready_and_does_not_move() {
     assert_eq!(rig.int("x.actual.position"), place);
 }
 
-/// A wire that is torn, and two amplifiers at one chain of contacts.
+/// A broken wire, and two amplifiers in one chain of contacts.
 #[test]
 fn a_contact_that_is_stuck_or_shared_is_open() {
     let mut rig = on(Interface::Velocity);
@@ -215,7 +217,8 @@ fn a_contact_that_is_stuck_or_shared_is_open() {
     }
 }
 
-/// A weight on a drive of torques whose contact opens: the brake closes in that cycle, and it falls no further than the brake takes.
+/// A weight on a torque-controlled drive whose contact opens: the brake closes in that cycle, and the weight falls only
+/// while the brake closes.
 #[test]
 fn a_hanging_load_is_caught_by_its_brake() {
     let mut config = analog_config(Interface::Torque);
@@ -224,7 +227,7 @@ fn a_hanging_load_is_caught_by_its_brake() {
         Some(BrakeConfig { output: 7, closes_with_one: false, release_ns: 20_000_000, engage_ns: 20_000_000 });
     let mut rig = rig(config, motor());
     let brake = SimBrake { output: 3, closes_with_one: false, opens_ns: 10_000_000, closes_ns: 10_000_000 };
-    // 1 rad/s^2 for each 10000.
+    // 1 rad/s^2 per 10000.
     rig.plant.install(0, &Mechanics { load: -200_000.0, brake: Some(brake), ..Mechanics::default() });
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(500);
@@ -240,7 +243,7 @@ fn a_hanging_load_is_caught_by_its_brake() {
     assert!((0..=20).contains(&fallen), "{fallen}");
 }
 
-/// Each stop of the operator ends at 0 V, and a disabled axis without enable.
+/// Each stop of the operator ends at 0 V, and a disabled axis has no enable.
 #[test]
 fn stops_of_the_operator_end_at_0_v() {
     for stop in [Action::Halt, Action::QuickStop, Action::Disable] {
@@ -258,7 +261,8 @@ fn stops_of_the_operator_end_at_0_v() {
     }
 }
 
-/// Error reaction 4: the drive stops by itself, with 0 V and its enable, and loses that once it stands: 0 V are no standstill.
+/// Error reaction 4: the drive stops by itself, with 0 V and its enable, which is removed once it is at rest: 0 V do
+/// not hold the axis at standstill.
 #[test]
 fn a_drive_that_stops_by_itself_brakes_at_0_v() {
     let mut config = analog_config(Interface::Velocity);
@@ -277,7 +281,7 @@ fn a_drive_that_stops_by_itself_brakes_at_0_v() {
     assert!((rig.int("x.actual.position") - place).abs() < 300);
 }
 
-/// The output of O_BRAKE closes with the power that goes.
+/// The output of O_BRAKE closes when the power is removed.
 #[test]
 fn the_output_of_a_brake_closes_where_the_power_goes_behind_a_stop_of_the_drive() {
     let mut config = analog_config(Interface::Velocity);
@@ -292,7 +296,7 @@ fn the_output_of_a_brake_closes_where_the_power_goes_behind_a_stop_of_the_drive(
     assert_eq!(rig.int("direction"), 1);
 }
 
-/// Motor and encoder do not agree, or the encoder is dead: it is off before it is far away.
+/// Motor and encoder have opposite directions, or the encoder is dead: the axis is switched off before it is far away.
 #[test]
 fn a_sense_wired_the_wrong_way_and_a_dead_encoder_end_without_enable() {
     for interface in [Interface::Velocity, Interface::Torque] {
@@ -319,7 +323,7 @@ fn a_lost_encoder_takes_its_enable() {
     assert_eq!((rig.real("reference"), rig.int("enable")), (0.0, 0));
 }
 
-/// 10 V are 1000 per mille of the torque: the effort asked for, by 100.
+/// 10 V are 1000 per mille of the torque: the commanded effort divided by 100.
 #[test]
 fn a_torque_is_parts_of_full_effort() {
     let mut config = analog_config(Interface::Torque);
@@ -334,14 +338,14 @@ fn a_torque_is_parts_of_full_effort() {
         assert_eq!(rig.real("reference"), 10.0 * rig.real("x.output.effort") / 1000.0);
         most = most.max(rig.real("reference"));
     }
-    // Half of max_acceleration is 50 rad/s^2: 0.025 Nm, and 0.005 of friction, of 1 Nm at 10 V.
+    // Half of max_acceleration is 50 rad/s^2: 0.025 Nm, plus 0.005 of friction, of 1 Nm at 10 V.
     assert!((0.2..=0.4).contains(&most), "{most}");
     rig.run(3_000);
     assert_eq!(rig.state("x"), "STANDSTILL");
     assert!((rig.int("x.actual.position") - 50_000).abs() <= 3);
 }
 
-/// REVERS 20: the second output tells the sign, and 0 to 10 V the velocity.
+/// REVERS 20: the second output shows the sign, and 0 to 10 V the amount of the velocity.
 ///
 /// Proves: MACS-DIR-08
 #[test]
@@ -383,7 +387,8 @@ fn more_than_10_v_and_words_that_no_voltage_brings_are_refused() {
     }
 }
 
-/// One of torques coasts where it has to stop, so that it is never left to that; one of velocities brakes.
+/// A torque-controlled drive coasts when it has to stop, so OUTAN is refused for it; a velocity-controlled drive
+/// brakes.
 #[test]
 fn out_an_needs_a_drive_that_stops_by_itself() {
     for (interface, refuses) in [(Interface::Torque, true), (Interface::Velocity, false)] {
@@ -401,7 +406,7 @@ fn out_an_needs_a_drive_that_stops_by_itself() {
     }
 }
 
-/// Reference and enable are of the axis: nobody else sets them.
+/// Reference and enable belong to the axis: no other function or client may set them.
 #[test]
 fn its_outputs_are_taken() {
     let mut rig = on(Interface::Velocity);
@@ -412,7 +417,7 @@ fn its_outputs_are_taken() {
     assert_eq!(rig.real("reference"), 0.0);
 }
 
-/// In motion, and while it comes on: what is restored goes on alike.
+/// In motion, and while it is being enabled: a restored machine gives the same results.
 #[test]
 fn a_restored_machine_goes_on_alike() {
     let mut rig = rig(analog_config(Interface::Velocity), lag());

@@ -1,4 +1,4 @@
-//! The velocity loop with the encoder of the motor, the position loop with one of the load.
+//! Velocity loop with the encoder of the motor, position loop with an encoder of the load.
 
 mod faults;
 
@@ -15,10 +15,11 @@ use crate::position::Length;
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Coupling, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
-/// Increments of a turn, 10000 in a rad.
+/// Increments per revolution, 10000 per rad.
 const TURN: i64 = 62_832;
 
-/// 1 Nm on twice 2.5e-4 kg m^2; motor and load swing against each other with sqrt(50 (1/2.5e-4 + 1/2.5e-4)) = 632 rad/s, 101 Hz.
+/// 1 Nm on twice 2.5e-4 kg m^2; motor and load oscillate against each other with sqrt(50 (1/2.5e-4 + 1/2.5e-4)) = 632
+/// rad/s, 101 Hz.
 fn motor() -> MotorData {
     MotorData {
         inertia: 2.5e-4,
@@ -30,8 +31,8 @@ fn motor() -> MotorData {
     }
 }
 
-/// x has its position from an entry of encoders, at the load, and its velocity from its drive. ENCODER: the entry has as many increments in a
-/// turn as the drive.
+/// x reads its position from an entry of encoders, at the load, and its velocity from its drive. ENCODER: the entry has
+/// as many increments per revolution as the drive.
 fn dual_config() -> MachineConfig {
     let mut config = config(0);
     let axis = &mut config.axes[1];
@@ -63,7 +64,7 @@ fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
     rig.give(Action::SetParameters(changes.iter().map(change).collect()))
 }
 
-/// Changes of the effort from cycle to cycle over so many of them, added up.
+/// Returns the sum of the absolute changes of the effort over a number of cycles.
 fn unrest(rig: &mut Rig, cycles: u64) -> f64 {
     let mut before = rig.real("x.output.effort");
     (0..cycles)
@@ -77,8 +78,8 @@ fn unrest(rig: &mut Rig, cycles: u64) -> f64 {
         .sum()
 }
 
-/// A soft coupling: with both loops on the load what the velocity loop asks for comes late by the spring, and it swings itself up; with the
-/// encoder of the motor the same gains are at rest, and the load stands where it is to be.
+/// A soft coupling: with both loops on the load, the output of the velocity loop is delayed by the spring, and the axis
+/// becomes unstable. With the encoder of the motor the same gains are stable, and the load is at its target.
 ///
 /// Proves: MACS-AMP-06
 #[test]
@@ -100,8 +101,8 @@ fn gains_that_shake_a_soft_axis_by_its_load_hold_it_by_its_motor() {
     assert!(shakes, "{}", unrest(&mut one, 200));
 }
 
-/// A play between motor and load, and a load that pulls: what the position loop sees is the load, and that stands on its target from either
-/// side, wherever the motor is.
+/// Backlash between motor and load, and a pulling load: the position loop reads the load, which is at its target from
+/// either side, at any motor position.
 #[test]
 fn a_play_leaves_no_error_at_the_load() {
     let mut data = motor();
@@ -118,13 +119,13 @@ fn a_play_leaves_no_error_at_the_load() {
     }
 }
 
-/// The motor has three counts where the load has one, and AMPENCRES says so; of it or of AMPENCRPM alone the ratio is the same. Seen by the
-/// velocity loop is the velocity in the increments of the axis.
+/// The motor has three counts per count of the load, as AMPENCRES defines; with AMPENCRES or only AMPENCRPM the ratio
+/// is the same. The velocity loop reads the velocity in increments of the axis.
 ///
 /// Proves: MACS-AMP-06
 #[test]
 fn full_is_what_ampencres_and_ampencrpm_say() {
-    // 100000 inc/s are 1.5915 turns a second, 95.49 a minute.
+    // 100000 inc/s are 1.5915 revolutions per second, 95.49 per minute.
     for (factor, resolution, rpm, within) in [(3, 3 * TURN, 0, 500.0), (3, 3 * TURN, 95, 800.0), (-1, TURN, 95, 800.0)]
     {
         let mut config = dual_config();
@@ -137,15 +138,16 @@ fn full_is_what_ampencres_and_ampencrpm_say() {
         rig.run(2_000);
         let seen = rig.real("x.regulator.velocity");
         assert!((seen - 50_000.0).abs() < within + 1_000.0, "{factor}: {seen}");
-        // Behind by v/kv and a cycle, whatever the encoder of the motor counts.
+        // The lag is v/kv and a cycle, independent of the counts of the motor encoder.
         let behind = rig.int("x.regulator.error");
         assert!((behind - 5_000).abs() < 100, "{factor} {rpm}: {behind}");
         assert_eq!(rig.int("x.error"), 0);
     }
 }
 
-/// Leads, encoder of the motor, encoder of the load, each wired either way, and the user's sense: the digits of POSDRCT that fit hold and move
-/// the axis, its tens digit is the motor's. Any others lose it.
+/// Leads, encoder of the motor, encoder of the load, each wired in either direction, and the user direction: the
+/// matching digits of POSDRCT hold and move the axis; the tens digit is that of the motor. All other digits lose the
+/// axis.
 ///
 /// Proves: MACS-DIR-01, MACS-DIR-03, MACS-AMP-06
 #[test]
@@ -175,8 +177,8 @@ fn the_tens_digit_is_the_sense_of_the_motor() {
     }
 }
 
-/// The words of the drive have 16 bits and those of the load too: both go over their seams, and a new zero of the position is none of the
-/// velocity: the effort that holds the load stays.
+/// The words of the drive and those of the load have 16 bits: both wrap around, and a new zero of the position does not
+/// affect the velocity: the effort that holds the load is unchanged.
 #[test]
 fn neither_a_seam_nor_a_new_zero_disturbs_the_velocity_loop() {
     let mut config = dual_config();
@@ -219,7 +221,7 @@ fn a_restored_machine_goes_on_with_both_encoders() {
     assert!(rig.int("x.regulator.error").abs() <= 3, "{}", rig.int("x.regulator.error"));
 }
 
-/// It changes while the axis is off, in one set, and no way of before is seen as one of now.
+/// The encoder changes while the axis is off, in one set, and earlier travel is not counted with the new encoder.
 #[test]
 fn an_encoder_is_chosen_while_the_axis_is_off() {
     let mut config = dual_config();
@@ -254,13 +256,13 @@ fn what_it_cannot_be_is_refused_by_its_name() {
         refused(&|c| c.axes[1].parameters.amplifier.encoder.number = number, "ampencno", Code::VELOCITY_ENCODER_OTHER);
     }
     refused(&|c| c.axes[1].parameters.amplifier.encoder.resolution = -1, "ampencres", Code::VELOCITY_ENCODER_TURN);
-    // The position from the drive, too: one encoder for both has one sense.
+    // The position from the drive, too: one encoder for both loops has one direction.
     let one = |c: &mut MachineConfig| {
         c.axes[1].wired = Wired::Drive(Form::Incremental(64));
         c.axes[1].parameters.macs.posdrct = 12;
     };
     refused(&one, "posdrct", Code::NO_VELOCITY_LOOP);
-    // Without one of its own both loops have one encoder, and one sense.
+    // Without a separate velocity encoder both loops have one encoder, and one direction.
     let turned = |c: &mut MachineConfig| {
         (c.axes[1].parameters.amplifier.encoder.number, c.axes[1].parameters.macs.posdrct) = (-1, 21);
     };

@@ -1,4 +1,4 @@
-//! What meets a loop in motion: a new reference, a brake, another axis that stops it, a sense that is turned.
+//! Events for a loop in motion: a new reference, a brake, a stop by another axis, a reversed direction.
 
 use super::super::rig::{Rig, X, Y, at, config, to};
 use super::{lag, velocity_config};
@@ -38,7 +38,8 @@ fn on(config: MachineConfig, model: Model) -> Rig {
     rig
 }
 
-/// A new max_velocity holds with the next motion: what is under way does not feel it, and once the axis has rested, 1 is twice as much.
+/// A new max_velocity applies from the next motion: the active motion is not affected, and once the axis was at rest, 1
+/// is twice the value.
 #[test]
 fn a_new_full_reference_waits_for_rest() {
     for is_torque in [false, true] {
@@ -65,7 +66,8 @@ fn a_new_full_reference_waits_for_rest() {
     }
 }
 
-/// A brake that is closed under power holds the axis: nothing is summed against it, and nothing jumps when it opens.
+/// A brake that is closed under power holds the axis: the integral does not wind up against it, and nothing jumps when
+/// it opens.
 #[test]
 fn a_closed_brake_winds_nothing_up() {
     let mut config = torque_config();
@@ -73,7 +75,7 @@ fn a_closed_brake_winds_nothing_up() {
     let p = &mut config.axes[1].parameters;
     (p.outputs.brake, p.error_reaction, p.max_following_error) = (1, 3, 300);
     let mut rig = on(config, motor());
-    // Of a way that is too far for one cycle an error comes, and the axis stops and is braked.
+    // A distance that is too large for one cycle causes an error; the axis stops and the brake closes.
     rig.plant.drive(0).unwrap().jump(-301);
     rig.run(1_500);
     assert_eq!((rig.state("x"), rig.int("hold")), ("ERROR_STOP", 1));
@@ -92,7 +94,7 @@ fn a_closed_brake_winds_nothing_up() {
     assert!(most < 200.0, "{most}");
 }
 
-/// Where an error of x stops y, too, the loop of y is stepped once in that cycle: its sum grows by one error.
+/// If an error of x also stops y, the loop of y is stepped once in that cycle: its integral grows by one error.
 #[test]
 fn an_axis_that_is_stopped_with_another_steps_its_loop_once() {
     let mut config = velocity_config(0);
@@ -105,7 +107,7 @@ fn an_axis_that_is_stopped_with_another_steps_its_loop_once() {
     let mut rig = Rig::with(config, [lag(2), lag(2)]);
     rig.enable();
     rig.give(Action::Move(at(Y, 20_000.0)));
-    // While it speeds up its error is not yet summed away.
+    // During acceleration its error is not yet compensated by the integral.
     rig.run(30);
     rig.plant.drive(0).unwrap().jump(-30_000);
     let before = rig.real("y.regulator.sum");
@@ -116,7 +118,7 @@ fn an_axis_that_is_stopped_with_another_steps_its_loop_once() {
     assert!((grown - rig.int("y.regulator.error") as f64).abs() <= 1.0, "{grown} of {}", rig.int("y.regulator.error"));
 }
 
-/// Gains of an integral part that was none: nothing has been summed for them meanwhile.
+/// Gains of an integral part that was 0: nothing has been accumulated in the meantime.
 #[test]
 fn an_integral_part_that_is_switched_on_moves_nothing() {
     let mut config = velocity_config(0);
@@ -130,7 +132,7 @@ fn an_integral_part_that_is_switched_on_moves_nothing() {
     assert_eq!((rig.int("x.actual.position"), rig.real("x.output.velocity")), (50_000, 0.0));
 }
 
-/// Motor and encoder both turned over: what is asked for and what is told have one sense, that of the user.
+/// Motor and encoder are both inverted: commanded and reported values have the same direction, that of the user.
 #[test]
 fn the_effort_that_is_told_has_the_sense_of_the_one_that_is_asked_for() {
     for (posdrct, inverted) in [(1, false), (-1, false), (2, true), (-2, true)] {
@@ -168,8 +170,8 @@ fn what_damps_nothing_and_what_only_seems_to_move_is_refused() {
     refused(&|c| c.axes[1].parameters.encoder.encodertype = 9, "encodertype", Code::SIMULATED_EFFORT);
 }
 
-/// An encoder that dies near the target: the following error is within what is allowed, and the drive would run for ever. It has asked for
-/// 2000 inc of way then, or pushed with all it has for 100 ms.
+/// An encoder fails near the target: the following error is within its limit, and the drive would run forever. The axis
+/// is switched off after a commanded distance of 2000 inc, or after full effort for 100 ms.
 #[test]
 fn an_encoder_that_counts_nothing_ends_without_power() {
     for (is_torque, cycles) in [(false, 400), (true, 600)] {

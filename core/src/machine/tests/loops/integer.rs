@@ -1,4 +1,5 @@
-//! The integer PID of the positioning module as the loop of an axis: 12 bits of a 16-bit sum, max_velocity 100000 inc/s at 2048.
+//! Integer PID of the positioning module as the loop of an axis: 12 bits of a 16-bit sum, max_velocity 100000 inc/s at
+//! 2048.
 
 use super::super::rig::{Rig, X, at, saia_verb, to};
 use super::{lag, velocity_config};
@@ -26,7 +27,8 @@ fn enabled(model: Model, config: MachineConfig) -> Rig {
     rig
 }
 
-/// U = KProp e, its top 12 bits of 2048 the velocity: at 50000 inc/s, half of it, the code is 1024 and U 16384; at KProp 16 e is 1024.
+/// U = KProp e, whose top 12 bits of 2048 are the velocity: at 50000 inc/s, half of it, the code is 1024 and U 16384;
+/// at KProp 16 e is 1024.
 ///
 /// Proves: SAIA-PID-01, SAIA-EXT-06, SAIA-SW-01
 #[test]
@@ -44,7 +46,7 @@ fn at_constant_speed_the_error_makes_the_velocity() {
     }
 }
 
-/// The integral part takes the error away, three samples in most cycles of 1 ms.
+/// The integral part removes the error, with three samples in most cycles of 1 ms.
 ///
 /// Proves: SAIA-PID-01, SAIA-PID-02
 #[test]
@@ -58,7 +60,8 @@ fn the_integral_part_takes_the_error_away() {
     assert_eq!(rig.done(goal).len(), 1);
 }
 
-/// Off, and on again: no output, no past. Commands of the module move the axis on the same loop, and its registers are loaded by them.
+/// Switched off and on again: no output, no history. Commands of the module move the axis with the same loop, and load
+/// its registers.
 ///
 /// Proves: SAIA-PID-05, SAIA-PID-06
 #[test]
@@ -81,8 +84,8 @@ fn the_commands_of_the_module_run_on_its_regulator() {
     assert_eq!(rig.int("x.saia.output"), code as i64, "what drives it is what is shown");
 }
 
-/// While commands of the module run, its regulator is sampled once for each of its samples: held 100 inc away, 20 ms are 58.6 of 341 us, in which
-/// KInt 1 adds 100 to U each, and the output is a sixteenth of that.
+/// While commands of the module run, its regulator is sampled once for each of its samples: held 100 inc away, 20 ms
+/// are 58.6 samples of 341 us, in each of which KInt 1 adds 100 to U, and the output is a sixteenth of that.
 ///
 /// Proves: SAIA-PID-02, SAIA-SW-01
 #[test]
@@ -114,8 +117,8 @@ fn a_register_out_of_range_closes_no_loop() {
     assert!(sentence.starts_with("x: saia.kder -1 is beyond the register of the integer PID"), "{sentence}");
 }
 
-/// A verb that writes a register beyond its range writes nothing while the regulator closes the loop, and one that only reads leaves the
-/// loop what it is.
+/// A verb that would write a register out of range writes nothing while the regulator closes the loop, and a verb that
+/// only reads does not affect the loop.
 #[test]
 fn a_verb_neither_breaks_nor_bumps_the_loop() {
     let mut rig = enabled(lag(2), integer_config(64, 1, 64));
@@ -135,9 +138,10 @@ fn a_verb_neither_breaks_nor_bumps_the_loop() {
     assert!((rig.real("x.output.velocity") - before).abs() < 3_000.0);
 }
 
-/// An axis that the derivative part alone damps: AMPMODE 2, a torque of up to 2e7 inc/s^2 without friction. An independent model of the law, with the whole
-/// counts of the encoder and the 12 bits of the converter, is within 2 inc 1.8 s after a jump of 50 inc, for each of these cycles; with an error that stands still
-/// during a cycle it swings by thousands at 1 ms and 2 ms.
+/// An axis that is damped only by the derivative part: AMPMODE 2, a torque of up to 2e7 inc/s^2 without friction. An
+/// independent model of the law, with whole counts of the encoder and the 12 bits of the converter, is within 2 inc 1.8
+/// s after a step of 50 inc, for each of these cycle times. With an error that is constant during a cycle, it
+/// oscillates by thousands of inc at 1 ms and 2 ms.
 ///
 /// Proves: SAIA-PID-01, SAIA-PID-02
 #[test]

@@ -12,7 +12,7 @@ use crate::parameter::{Change, Row, Value};
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
-/// 100,000 inc/s are max_velocity of x.
+/// Maximum velocity of x: 100,000 inc/s.
 const FULL: f64 = 100_000.0;
 
 fn velocity_config(law: Law) -> MachineConfig {
@@ -23,7 +23,8 @@ fn velocity_config(law: Law) -> MachineConfig {
     config
 }
 
-/// 1000 per mille are 1 Nm on 5e-4 kg m^2: 2e7 inc/s^2. 1e-3 Nm s/rad brake it: at 1000 rad/s, 1e7 inc/s, all of it is friction.
+/// 1000 per mille are 1 Nm on 5e-4 kg m^2: 2e7 inc/s^2. Friction of 1e-3 Nm s/rad: at 1000 rad/s, 1e7 inc/s, it takes
+/// all of the torque.
 fn torque_config(mode: i64) -> MachineConfig {
     let mut config = velocity_config(Law::Pid);
     let axis = &mut config.axes[1];
@@ -63,12 +64,13 @@ fn refusal(rig: &Rig, sequence: u64) -> Option<Code> {
     rig.answer(sequence).err().map(|event| event.code)
 }
 
-/// How often x told the end of a command.
+/// Returns how often x reported the end of a command.
 fn done(rig: &Rig, sequence: u64) -> usize {
     rig.done(sequence).iter().filter(|event| event.source == Object::Axis(X)).count()
 }
 
-/// A quarter of the full reference is asked for from the cycle on, whatever the gains of the loop; the command is where the axis is.
+/// A quarter of the full reference is commanded from this cycle, for any gains of the loop; the command is the actual
+/// position.
 ///
 /// Proves: MACS-AMP-02, MACS-CMD-28
 #[test]
@@ -92,8 +94,8 @@ fn a_drive_of_velocities_runs_at_its_part_of_the_full_reference() {
     }
 }
 
-/// Mode 0: the value is a velocity, and the velocity loop keeps it: 0.1 are 10,000 inc/s. Mode 2: it is the effort. Level effort passes
-/// the velocity loop by, whatever its gains.
+/// Mode 0: the value is a velocity, and the velocity loop controls it: 0.1 is 10,000 inc/s. Mode 2: it is the effort.
+/// Level effort bypasses the velocity loop, for any gains.
 ///
 /// Proves: MACS-AMP-02
 #[test]
@@ -108,12 +110,13 @@ fn a_drive_of_efforts_has_the_loops_of_its_mode() {
         assert_eq!((rig.real("x.output.effort"), rig.real("x.regulator.output")), (5.0, 0.005), "{mode} {level:?}");
         rig.run(200);
         assert_eq!((rig.real("x.output.effort"), rig.real("x.command.velocity")), (5.0, 0.0));
-        // 0.005 of 2e7 inc/s^2 for 0.2 s, with a time constant of friction of 0.5 s: 0.005 * 1e7 * (1 - exp(-0.4)) = 16,484.
+        // 0.005 of 2e7 inc/s^2 for 0.2 s, with a friction time constant of 0.5 s: 0.005 * 1e7 * (1 - exp(-0.4)) =
+        // 16,484.
         assert!((rig.real("x.actual.velocity") - 16_484.0).abs() < 1_500.0, "{}", rig.real("x.actual.velocity"));
     }
 }
 
-/// AMPMAXCUR holds for a value as for the loop: 1 A at 250 per mille for each is a quarter of the full effort.
+/// AMPMAXCUR limits a value as it limits the loop: 1 A at 250 per mille per ampere is a quarter of the full effort.
 ///
 /// Proves: MACS-AMP-08
 #[test]
@@ -126,11 +129,12 @@ fn the_cap_of_the_current_caps_a_value() {
     assert_eq!(rig.real("x.output.effort"), 250.0);
 }
 
-/// Whatever ends it: the drive stops by its quick stop, the power goes once it stands, and only then a stop is done.
+/// Every end has the same sequence: the drive stops by its quick stop, the power is removed at rest, and only then the
+/// stop is done.
 #[test]
 fn its_drive_stops_it_and_the_power_goes() {
     let all = AxisSet::one(X);
-    // The machine tells the end of a deactivation.
+    // The machine reports the end of a deactivation.
     let stops: [(Action, &str, usize); 5] = [
         (Action::Halt(all), "DISABLED", 1),
         (Action::Disable(all), "DISABLED", 1),
@@ -161,7 +165,7 @@ fn its_drive_stops_it_and_the_power_goes() {
     }
 }
 
-/// What would move it otherwise is refused, and changes nothing; enabled anew it has its position loop again.
+/// Any other motion is refused, and changes nothing; after disable and enable the position loop is closed again.
 #[test]
 fn nothing_else_moves_it_until_it_was_off() {
     let mut rig = rig(velocity_config(Law::Pid), lag(5));
@@ -211,7 +215,7 @@ fn what_cannot_be_opened_is_refused() {
     assert_eq!(refusal(&rig, off), Some(Code::NOT_ENABLED));
 }
 
-/// A drive that stops with max_deceleration at once stands before the limit, also where the error is only to be reported.
+/// A drive that stops immediately with max_deceleration stands before the limit, also if the error is only reported.
 #[test]
 fn it_stops_before_a_software_limit() {
     for reaction in [0, 2, 4, 5] {
@@ -231,7 +235,7 @@ fn it_stops_before_a_software_limit() {
     }
 }
 
-/// 0.5 of the effort are 1e7 inc/s^2: beyond 120,000 inc/s after 12 ms. The drive stops it.
+/// 0.5 of the effort is 1e7 inc/s^2: above 120,000 inc/s after 12 ms. The drive stops it.
 #[test]
 fn too_fast_is_an_error() {
     let mut rig = rig(torque_config(2), motor());
@@ -246,7 +250,7 @@ fn too_fast_is_an_error() {
     assert_eq!(rig.real("x.actual.velocity"), 0.0);
 }
 
-/// A motor that stands while a way of more than max_following_error was asked for.
+/// A motor that does not move although a distance above max_following_error was commanded.
 #[test]
 fn one_that_does_not_move_loses_its_power() {
     let mut config = velocity_config(Law::Pid);
@@ -273,7 +277,7 @@ fn a_restored_machine_goes_on_with_its_value() {
     }
 }
 
-/// A value stands in parts of what was full when the axis rested last; another max_velocity does not change what is under way.
+/// A value is a share of the full reference at the last rest; a new max_velocity does not change the active value.
 #[test]
 fn a_new_full_reference_changes_nothing_that_is_under_way() {
     let mut rig = rig(velocity_config(Law::Pid), lag(5));
@@ -284,7 +288,7 @@ fn a_new_full_reference_changes_nothing_that_is_under_way() {
     assert_eq!(rig.real("x.output.velocity"), 0.2 * FULL);
 }
 
-/// Nothing is taken up while nobody leads the motor: the place that is shown is that of its counts.
+/// Backlash is not compensated while the position loop is open: the position shown is that of the counts.
 #[test]
 fn no_backlash_is_taken_up_meanwhile() {
     let mut config = velocity_config(Law::Proportional);
@@ -312,8 +316,8 @@ fn no_backlash_is_taken_up_meanwhile() {
     assert_eq!(rig.int("x.compensation"), -50);
 }
 
-/// 0.4 A are a tenth of the full effort. Speeding up takes all of it for 25 ms; the sum of the velocity loop does not grow meanwhile, so that
-/// the axis does not shoot over the velocity that is asked for.
+/// 0.4 A are a tenth of the full effort. Acceleration takes all of it for 25 ms; the integral of the velocity loop does
+/// not grow meanwhile, so the axis does not overshoot the commanded velocity.
 ///
 /// Proves: MACS-AMP-05, MACS-AMP-08
 #[test]
@@ -333,7 +337,7 @@ fn the_sum_of_the_velocity_loop_does_not_grow_beyond_the_cap() {
     assert!((50_000.0..53_000.0).contains(&fastest), "{fastest}");
 }
 
-/// Contacts of the cell: input 0 is the emergency stop, input 1 the interlock; both read 1 while all is well.
+/// Contacts of the cell: input 0 is the emergency stop, input 1 the interlock; both read 1 when closed.
 fn with_contacts(mut config: MachineConfig) -> MachineConfig {
     for (name, kind) in
         [("estop", IoKind::DigitalInput), ("door", IoKind::DigitalInput), ("hold", IoKind::DigitalOutput)]
@@ -345,8 +349,9 @@ fn with_contacts(mut config: MachineConfig) -> MachineConfig {
     config
 }
 
-/// An emergency stop while the loop is open, and one while the drive stops already, whatever error_reaction is: the quick stop of the drive goes on,
-/// the brake closes once the axis stands, and the power goes. The interlock is the same without brake, unless that is 3.
+/// An emergency stop while the loop is open, and one while the drive is already stopping, with any error_reaction: the
+/// quick stop of the drive continues, the brake closes once the axis is at rest, and the power is removed. The
+/// interlock has the same effect without the brake, except with error_reaction 3.
 #[test]
 fn contacts_leave_it_to_its_drive_and_close_the_brake_at_rest() {
     for reaction in 0..=5 {
@@ -379,7 +384,7 @@ fn contacts_leave_it_to_its_drive_and_close_the_brake_at_rest() {
     }
 }
 
-/// An error under power with every error_reaction that stops: the power goes, the brake closes with 1 and 3.
+/// An error under power with every error_reaction that stops: the power is removed, the brake closes with 1 and 3.
 #[test]
 fn every_error_that_stops_it_takes_the_power_at_rest() {
     for reaction in 0..=5 {
@@ -396,7 +401,7 @@ fn every_error_that_stops_it_takes_the_power_at_rest() {
     }
 }
 
-/// Esc closes the brake once the drive has stopped the axis, not before.
+/// Esc closes the brake once the drive has stopped the axis, not earlier.
 #[test]
 fn an_abort_closes_the_brake_at_rest() {
     let mut rig = Rig::with(with_contacts(velocity_config(Law::Pid)), [lag(20), Model::Ideal]);
@@ -413,7 +418,8 @@ fn an_abort_closes_the_brake_at_rest() {
     assert_eq!((rig.state("x"), rig.int("x.brake"), rig.int("x.output.control")), ("STOPPING", 1, 0));
 }
 
-/// A drive hears of a value ten cycles later: a halt before that is no stop of an axis that stands, and is done once it does.
+/// A drive receives a value ten cycles later: a halt before that does not count as a stop at rest, and is done once the
+/// axis is at rest.
 #[test]
 fn a_halt_waits_for_what_the_drive_has_not_heard_yet() {
     let mut config = config(10);

@@ -1,4 +1,4 @@
-//! The PID loop in the axis: K_OUT 60000, max_velocity 100000 inc/s, a drive that has its velocity at once.
+//! PID loop of an axis: K_OUT 60000, max_velocity 100000 inc/s, a drive that reaches its velocity at once.
 
 use super::super::rig::{Rig, X, at, to};
 use super::{MS, lag, velocity_config};
@@ -31,7 +31,8 @@ fn set(rig: &mut Rig, values: &[(&str, i64)]) -> u64 {
     rig.give(Action::SetParameters(values.iter().map(change).collect()))
 }
 
-/// A new controller: KPROP 30, and nothing else. At half of VELMAX the axis is 0.5 * 60000 / 30 = 1000 inc behind, at KPROP 60 500.
+/// A new controller: KPROP 30, and nothing else. At half of VELMAX the axis is 0.5 * 60000 / 30 = 1000 inc behind, at
+/// KPROP 60 500.
 ///
 /// Proves: MACS-REG-01, MACS-REG-12
 #[test]
@@ -47,7 +48,7 @@ fn at_constant_speed_the_error_makes_the_velocity() {
     }
 }
 
-/// FFVEL 1000 gives the drive the command velocity itself, and the loop has nothing left to do; KINT takes the error away without it.
+/// FFVEL 1000 gives the drive the command velocity itself, so the error is 0; without it KINT removes the error.
 ///
 /// Proves: MACS-REG-09, MACS-REG-01
 #[test]
@@ -60,11 +61,12 @@ fn feed_forward_or_the_integral_part_takes_the_error_away() {
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(6_000);
     assert!(rig.int("x.regulator.error").abs() <= 1, "{}", rig.int("x.regulator.error"));
-    // 0.5 is 30000 of the sum.
+    // 0.5 is 30000 of the integral.
     assert!((rig.real("x.regulator.output") - 0.5).abs() < 1e-3);
 }
 
-/// KPROP 30 to 90 while the axis is 1000 inc behind: the output of that cycle is that of the cycle before, and grows from there.
+/// KPROP 30 to 90 while the axis is 1000 inc behind: the output of that cycle equals that of the previous cycle, and
+/// grows from there.
 #[test]
 fn a_gain_that_is_set_in_motion_makes_no_bump() {
     let mut rig = enabled(Model::Ideal, |_| ());
@@ -75,7 +77,7 @@ fn a_gain_that_is_set_in_motion_makes_no_bump() {
     for cycle in 0..200 {
         rig.run(1);
         let output = rig.real("x.regulator.output");
-        // 1000 inc at 60 more are 1.0, and come in 64 parts, while the error becomes smaller.
+        // 1000 inc with a gain increase of 60 are 1.0, applied in 64 parts, while the error decreases.
         assert!((output - last).abs() < 0.03, "cycle {cycle}: {output} after {last}");
         last = output;
     }
@@ -83,7 +85,7 @@ fn a_gain_that_is_set_in_motion_makes_no_bump() {
     assert!((rig.int("x.regulator.error") - 333).abs() <= 1, "{}", rig.int("x.regulator.error"));
 }
 
-/// Every key of the loop, alone, in motion: the output does not jump by more than its law lets it.
+/// Every key of the loop, alone, in motion: the output never jumps by more than the control law allows.
 #[test]
 fn no_key_of_the_loop_makes_a_bump() {
     for (key, value) in [
@@ -107,7 +109,7 @@ fn no_key_of_the_loop_makes_a_bump() {
     }
 }
 
-/// TIMER 4 in cycles of 1 ms: the output stands for four of them.
+/// TIMER 4 in cycles of 1 ms: the output is constant for four cycles.
 ///
 /// Proves: MACS-REG-04
 #[test]
@@ -142,7 +144,8 @@ fn a_period_that_no_cycle_divides_is_refused() {
     assert!(rig.was_accepted(taken));
 }
 
-/// At rest the sum goes on: an error that KPROP cannot move is moved, also where the axis seems to have come to rest for good.
+/// At rest the integral continues: it corrects an error that KPROP cannot correct, also if the axis appears to be
+/// permanently at rest.
 #[test]
 fn the_integral_part_works_at_rest() {
     let mut rig = enabled(Model::Ideal, |gains| (gains.proportional, gains.integral, gains.limit) = (1, 1, 60_000));
@@ -153,7 +156,7 @@ fn the_integral_part_works_at_rest() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// Off, the loop has no output and no past: on again it begins as a new one.
+/// Switched off, the loop has no output and no history: switched on again it starts as a new one.
 ///
 /// Proves: MACS-REG-12
 #[test]

@@ -1,4 +1,4 @@
-//! A loop closed here that loses its axis: no axis runs away.
+//! Loss of control of a loop that is closed in the core: no axis runs away.
 
 use super::super::rig::{Rig, X, at, cases, config, to};
 use crate::code::Code;
@@ -51,8 +51,8 @@ fn model(interface: Interface, data: MotorData) -> Model {
     }
 }
 
-/// Motor and encoder do not agree: at the first disturbance the loop drives the axis away. It is off before it is further away than
-/// twice what is allowed, and what it does from there on is coast.
+/// Motor and encoder have opposite directions: at the first disturbance the loop drives the axis away. The axis is
+/// switched off before it is away by twice the allowed error, and coasts from there.
 #[test]
 fn a_sense_wired_the_wrong_way_ends_without_power() {
     for interface in [Interface::Velocity, Interface::Torque, Interface::Voltage] {
@@ -78,11 +78,12 @@ fn a_sense_wired_the_wrong_way_ends_without_power() {
     }
 }
 
-/// Too little torque for the way that is asked: the loop stops the axis, and it is no runaway.
+/// Not enough torque for the commanded motion: the loop stops the axis, which is not a runaway.
 #[test]
 fn an_amplifier_that_saturates_stops_on_its_loop() {
     let mut config = looped(Interface::Torque, Law::Pid, 2);
-    // 12.5 per mille of 1 Nm on 5e-4 kg m^2: 2.5e5 inc/s^2, against 5e5 of the goal: 400 inc are missing once both are at 20000 inc/s.
+    // 12.5 per mille of 1 Nm on 5e-4 kg m^2: 2.5e5 inc/s^2, against 5e5 of the goal: 400 inc are missing once both run
+    // at 20000 inc/s.
     config.axes[1].parameters.amplifier.max_effort = Some(12.5);
     config.axes[1].parameters.amplifier.proportional = 5_000;
     config.axes[1].parameters.max_following_error = 300;
@@ -96,9 +97,9 @@ fn an_amplifier_that_saturates_stops_on_its_loop() {
     assert!(!rig.events.iter().any(|event| event.code == Code::RUNAWAY));
 }
 
-/// The current that the drive tells is dead, wired the other way, or stands at the full one: the loop pushes the voltage to a limit, and
-/// nothing of it shows in a current. The position loop meets it: the axis stops or loses its power before it is twice of what is allowed behind, and
-/// some for what it coasts.
+/// The reported current is zero, inverted, or stuck at the maximum: the loop drives the voltage to a limit, and the
+/// reported current does not show it. The position loop detects it: the axis stops or loses its power before it is
+/// behind by twice the allowed error, plus some coasting.
 #[test]
 fn a_current_that_is_told_wrongly_is_no_runaway() {
     type Tamper = (&'static str, fn(&mut Inputs));
@@ -133,7 +134,8 @@ fn a_current_that_is_told_wrongly_is_no_runaway() {
     }
 }
 
-/// A shaft that is held draws what ampmaxcur allows, and not for longer than 100 ms: its voltage is far from its limit then.
+/// A blocked shaft draws the current that ampmaxcur allows, for at most 100 ms, although its voltage is far from its
+/// limit.
 #[test]
 fn a_blocked_axis_draws_its_largest_current_for_a_tenth_of_a_second() {
     for mode in [0, 2] {
@@ -157,7 +159,7 @@ fn a_blocked_axis_draws_its_largest_current_for_a_tenth_of_a_second() {
     }
 }
 
-/// A current that is always told as 0: what is asked for is a part of what ampmaxcur allows, and the voltage goes to its limit for it.
+/// A current that is always reported as 0: the setpoint is within ampmaxcur, and the voltage increases to its limit.
 #[test]
 fn a_dead_current_sensor_ends_at_the_largest_voltage() {
     let mut config = looped(Interface::Voltage, Law::Pid, 0);
@@ -182,8 +184,8 @@ fn a_dead_current_sensor_ends_at_the_largest_voltage() {
 proptest! {
     #![proptest_config(cases(40))]
 
-    /// Whatever goes wrong with encoder, sense or torque while the axis moves: within 100 ms of the following error that is not allowed it is
-    /// off, or on its way to where it was to stop.
+    /// With any fault of encoder, direction or torque in motion: within 100 ms after the following error exceeds its
+    /// limit the axis is switched off, or is in its stop.
     #[test]
     fn no_axis_runs_away(
         interface in prop::sample::select(&[Interface::Velocity, Interface::Torque, Interface::Voltage][..]),
@@ -203,7 +205,7 @@ proptest! {
         rig.run(when);
         match fault {
             1 => rig.plant.drive(0).unwrap().jam(true),
-            // The current that is told is dead.
+            // The reported current is zero.
             3 => rig.tamper = |inputs| inputs.drive[0].effort = 0.0,
             2 => rig.plant.drive(0).unwrap().jump(if velocity > 0.0 { -9_000 } else { 9_000 }),
             _ => {}
@@ -213,14 +215,14 @@ proptest! {
             rig.run(1);
             let error = rig.int("x.following_error").abs();
             let is_on = rig.int("x.enabled") == 1 || rig.state("x") == "ERROR_STOP" && rig.real("x.output.effort") != 0.0;
-            // A jump of the encoder is where a stop may begin.
+            // A jump of the encoder shifts the start of a stop.
             let most = if fault == 2 { 9_000 + 2 * ALLOWED } else { 2 * ALLOWED };
             prop_assert!(!is_on || error <= most + 1_000, "cycle {}: {} behind", cycle, error);
             let begun = *since.get_or_insert(cycle);
             if !(is_on && error > ALLOWED) {
                 since = None;
             } else {
-                // A stop from 90000 inc/s takes 90 ms of ramp and 50 ms of patience.
+                // A stop from 90000 inc/s takes 90 ms of ramp and 50 ms of waiting time.
                 prop_assert!(cycle - begun <= 400, "cycle {}: {} behind for {} ms", cycle, error, cycle - begun);
             }
         }

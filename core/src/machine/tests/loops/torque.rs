@@ -1,4 +1,4 @@
-//! Interface torque: position and velocity loop here, a motor with its mechanics behind.
+//! Interface torque: position and velocity loop in the core, with a motor and its mechanics.
 
 use super::super::rig::{Rig, X, at, config, to};
 use super::MS;
@@ -23,7 +23,7 @@ pub(super) fn motor() -> MotorData {
     }
 }
 
-/// x takes efforts up to the rated torque: 2e7 inc/s^2, against 1e6 of max_acceleration.
+/// x accepts efforts up to the rated torque: 2e7 inc/s^2, against 1e6 of max_acceleration.
 pub(super) fn torque_config() -> MachineConfig {
     let mut config = config(0);
     let axis = &mut config.axes[1];
@@ -41,7 +41,7 @@ fn rig(config: MachineConfig, data: MotorData) -> Rig {
     rig
 }
 
-/// The cascade moves the axis where it is to be, in the mode of torque, and the effort at constant speed is what friction takes: 1e-3
+/// The cascade moves the axis to its target, in torque mode, and the effort at constant speed equals the friction: 1e-3
 /// Nm s/rad at 5 rad/s are 5 per mille of 1 Nm.
 ///
 /// Proves: MACS-AMP-01, MACS-AMP-04
@@ -62,7 +62,7 @@ fn a_move_lands_and_friction_is_what_is_left() {
     assert!((rig.int("x.actual.position") - 20_000).abs() <= 3);
 }
 
-/// The torque of a hanging load is held by the integral part of the velocity loop: 0.2 Nm are 200 per mille.
+/// The integral part of the velocity loop holds the torque of a hanging load: 0.2 Nm are 200 per mille.
 #[test]
 fn a_weight_is_held() {
     let mut data = motor();
@@ -73,7 +73,7 @@ fn a_weight_is_held() {
     assert!(rig.int("x.regulator.error").abs() <= 3, "{}", rig.int("x.regulator.error"));
 }
 
-/// AMPMODE 2: the position loop makes the effort: KPROP 6000 at an error of 10 inc is all of it, KDER damps.
+/// AMPMODE 2: the position loop gives the effort: KPROP 6000 at an error of 10 inc is the full effort, KDER damps.
 ///
 /// Proves: MACS-AMP-01, MACS-AMP-03, MACS-REG-03
 #[test]
@@ -86,19 +86,19 @@ fn without_a_velocity_loop_the_position_loop_makes_the_effort() {
     rig.run(10);
     rig.plant.drive(0).unwrap().jump(-10);
     rig.run(1);
-    // The error of 10 and its change: (300 * 10 + 6000 * 10 + 10) / 60000 is beyond 1.
+    // The error of 10 and its change: (300 * 10 + 6000 * 10 + 10) / 60000 exceeds 1.
     assert_eq!((rig.real("x.regulator.output"), rig.real("x.output.effort")), (1.0, 1000.0));
     rig.run(2_000);
     rig.give(Action::Move(to(X, 30_000)));
     rig.run(4_000);
     assert_eq!(rig.state("x"), "STANDSTILL");
     assert!((rig.int("x.actual.position") - 30_000).abs() <= 3);
-    // The velocity loop takes no part in it.
+    // The velocity loop is not used.
     assert_eq!(rig.real("x.regulator.effort"), rig.real("x.regulator.output"));
 }
 
-/// 2 A at 250 per mille for each are half of max_effort: no output is beyond, in either mode; a weight that needs more is a following
-/// error.
+/// 2 A at 250 per mille per ampere are half of max_effort: no output exceeds it, in either mode; a weight that needs
+/// more causes a following error.
 ///
 /// Proves: MACS-AMP-08
 #[test]
@@ -124,8 +124,9 @@ fn the_current_is_capped_where_it_is_known() {
     assert_eq!(most, 250.0);
 }
 
-/// A weight of 0.5 Nm at 250 per mille an ampere is 2 A: (2000 mA)^2 / 1000 = 4000. Of I2TLIMIT 3900 that is too much; 90 % of it, 3510,
-/// are reached at -1000 ln(1 - 3510/4000) = 2100 ms, and 3900 at 3689 ms. Off, the motor cools, and nothing is told again.
+/// A weight of 0.5 Nm at 250 per mille per ampere is 2 A: (2000 mA)^2 / 1000 = 4000, which exceeds I2TLIMIT 3900. 90 %
+/// of the limit, 3510, are reached at -1000 ln(1 - 3510/4000) = 2100 ms, and 3900 at 3689 ms. Switched off, the motor
+/// cools, and nothing is reported again.
 ///
 /// Proves: MACS-I2T-01, MACS-I2T-02, MACS-I2T-03, MACS-I2T-04
 #[test]
@@ -153,7 +154,7 @@ fn a_current_that_lasts_is_warned_of_and_then_error_99() {
     assert!(rig.real("x.regulator.i2t") < 300.0, "{}", rig.real("x.regulator.i2t"));
 }
 
-/// CURFTIME filters what is shown, and not what the loops do.
+/// CURFTIME filters the displayed value, and does not affect the loops.
 ///
 /// Proves: MACS-I2T-05
 #[test]
@@ -177,7 +178,7 @@ fn the_filter_of_the_current_is_for_eyes() {
     assert!(most(&filtered) < most(&plain) / 2.0);
 }
 
-/// Each estimator closes the loop, and finds a constant velocity.
+/// Each estimator closes the loop, and measures a constant velocity.
 ///
 /// Proves: MACS-AMP-06
 #[test]

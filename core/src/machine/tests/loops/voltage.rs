@@ -1,4 +1,4 @@
-//! Interface voltage: all loops here, a power stage and the winding of a motor behind.
+//! Interface voltage: all loops in the core, with a power stage and the winding of a motor.
 
 use super::super::rig::{Rig, X, at, config, to};
 use super::MS;
@@ -10,8 +10,8 @@ use crate::parameter::{AxisParameters, Value};
 use crate::regulator::Law;
 use crate::sim::{Amplifier, Friction, Load, Model, Motor, MotorData, Reading, Stage};
 
-/// 48 V at 1.2 Ohm are 40 A, so 25 per mille of the torque at rest for each ampere; 0.4 V s/rad let it turn at 120 rad/s, with 1000 inc
-/// for each rad at 120,000 inc/s. 0.4 Nm/A on 5e-4 kg m^2.
+/// 48 V at 1.2 Ohm are 40 A, so 25 per mille of the torque at rest for each ampere; with 0.4 V s/rad it turns at 120
+/// rad/s, which with 1000 inc per rad is 120,000 inc/s. 0.4 Nm/A on 5e-4 kg m^2.
 pub(super) fn motor() -> MotorData {
     MotorData {
         inertia: 2.5e-4,
@@ -33,8 +33,8 @@ pub(super) fn motor() -> MotorData {
     }
 }
 
-/// Gains of the current loop for Beta 0.3, Ts 1 ms, U 48 V and kc 3276.8 (10 A): w = 471.24 rad/s, CURKPROP = (2 w L - R) / (U kc ku)
-/// = 1.6274 / 1.171875e-3, CURKINT = w^2 L Ts / 4 / (U kc ku) = 0.16655 / 1.171875e-3.
+/// Gains of the current loop for Beta 0.3, Ts 1 ms, U 48 V and kc 3276.8 (10 A): w = 471.24 rad/s, CURKPROP = (2 w L -
+/// R) / (U kc ku) = 1.6274 / 1.171875e-3, CURKINT = w^2 L Ts / 4 / (U kc ku) = 0.16655 / 1.171875e-3.
 pub(super) fn loops(p: &mut AxisParameters, mode: i64) {
     p.amplifier.max_effort = Some(1000.0);
     (p.amplifier.torque_constant, p.amplifier.max_current, p.amplifier.mode) = (25.0, 10_000, mode);
@@ -42,11 +42,11 @@ pub(super) fn loops(p: &mut AxisParameters, mode: i64) {
     (p.power_stage.proportional, p.power_stage.integral, p.power_stage.limit) = (1_389, 142, 10_000);
     p.pid.velocity = if mode == 2 { 0 } else { 1000 };
     if mode == 2 {
-        // 1 A at 200 inc, and at 10 inc of change in a cycle.
+        // 1 A at 200 inc, and at 10 inc of change per cycle.
         (p.pid.proportional, p.pid.derivative, p.pid.integral, p.pid.limit) = (30, 600, 1, 2_000);
     }
     if mode == 3 {
-        // 120 rad/s at all of the voltage.
+        // 120 rad/s at the full voltage.
         p.pid.velocity = 833;
         p.pid.integral = 1;
     }
@@ -71,8 +71,8 @@ fn near(actual: f64, expected: f64, within: f64, what: &str) {
     assert!((actual - expected).abs() <= within, "{what}: {actual}, not {expected} within {within}");
 }
 
-/// At 50,000 inc/s, 50 rad/s, 1e-3 Nm s/rad take 0.05 Nm, 125 mA, and 0.4 * 50 + 1.2 * 0.125 = 20.15 V, 419.8 per mille, in each of the
-/// four structures; a move lands in each.
+/// At 50,000 inc/s, 50 rad/s, 1e-3 Nm s/rad take 0.05 Nm, 125 mA, and 0.4 * 50 + 1.2 * 0.125 = 20.15 V, 419.8 per
+/// mille, in each of the four structures; a move ends at its target in each.
 ///
 /// Proves: MACS-AMP-01, MACS-AMP-03
 #[test]
@@ -92,7 +92,7 @@ fn each_of_the_four_structures_moves_the_axis() {
         } else {
             assert_eq!(setpoint, 0.0, "{what}");
         }
-        // What is asked for above the voltage: a velocity, a current of 1/80 of 10 A, or the voltage itself.
+        // Setpoint of the loop above the voltage: a velocity, a current of 1/80 of 10 A, or the voltage itself.
         let above = match mode {
             0 | 1 => 0.5,
             2 => 0.0125,
@@ -106,7 +106,8 @@ fn each_of_the_four_structures_moves_the_axis() {
     }
 }
 
-/// Mode 3 under a proportional loop alone: the back EMF damps it. 41,980 inc/s of output at 16.667 1/s are 2519 inc behind.
+/// Mode 3 with only a proportional loop: the back EMF damps it. 41,980 inc/s of output at 16.667 1/s are 2519 inc
+/// behind.
 ///
 /// Proves: MACS-AMP-03
 #[test]
@@ -120,8 +121,8 @@ fn a_proportional_loop_above_the_voltage_is_damped_by_the_back_emf() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// A shaft that is held: L i' = u - R i and no more. Discretised exactly, i' = a i + (1 - a) u / R with a = e^-0.4, the loop by its law is
-/// this recursion, and the axis is held to it cycle by cycle: 2 A are asked for, and 2 A flow.
+/// A blocked shaft: L i' = u - R i only. Discretised exactly, i' = a i + (1 - a) u / R with a = e^-0.4, the loop is
+/// this recursion by its control law, and the axis is compared with it cycle by cycle: 2 A are commanded, and 2 A flow.
 ///
 /// Proves: MACS-AMP-07, MACS-AMP-02
 #[test]
@@ -133,7 +134,7 @@ fn a_step_of_the_current_is_the_computed_one() {
     let (decay, unit) = (libm::exp(-0.4), 48.0 * 3_276.8 / 134_217_728.0);
     let (proportional, integral) = (unit * 1_389.0, unit * 4.0 * 142.0);
     let (mut current, mut sum) = (0.0, 0.0);
-    // Out of the pid comes nothing while it stands at its target.
+    // At its target the output of the pid is 0.
     rig.give(Action::OutAn(OutAn { axis: X, value: 0.2, level: Level::Setpoint }));
     for cycle in 0..200 {
         let error = 2.0 - current;
@@ -149,8 +150,8 @@ fn a_step_of_the_current_is_the_computed_one() {
     near(rig.real("x.regulator.current"), 2_000.0, 1e-3, "in the end");
 }
 
-/// AMPMAXCUR 1 A: with a current loop no more is asked for and, but for its overshoot, no more flows; without one the start of the same
-/// move draws more.
+/// AMPMAXCUR 1 A: with a current loop the commanded current never exceeds it, nor does the actual current, except for
+/// its overshoot; without a current loop the start of the same move draws more.
 ///
 /// Proves: MACS-AMP-08
 #[test]
@@ -158,7 +159,7 @@ fn the_current_is_capped_where_there_is_a_current_loop() {
     for mode in 0..4 {
         let mut config = voltage_config(Law::Pid, mode);
         config.axes[1].parameters.amplifier.max_current = 1_000;
-        // A goal without rates takes half of it: 2000 rad/s^2 are 1 Nm, 2.5 A.
+        // A goal without rates uses half of it: 2000 rad/s^2 are 1 Nm, 2.5 A.
         config.axes[1].parameters.max_acceleration = 4_000_000.0;
         config.axes[1].parameters.max_following_error = 60_000;
         let mut rig = rig(config, motor());
@@ -171,7 +172,8 @@ fn the_current_is_capped_where_there_is_a_current_loop() {
         }
         if matches!(mode, 0 | 2) {
             assert_eq!(asked, 1_000.0, "mode {mode}");
-            // The current lags behind while the back EMF rises: 800 rad/s^2 are 320 V/s, against 666 V/(A s) of the integral part.
+            // The current lags while the back EMF rises: 800 rad/s^2 are 320 V/s, against 666 V/(A s) of the integral
+            // part.
             assert!((500.0..1_100.0).contains(&flowing), "mode {mode}: {flowing} mA");
         } else {
             assert!(flowing > 1_400.0, "mode {mode}: {flowing} mA");
@@ -179,8 +181,8 @@ fn the_current_is_capped_where_there_is_a_current_loop() {
     }
 }
 
-/// OUTAN gives the setpoint of the loop below the position loop: half of max_velocity, 5 A of a shaft that is held, half of the voltage; level
-/// effort is the voltage in each.
+/// OUTAN gives the setpoint of the loop below the position loop: half of max_velocity, 5 A of a blocked shaft, half of
+/// the voltage; level effort is the voltage in each case.
 ///
 /// Proves: MACS-AMP-02
 #[test]
@@ -207,13 +209,13 @@ fn outan_is_the_setpoint_of_the_loop_below_the_position_loop() {
             (250.0, 0.0),
             "{what}"
         );
-        // 12 V are 30 rad/s but for 1e-3 Nm s/rad: i = 1e-3 w / 0.4, 12 = 1.2 i + 0.4 w.
+        // 12 V are 30 rad/s, less 1e-3 Nm s/rad: i = 1e-3 w / 0.4, 12 = 1.2 i + 0.4 w.
         near(direct.real("x.actual.velocity"), 12_000.0 / 0.403, 1_000.0, &what);
     }
 }
 
-/// Gains of the current loop act at once and without a bump: in their cycle the voltage is that of a machine without the change, from the
-/// next one on it is another.
+/// Gains of the current loop apply at once and without a bump: in their cycle the voltage equals that of a machine
+/// without the change, and it differs from the next cycle.
 ///
 /// Proves: MACS-AMP-07
 #[test]
@@ -258,8 +260,8 @@ fn a_restored_machine_goes_on_with_all_loops() {
     }
 }
 
-/// Without torque_constant no current is watched, and the axis may sleep between its samples: `Rig` compares with a machine that never
-/// does.
+/// Without torque_constant no current is monitored, and the axis may skip cycles between its samples: `Rig` compares it
+/// with a machine that never skips.
 #[test]
 fn without_a_current_loop_no_current_need_be_known() {
     for mode in [1, 3] {
@@ -274,7 +276,7 @@ fn without_a_current_loop_no_current_need_be_known() {
     }
 }
 
-/// Off there is no voltage and no setpoint; on again the loop has no past.
+/// Switched off there is no voltage and no setpoint; switched on again the loop has no history.
 #[test]
 fn off_there_is_no_voltage() {
     let mut data = motor();
@@ -290,7 +292,7 @@ fn off_there_is_no_voltage() {
     assert_eq!((rig.state("x"), shown), ("DISABLED", [0.0; 3]));
 }
 
-/// 2 A of a weight are 4000 of A^2/1000: of a limit of 3900 too much.
+/// 2 A of a weight are 4000 of A^2/1000, which exceeds a limit of 3900.
 ///
 /// Proves: MACS-I2T-03
 #[test]
@@ -306,8 +308,8 @@ fn the_heat_of_the_motor_is_watched() {
     assert_eq!((rig.int("x.error"), rig.state("x"), rig.real("x.output.effort")), (99, "ERROR_STOP", 0.0));
 }
 
-/// AMPCOMMTYPE 0 (nothing commutates) and 1 (brushes) are motors of one voltage; the others need halls, phases or a second output. The mode and the
-/// motor change only while the axis is off.
+/// AMPCOMMTYPE 0 (no commutation) and 1 (brushes) are motors with one voltage; the others need Hall sensors, phases or
+/// a second output. The mode and the motor can only be changed while the axis is off.
 ///
 /// Proves: MACS-AMP-09
 #[test]
@@ -340,8 +342,8 @@ fn a_motor_that_would_be_commutated_is_refused() {
     }
 }
 
-/// AMPPWMFREQ: 10000 to 50000 Hz by the table. The simulated stage has none, so 24000 alone is taken; other multiples of 8000 are refused as
-/// what they are not, and so is all else.
+/// AMPPWMFREQ: 10000 to 50000 Hz by the table. The simulated stage has no setting, so only 24000 is accepted; other
+/// multiples of 8000 are refused with their own reason, and so are all other values.
 ///
 /// Proves: MACS-AMP-10
 #[test]

@@ -1,4 +1,4 @@
-//! Zeros of masters: DEFMORIGIN and SETMORIGIN, soft and hard, of axes, encoders and simulated masters.
+//! Zeros of masters: DEFMORIGIN and SETMORIGIN, soft and hard, for axes, encoders and simulated masters.
 
 use super::super::rig::{LINE, Rig, X, Y, config, couple, to};
 use super::{follow, set};
@@ -24,7 +24,7 @@ fn origin(axis: u16, position: i64) -> Action {
     Action::SetPosition(SetPosition { axis, position: Length::whole(position) })
 }
 
-/// x and y may follow by MENCODERTYPE; x has that MENCCONTROL.
+/// x and y may follow by MENCODERTYPE; x has this MENCCONTROL.
 fn cell(kind: i64, control: i64) -> MachineConfig {
     let mut cell = config(0);
     for axis in [X, Y] {
@@ -45,8 +45,8 @@ fn shared(control: i64) -> Rig {
     Rig::of(cell)
 }
 
-/// DEFMORIGIN in full motion: the slave sees nothing of it, what it shows of its master is the new value at once, and the axis
-/// that leads keeps its own.
+/// DEFMORIGIN at full speed: the slave sees no motion, its shown master position has the new value at once, and the
+/// leading axis keeps its own position.
 ///
 /// Proves: MACS-CMD-17, MACS-ENC-15
 #[test]
@@ -92,7 +92,7 @@ fn a_new_value_is_in_master_units() {
         let given = rig.give(Action::SetMasterPosition(SetMasterPosition { axis: X, position }));
         assert!(rig.was_accepted(given));
         assert!((rig.real("x.master.position") - shown).abs() < 1e-9);
-        // A master unit is an increment where MENCODER is positive.
+        // With a positive MENCODER a master unit is an increment.
         let given = set(&mut rig, X, &[("mencoder", Value::Int(500))]);
         assert!(rig.was_accepted(given));
         assert!((rig.real("x.master.position") - increments).abs() < 1e-9, "{}", rig.real("x.master.position"));
@@ -101,8 +101,8 @@ fn a_new_value_is_in_master_units() {
     }
 }
 
-/// 1 MU of 2048 / 55 increments is no multiple of 2^-32 increments, and shows as 1 all the same, also behind whole
-/// turns.
+/// 1 MU of 2048 / 55 increments is not a multiple of 2^-32 increments, and is still shown as 1, also after whole
+/// revolutions.
 ///
 /// Proves: MACS-CMD-17, MACS-UNIT-09
 #[test]
@@ -125,7 +125,7 @@ fn a_master_unit_is_shown_as_it_was_given() {
     }
 }
 
-/// There is one zero, also where a negative ratio turns the master round.
+/// Zero has no sign, also if a negative ratio inverts the master.
 ///
 /// Proves: MACS-CMD-17
 #[test]
@@ -147,8 +147,8 @@ fn zero_has_no_sign() {
     }
 }
 
-/// An encoder that leads: hard, its value is another one for all of its users, whose limits keep their places; soft, it is what
-/// one axis shows.
+/// A leading encoder: a hard zero changes its value for all users, whose limits keep their machine positions; a soft
+/// zero only changes the value that one axis shows.
 ///
 /// Proves: MACS-CMD-17, MACS-ENC-11, MACS-ENC-12
 #[test]
@@ -177,7 +177,7 @@ fn a_soft_zero_of_the_master_is_of_one_axis_and_a_hard_one_of_the_encoder() {
     }
 }
 
-/// A hard zero of the master would move the place under an axis that reads the encoder and is on its way.
+/// A hard zero of the master would shift the coordinate of an axis in motion that reads the encoder.
 ///
 /// Proves: MACS-ENC-11
 #[test]
@@ -190,12 +190,12 @@ fn a_hard_zero_of_the_master_waits_for_the_users() {
     assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
     let refused = rig.give(encoder(0));
     assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
-    // In one cycle with the start, and behind it: the same.
+    // The same in one cycle with the start, and after it.
     let mut rig = shared(0);
     rig.enable();
     let refused = rig.give_all(vec![Action::Move(to(X, 1_000)), master(Y, 77)]);
     assert_eq!(rig.refusal(refused), "x: the axis moves (DISCRETE_MOTION); wait for its end, or halt it first");
-    // Before it: only y has its new zero, and that is told.
+    // Before the start: only y gets its new zero, and this is reported.
     let mut rig = shared(0);
     rig.enable();
     rig.give_all(vec![master(Y, 77), Action::Move(to(X, 1_000))]);
@@ -204,7 +204,7 @@ fn a_hard_zero_of_the_master_waits_for_the_users() {
     assert!(rig.events.iter().any(|event| event.code == crate::code::Code::ENCODER_NOT_SHARED));
 }
 
-/// set_position of the encoder itself: its value in this cycle, for all that use it, wherever they stand.
+/// set_position of the encoder itself: its value in this cycle, for all users, at any position.
 ///
 /// Proves: MACS-ENC-12
 #[test]
@@ -264,7 +264,7 @@ fn the_zero_of_an_absolute_master_stands() {
     assert_eq!((rig.real("x.master.position"), rig.int("belt.position")), (55.0, 55));
 }
 
-/// Without a master there is nothing to set, and no number is none.
+/// Without a master there is nothing to set, and a value that is not a number is refused.
 #[test]
 fn a_zero_of_no_master_is_refused() {
     let mut rig = Rig::of(cell(0, 0));
@@ -281,7 +281,8 @@ fn a_zero_of_no_master_is_refused() {
     assert_eq!(rig.real("x.master.position"), 0.0);
 }
 
-/// Another master: hard, its value is taken over; soft, what is shown goes on with the new one's changes. The slave sees neither.
+/// A new master: a hard change takes over its value; a soft change keeps the shown value and adds the changes of the
+/// new master. The slave sees neither.
 ///
 /// Proves: MACS-ENC-11
 #[test]
@@ -297,7 +298,7 @@ fn a_soft_change_of_the_master_keeps_its_position() {
         rig.run_until("line.state", 1);
         rig.run(2);
         assert_eq!(rig.real("x.master.position"), 3_000.0, "the first one is as it is");
-        // By name, on the run.
+        // By name, in motion.
         rig.give(Action::Synchronize(couple(X, Leader::Encoder(0), 1, 1)));
         rig.run(3);
         assert_eq!(rig.real("x.master.position"), after as f64, "menccontrol {control}");
@@ -316,7 +317,7 @@ fn a_soft_change_of_the_master_keeps_its_position() {
     }
 }
 
-/// The simulated master may be set, too; it runs on from there.
+/// The simulated master may be set, too; it continues from there.
 ///
 /// Proves: MACS-ENC-16, MACS-CMD-17
 #[test]
@@ -332,8 +333,8 @@ fn the_simulated_master_runs_on_from_its_new_value() {
     assert_eq!(rig.real("x.master.position"), -30.0);
 }
 
-/// The axis that leads is homed, set anew, turned over: who sees it sees no jump, whether it follows the command or the actual
-/// position.
+/// The leading axis is homed, gets a new position, is inverted: its followers see no jump, whether they follow the
+/// command or the actual position.
 ///
 /// Proves: MACS-ENC-15
 #[test]
@@ -361,7 +362,7 @@ fn what_is_shown_counts_on_whatever_sets_the_leader_anew() {
     }
 }
 
-/// A command that names no encoder of the machine is answered, also where it has none at all.
+/// A command that names an encoder that does not exist is answered, also if the machine has no encoder.
 #[test]
 fn a_new_value_of_an_encoder_that_is_not_there_is_refused() {
     for encoders in [0, 1] {
@@ -377,7 +378,7 @@ fn a_new_value_of_an_encoder_that_is_not_there_is_refused() {
     }
 }
 
-/// A new value of an encoder takes none of its users beyond all positions.
+/// A new value of an encoder moves none of its users outside the position range.
 ///
 /// Proves: MACS-ENC-12
 #[test]
@@ -386,7 +387,7 @@ fn a_new_value_of_an_encoder_keeps_all_positions_legal() {
     let mut cell = cell(10, 0);
     let x = &mut cell.axes[usize::from(X)];
     (x.interface, x.wired) = (Interface::Velocity, crate::axis::Wired::Encoder(0));
-    // Its zeros are its own.
+    // The zeros of x are soft.
     x.parameters.encoder.enccontrol = 2;
     let mut rig = Rig::of(cell);
     rig.run(5);

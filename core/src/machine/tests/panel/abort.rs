@@ -28,14 +28,14 @@ fn outputs(rig: &Rig) -> [i64; 3] {
     ["p", "q", "r"].map(|name| rig.int(name))
 }
 
-/// All values: the axes stop with the largest deceleration, the brake closes, the virtual master stops. 0 leaves the outputs,
-/// 1 and 2 set all but the brake.
+/// All values: the axes stop with the maximum deceleration, the brake closes, the virtual master stops. 0 leaves the
+/// outputs unchanged, 1 and 2 set all outputs except that of the brake.
 ///
 /// Proves: MACS-ERR-09, MACS-PROF-13
 #[test]
 fn an_abort_stops_all_and_sets_the_outputs() {
     for q in [0, 1] {
-        // r: its function shows the end of the motion command, then 1 and 2 set all.
+        // r: its function shows the end of the motion command, then 1 and 2 set all outputs.
         for (esccond, at_once, volts) in [(0, [1, q, 0], 3.5), (1, [1, 0, 0], 0.0), (2, [1, 1, 1], 3.5)] {
             let mut rig = braked(esccond);
             put(&mut rig, Q, q as f64);
@@ -50,10 +50,10 @@ fn an_abort_stops_all_and_sets_the_outputs() {
                 assert_eq!(rig.done(goal).iter().map(|done| done.code.0).collect::<Vec<_>>(), [10_228]);
             }
             assert_eq!((outputs(&rig), rig.real("speed")), (at_once, volts), "esccond {esccond}");
-            // 50 mm/s with 1 m/s^2: 50 ms, and no more; the brake closes when it stands.
+            // 50 mm/s with 1 m/s^2: at most 50 ms; the brake closes at rest.
             rig.run(49);
             assert!(rig.real("x.command.velocity") > 0.0 && rig.int("x.brake") == 0);
-            // The axis is a cycle behind its command.
+            // The axis is one cycle behind its command.
             rig.run(3);
             assert_eq!((rig.real("x.command.velocity"), rig.real("line.command.velocity")), (0.0, 0.0));
             assert_eq!((outputs(&rig), rig.int("x.brake")), ([0, at_once[1], at_once[2]], 1), "esccond {esccond}");
@@ -71,7 +71,7 @@ fn an_abort_stops_all_and_sets_the_outputs() {
     }
 }
 
-/// The largest ESCCOND decides, whichever axis has it.
+/// The largest ESCCOND of all axes applies.
 #[test]
 fn the_largest_of_all_axes_decides() {
     for (x, y, q) in [(0, 1, 0), (1, 0, 0), (1, 2, 1), (2, 1, 1)] {
@@ -83,7 +83,8 @@ fn the_largest_of_all_axes_decides() {
     }
 }
 
-/// Whatever its error does, and also off: every abort closes a brake that was opened by hand, and enable begins anew.
+/// With any error reaction, and also when the axis is off: every abort closes a brake that was opened manually, and
+/// enable starts again.
 ///
 /// Proves: MACS-ERR-09, MACS-IO-04, MACS-IO-05
 #[test]
@@ -121,7 +122,8 @@ fn every_abort_closes_the_brake() {
     }
 }
 
-/// The cell's own brake closes once the axis stands, under power; reset_errors opens it in its time. No ESCCOND sets it.
+/// The brake of the cell closes once the axis is at rest, under power; reset_errors opens it in its time. No ESCCOND
+/// sets it.
 ///
 /// Proves: MACS-ERR-09
 #[test]
@@ -150,7 +152,8 @@ fn the_brake_of_the_cell_closes_too() {
     }
 }
 
-/// On its way to being on it does not come on; a quick stop on top of an abort and a disable behind it go their own ways.
+/// An axis that is being enabled is not switched on; a quick stop after an abort and a disable after it have their own
+/// effects.
 #[test]
 fn an_abort_among_other_stops() {
     let mut rig = Rig::of(with_io());
@@ -177,7 +180,7 @@ fn an_abort_among_other_stops() {
     assert_eq!(rig.state("x"), "STANDSTILL");
 }
 
-/// An error that is found in the cycle of the abort shows, though that sets all outputs to 0.
+/// An error in the cycle of the abort is shown, although the abort sets all outputs to 0.
 ///
 /// Proves: MACS-IO-07
 #[test]

@@ -9,12 +9,13 @@ use crate::drive::inputs;
 use crate::object::AxisSet;
 use crate::sim::{Fixtures, Mechanics, Model, SimBrake};
 
-/// A vertical axis: its load falls with 9.81 m/s^2 when nothing holds it. Its brake takes 40 ms to open and 30 ms to close.
+/// Returns a vertical axis: its load falls with 9.81 m/s^2 if nothing holds it. Its brake takes 40 ms to open and 30 ms
+/// to close.
 pub(super) fn vertical(release_ns: u64, engage_ns: u64, model: Model) -> Rig {
     vertical_of(with_io(), release_ns, engage_ns, model)
 }
 
-/// The same in a given cell.
+/// Returns the same in a given cell.
 pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u64, model: Model) -> Rig {
     cell.axes[1].brake = Some(BrakeConfig { output: R, closes_with_one: false, release_ns, engage_ns });
     let mut rig = Rig::with(cell, [model, Model::Ideal]);
@@ -24,7 +25,7 @@ pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u
     rig
 }
 
-/// Its brake takes 50 ms to open; the axis is taken off again after 20.
+/// The brake takes 50 ms to open; the axis is disabled again after 20 ms.
 #[test]
 fn an_axis_that_is_disabled_while_its_brake_opens_is_never_shown_as_enabled() {
     let mut rig = vertical(50_000_000, 35_000_000, Model::Ideal);
@@ -40,8 +41,8 @@ fn an_axis_that_is_disabled_while_its_brake_opens_is_never_shown_as_enabled() {
     assert_eq!((rig.done(disabled).len(), rig.int("x.output.control"), rig.int("x.brake")), (1, 0, 1));
 }
 
-/// With delays that fit its brake a hanging load does not move by one increment when it is switched on and off, nor when its
-/// drive fails at rest... until the brake has closed, which no controller can shorten.
+/// With delays that match its brake a hanging load does not move by one increment when the axis is switched on and off.
+/// If its drive fails at rest, the load moves until the brake is closed, which no controller can shorten.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -79,7 +80,7 @@ fn a_hanging_load_does_not_drop() {
     }
 }
 
-/// The same load without the delays: it drops. The test above would not see a plant that never drops.
+/// The same load without the delays drops. The test above would not detect a plant that never drops.
 #[test]
 fn without_delays_a_hanging_load_drops() {
     let mut rig = vertical(0, 0, Model::Ideal);
@@ -94,7 +95,7 @@ fn without_delays_a_hanging_load_drops() {
     assert!((4_000..=5_100).contains(&dropped), "{dropped}");
 }
 
-/// Whatever takes the power away closes the brake in the same cycle; a stop that keeps the power keeps it open.
+/// Every removal of power closes the brake in the same cycle; a stop under power keeps it open.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -126,11 +127,11 @@ fn an_error_closes_the_brake_of_its_axis() {
     assert_eq!((rig.int("x.brake"), rig.int("r")), (1, 0), "in the cycle in which the fault is seen");
 }
 
-/// Whatever comes while the brake opens or closes: no motion, and the power goes only behind a closed brake.
+/// Commands while the brake opens or closes cause no motion, and the power is removed only after the brake is closed.
 #[test]
 fn commands_while_the_brake_moves() {
     let x = || [X].into_iter().collect::<AxisSet>();
-    // Disabled again before it was open.
+    // Disabled again before the brake was open.
     let mut rig = vertical(50_000_000, 35_000_000, Model::Ideal);
     rig.give(Action::Enable(x()));
     rig.run_until("r", 1);
@@ -139,7 +140,7 @@ fn commands_while_the_brake_moves() {
     rig.give(Action::Disable(x()));
     rig.run(300);
     assert_eq!((rig.state("x"), rig.int("x.actual.position"), rig.int("x.brake")), ("DISABLED", 0, 1));
-    // A quick stop in the meantime locks it, and stays.
+    // A quick stop in the meantime locks the axis permanently.
     rig.give(Action::Enable(x()));
     rig.run_until("r", 1);
     rig.give(Action::QuickStop(x()));
@@ -148,14 +149,14 @@ fn commands_while_the_brake_moves() {
     rig.give(Action::ResetErrors(x()));
     rig.run(100);
     assert_eq!(rig.state("x"), "STANDSTILL");
-    // Enable while it closes is refused: it is still stopping.
+    // An enable while the brake closes is refused: the axis is still stopping.
     rig.give(Action::Disable(x()));
     rig.run(5);
     let refused = rig.give(Action::Enable(x()));
     assert_eq!(rig.refusal(refused), "x: the axis is not at rest; wait until it stands");
     rig.run(100);
     assert_eq!((rig.state("x"), rig.int("x.actual.position")), ("DISABLED", 0));
-    // Deactivated and powered off, it waits for the brake.
+    // Deactivated and switched off, the axis waits for the brake.
     rig.give(Action::Enable(x()));
     rig.run_until("x.state", 1);
     rig.give(Action::Deactivate);
@@ -165,7 +166,7 @@ fn commands_while_the_brake_moves() {
     assert_eq!((rig.int("x.output.control"), rig.int("x.actual.position")), (0, 0));
 }
 
-/// A brake on an output that something else switches makes no machine.
+/// A brake on an output that has another function makes the configuration invalid.
 #[test]
 fn a_brake_has_its_output_alone() {
     let brake = |output| Some(BrakeConfig { output, closes_with_one: false, release_ns: 0, engage_ns: 0 });
@@ -180,7 +181,7 @@ fn a_brake_has_its_output_alone() {
     assert_eq!(parameters().outputs.brake, 0);
 }
 
-/// i_break has closed the brake (error_reaction 3); who switches the axis off, resets it and switches it on finds it open.
+/// i_break has closed the brake (error_reaction 3): after disable, reset and enable it is open.
 #[test]
 fn a_brake_that_i_break_has_closed_opens_with_the_next_enable() {
     let x = || [X].into_iter().collect::<AxisSet>();
@@ -207,7 +208,7 @@ fn a_brake_that_i_break_has_closed_opens_with_the_next_enable() {
     assert_eq!(rig.int("x.actual.position"), 1_000);
 }
 
-/// An error with error_reaction 4 while the brake opens: the drive stops by itself, as it does at any other time.
+/// An error with error_reaction 4 while the brake opens: the drive stops by itself, as at any other time.
 #[test]
 fn an_error_while_the_brake_opens_reacts_as_at_any_time() {
     let x = || [X].into_iter().collect::<AxisSet>();
@@ -221,7 +222,7 @@ fn an_error_while_the_brake_opens_reacts_as_at_any_time() {
     assert_eq!((rig.state("x"), rig.int("x.output.control")), ("ERROR_STOP", 2), "the quick stop of the drive");
 }
 
-/// An error of another axis that takes the power closes the brake in its cycle, too.
+/// An error of another axis that removes the power closes the brake in its cycle, too.
 #[test]
 fn the_error_of_another_axis_closes_the_brake_in_its_cycle() {
     let mut rig = vertical(50_000_000, 35_000_000, Model::Ideal);
@@ -234,7 +235,7 @@ fn the_error_of_another_axis_closes_the_brake_in_its_cycle() {
     assert_eq!((rig.int("x.output.control"), rig.int("x.brake"), rig.int("r")), (0, 1, 0));
 }
 
-/// x at 50 mm/s, with O_BRAKE -1 at an output that reads 1.
+/// Returns a rig with x at 50 mm/s, with O_BRAKE -1 at an output that reads 1.
 fn rolling(errcond: i64) -> Rig {
     let mut cell = with_io();
     cell.axes[1].parameters.outputs.brake = -1;
@@ -247,7 +248,7 @@ fn rolling(errcond: i64) -> Rig {
     rig
 }
 
-/// O_BRAKE -1: with ERRCOND 1 output 1 is low at once, with 3 after the stop, with 0 it is as it was.
+/// O_BRAKE -1: with ERRCOND 1 output 1 is low at once, with 3 after the stop, with 0 it is unchanged.
 ///
 /// Proves: MACS-O-73, MACS-ERR-02, MACS-IO-04
 #[test]
@@ -265,8 +266,8 @@ fn o_brake_goes_low_by_errcond() {
     }
 }
 
-/// What leaves nothing to stop the axis is an error as any other: with ERRCOND 1 and 3 O_BRAKE is active in its cycle, also where
-/// it was to be once the axis stands.
+/// An error that prevents a controlled stop is an error like any other: with ERRCOND 1 and 3 O_BRAKE is active in its
+/// cycle, also if the reaction would close the brake only at rest.
 ///
 /// Proves: MACS-IO-04
 #[test]
@@ -318,7 +319,7 @@ fn o_brake_closes_anew_with_an_error_after_an_abort() {
     }
 }
 
-/// An error while an abort stops the axis leaves the abort its brake.
+/// An error while an abort stops the axis does not change the brake of the abort.
 ///
 /// Proves: MACS-ERR-09
 #[test]

@@ -1,4 +1,4 @@
-//! What takes the power of an axis that has stopped closes its brake first.
+//! The removal of power from an axis at rest closes its brake first.
 
 use super::super::rig::{LINE, Rig, X, at, cases, couple, to};
 use super::brake::vertical_of;
@@ -10,7 +10,8 @@ use crate::object::{AxisSet, Leader};
 use crate::sim::{Model, SecondOrder};
 use proptest::prelude::*;
 
-/// A hanging load that falls with 9.81 m/s^2; its brake needs 30 ms to close and is given 35. Input a is the emergency stop.
+/// Returns a rig with a hanging load that falls with 9.81 m/s^2; its brake needs 30 ms to close and has 35 ms. Input a
+/// is the emergency stop.
 fn guarded(model: Model) -> Rig {
     let mut cell = with_io();
     cell.safety = Safety { estop: Some(0), interlock: None };
@@ -25,7 +26,8 @@ fn second_order() -> Model {
     Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap())
 }
 
-/// From the cycle in which the brake begins to close: what the axis loses, and after how many cycles its power goes.
+/// Returns the distance that the axis loses, and the number of cycles until its power is removed, from the cycle in
+/// which the brake starts to close.
 fn sags(rig: &mut Rig) -> (i64, u64) {
     rig.run_until("x.brake", 1);
     assert_eq!((rig.int("r"), rig.int("x.output.control")), (0, 0x0F), "it holds while the brake closes");
@@ -35,7 +37,7 @@ fn sags(rig: &mut Rig) -> (i64, u64) {
     (rig.int("x.actual.position") - stopped, held)
 }
 
-/// An emergency stop, at rest and in motion, up and down.
+/// An emergency stop, at rest and in motion, upwards and downwards.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -51,7 +53,7 @@ fn a_hanging_load_does_not_sag_in_an_emergency_stop() {
             rig.run(1);
             assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", 10_225), "in the same cycle");
             let stopping = rig.run_until("x.brake", 1);
-            // 50 mm/s with 1 m/s^2: 50 ms, and the last step of the drive; behind a drive of 60 Hz some more.
+            // 50 mm/s with 1 m/s^2: 50 ms, and the last step of the drive; some more with a drive of 60 Hz.
             let lags = if model == Model::Ideal { 0 } else { 15 };
             assert!(if velocity == 0.0 { stopping == 0 } else { (48..=52 + lags).contains(&stopping) }, "{stopping}");
             assert_eq!(sags(&mut rig), (0, 35), "{velocity}");
@@ -63,7 +65,7 @@ fn a_hanging_load_does_not_sag_in_an_emergency_stop() {
     }
 }
 
-/// A software limit stops at the limit; what error_reaction takes then goes behind the brake.
+/// A software limit stops at the limit; then error_reaction removes the power after the brake has closed.
 #[test]
 fn a_hanging_load_does_not_sag_after_a_stop_that_an_error_asked_for() {
     for reaction in [0, 1] {
@@ -78,7 +80,7 @@ fn a_hanging_load_does_not_sag_after_a_stop_that_an_error_asked_for() {
     }
 }
 
-/// Whatever comes while the brake closes after an error neither takes the power earlier nor lets the axis go.
+/// Commands while the brake closes after an error neither remove the power earlier nor release the axis.
 #[test]
 fn commands_while_the_brake_closes_after_an_error() {
     let commands = [
@@ -113,7 +115,7 @@ fn commands_while_the_brake_closes_after_an_error() {
     }
 }
 
-/// The brake that error_reaction 3 has closed has its time, too, when the emergency stop comes a moment later.
+/// The brake that error_reaction 3 has closed also has its time if the emergency stop follows a moment later.
 #[test]
 fn a_brake_that_has_just_begun_to_close_has_its_time() {
     for (wait, held) in [(1, 34), (20, 15), (34, 1), (35, 0), (100, 0)] {
@@ -130,8 +132,8 @@ fn a_brake_that_has_just_begun_to_close_has_its_time() {
     }
 }
 
-/// A drive that stops by itself (error_reaction 4) is left its power until it stands and the brake is closed: neither the
-/// emergency stop nor a reset takes it earlier.
+/// A drive that stops by itself (error_reaction 4) keeps its power until it is at rest and the brake is closed: neither
+/// the emergency stop nor a reset removes it earlier.
 #[test]
 fn a_drive_that_stops_by_itself_keeps_its_power_until_the_brake_is_closed() {
     for resets in [false, true] {
@@ -150,7 +152,7 @@ fn a_drive_that_stops_by_itself_keeps_its_power_until_the_brake_is_closed() {
         };
         rig.run_until("x.brake", 1);
         let held = rig.run_until("x.output.control", 0);
-        // What the drive does counts from where it can have heard of its stop.
+        // The state of the drive counts from the cycle in which it can have received the stop.
         assert!((34..=36).contains(&held), "{held}");
         rig.run(100);
         assert_eq!(rig.int("x.actual.position"), 0);
@@ -158,7 +160,7 @@ fn a_drive_that_stops_by_itself_keeps_its_power_until_the_brake_is_closed() {
     }
 }
 
-/// Something that happens to the axis.
+/// Applies an event to the axis.
 fn happens(rig: &mut Rig, what: u8, much: i64) {
     let x = AxisSet::one(X);
     let action = match what {
@@ -191,8 +193,8 @@ fn happens(rig: &mut Rig, what: u8, much: i64) {
 proptest! {
     #![proptest_config(cases(150))]
 
-    /// Whatever happens, as long as the drive is well and no reaction takes the power of a moving axis: without power the load
-    /// does not move by one increment.
+    /// With any events, as long as the drive has no fault and no reaction removes the power of a moving axis: without
+    /// power the load does not move by one increment.
     #[test]
     fn without_power_the_load_never_moves(
         steps in prop::collection::vec((0_u8..18, -60_000_i64..60_000, 1_u64..80), 1..60)

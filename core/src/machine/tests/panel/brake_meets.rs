@@ -1,4 +1,4 @@
-//! A brake that closes or opens meets what ends, stops or resets its axis.
+//! A closing or opening brake together with events that end, stop or reset its axis.
 
 use super::super::rig::{Rig, X};
 use super::brake::vertical;
@@ -13,7 +13,7 @@ use crate::vocabulary::saia;
 
 const LIMITS: u32 = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
 
-/// Switched on, or on its way: the brake takes 40 ms to open and is given 50.
+/// Returns a rig with x switched on, or being switched on: the brake takes 40 ms to open and has 50 ms.
 fn switched_on(reaction: i64, until: &str) -> (Rig, u64) {
     let mut rig = vertical(50_000_000, 35_000_000, Model::Ideal);
     rig.give(set(X, "error_reaction", reaction));
@@ -22,7 +22,8 @@ fn switched_on(reaction: i64, until: &str) -> (Rig, u64) {
     (rig, enabled)
 }
 
-/// A drive that stops by itself (error_reaction 4) has its power until the brake is closed, whoever switches it off.
+/// A drive that stops by itself (error_reaction 4) keeps its power until the brake is closed, with any command that
+/// switches it off.
 ///
 /// Proves: MACS-ERR-02
 #[test]
@@ -47,7 +48,7 @@ fn disable_leaves_a_drive_that_stops_by_itself_its_power_until_the_brake_is_clos
     }
 }
 
-/// A drive that stops by itself and falls silent meanwhile is not waited for: nobody knows whether it stands.
+/// A drive that stops by itself and no longer reports meanwhile is not waited for: it is unknown whether it is at rest.
 #[test]
 fn a_drive_that_falls_silent_while_it_stops_is_not_waited_for() {
     for command in [Action::ResetErrors(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
@@ -64,7 +65,7 @@ fn a_drive_that_falls_silent_while_it_stops_is_not_waited_for() {
     }
 }
 
-/// One that never stands, as far as its encoder shows, is switched off after as long as a drive may take for anything.
+/// A drive that never shows rest by its encoder is switched off after the maximum time for any action of a drive.
 #[test]
 fn a_drive_that_never_stands_is_not_waited_for_without_end() {
     for command in [Action::ResetErrors(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
@@ -82,7 +83,7 @@ fn a_drive_that_never_stands_is_not_waited_for_without_end() {
     }
 }
 
-/// An error or an abort while the brake opens closes it; after the reset it has all of its time to open.
+/// An error or an abort while the brake opens closes it; after the reset it has its full time to open.
 #[test]
 fn a_brake_that_closed_while_it_opened_has_its_time_after_the_reset() {
     for aborts in [false, true] {
@@ -105,7 +106,7 @@ fn a_brake_that_closed_while_it_opened_has_its_time_after_the_reset() {
     }
 }
 
-/// Who enables an axis that an error stops while its brake opens is told that error, not that it is ready.
+/// If an error stops an axis while its brake opens, its enable ends with that error, not with success.
 #[test]
 fn enable_ends_with_the_error_that_comes_while_the_brake_opens() {
     for reaction in [2, 3] {
@@ -119,7 +120,7 @@ fn enable_ends_with_the_error_that_comes_while_the_brake_opens() {
     }
 }
 
-/// A stop that comes while a reset waits for the brake locks the axis: the reset was meant for what was there before.
+/// A stop while a reset waits for the brake locks the axis: the reset applies to earlier errors only.
 #[test]
 fn a_reset_that_waits_for_the_brake_does_not_undo_a_later_stop() {
     for (stop, code) in [(Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP), (Action::Abort, Code::ABORTED)] {
@@ -144,8 +145,8 @@ fn saia(commands: &[saia::Command]) -> saia::Request {
     saia::Request { axis: X, commands, ..Default::default() }
 }
 
-/// FStart switches the axis on; its motion begins once the brake is open, and is the same as without one. FMotOff leaves a load
-/// to the brake first, and a start that comes meanwhile waits.
+/// FStart switches the axis on; its motion starts once the brake is open, and is the same as without a brake. FMotOff
+/// first closes the brake of a load, and a start in the meantime waits.
 #[test]
 fn the_motor_commands_of_saia_mind_the_brake() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, MotorOff, Start};

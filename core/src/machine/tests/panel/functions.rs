@@ -1,4 +1,4 @@
-//! One output, one function.
+//! Each output has at most one function.
 
 use super::super::rig::{Rig, X, Y, to};
 use super::{R, set, with_io};
@@ -23,7 +23,7 @@ fn changes(of: &[(u16, &str, i64)]) -> Action {
     Action::SetParameters(of.iter().map(change).collect())
 }
 
-/// Axes that share the output of O_AXMOVE: it is active while any of them has a motion command, of both signs.
+/// Axes that share the output of O_AXMOVE: it is active while any of them has a motion command, with both signs.
 ///
 /// Proves: MACS-IO-06
 #[test]
@@ -46,7 +46,7 @@ fn axes_share_the_output_that_tells_of_motion() {
     }
 }
 
-/// A brake that another function opens holds nothing: such a set is refused as a whole, whatever its order.
+/// A brake that another function opens cannot hold: such a set is refused as a whole, in any order.
 ///
 /// Proves: MACS-IO-04
 #[test]
@@ -69,7 +69,7 @@ fn an_output_has_one_function() {
     }
 }
 
-/// Who asks for an output that another one has is told, wherever its axis stands.
+/// The refusal names the axis that requests an output that is in use, in any order of the axes.
 #[test]
 fn the_refusal_names_the_axis_that_was_set() {
     let mut rig = Rig::of(with_io());
@@ -88,7 +88,7 @@ fn the_refusal_names_the_axis_that_was_set() {
     assert_eq!(rig.refusal(sequence), "y: o_axmove names output 1, which has another function already");
 }
 
-/// What is saved and what comes back with a layer keep that, too.
+/// Saved and restored layers keep this rule, too.
 #[test]
 fn layers_give_an_output_one_function() {
     let mut rig = Rig::of(with_io());
@@ -105,7 +105,7 @@ fn layers_give_an_output_one_function() {
     assert!(rig.was_accepted(both));
 }
 
-/// A machine is not made of such a cell.
+/// A cell that violates this rule is invalid.
 #[test]
 fn a_cell_gives_an_output_one_function() {
     let mut cell = with_brake();
@@ -120,8 +120,8 @@ fn a_cell_gives_an_output_one_function() {
     assert_eq!(said(&cell), Err("machine: o_error names output 1, which has another function already".into()));
 }
 
-/// An output that changes its function shows the new one, whatever level the former one rests at, and a brake that an error has
-/// closed is not opened by the former one.
+/// An output that changes its function shows the new one, at any level of the previous one, and a brake that an error
+/// has closed is not opened by the previous function.
 ///
 /// Proves: MACS-IO-04, MACS-IO-07
 #[test]
@@ -148,7 +148,7 @@ fn an_output_that_changes_its_function_shows_the_new_one() {
     }
 }
 
-/// Functions that change places in one set: each shows where it is now.
+/// Functions that exchange their outputs in one set: each is shown on its new output.
 ///
 /// Proves: MACS-IO-06, MACS-IO-07
 #[test]

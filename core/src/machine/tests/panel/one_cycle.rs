@@ -1,4 +1,4 @@
-//! A stop that locks, and what lets an axis go on, in one cycle: the stop wins, in any order.
+//! A locking stop and a command that would release the axis, in one cycle: the stop takes precedence, in any order.
 
 use super::super::rig::{LINE, Rig, X, Y, at, saia_verb, to};
 use super::brake::vertical_of;
@@ -14,7 +14,7 @@ fn x() -> AxisSet {
     AxisSet::one(X)
 }
 
-/// Inputs a, b and c are I_BREAK, I_CONTINUE and I_ERRCLR.
+/// Returns a cell in which inputs a, b and c are I_BREAK, I_CONTINUE and I_ERRCLR.
 fn with_inputs() -> MachineConfig {
     let mut cell = with_io();
     let p = &mut cell.global.parameters;
@@ -22,7 +22,7 @@ fn with_inputs() -> MachineConfig {
     cell
 }
 
-/// What locks an axis.
+/// Stop that locks an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stop {
     Quick,
@@ -41,12 +41,13 @@ impl Stop {
         }
     }
 
-    /// In which it leaves an axis without power.
+    /// Returns the state of an axis without power after this stop.
     fn leaves(self) -> &'static str {
         if self == Self::Break { "DISABLED" } else { "STOPPING" }
     }
 
-    /// Gives it in one cycle with other commands: first or last among them. The sequence of the first of the others.
+    /// Gives the stop in one cycle with other commands: first or last. Returns the sequence number of the first of the
+    /// others.
     fn give(self, rig: &mut Rig, first: bool, others: &[Action]) -> u64 {
         let mut actions = others.to_vec();
         let stop = match self {
@@ -69,7 +70,7 @@ fn codes(rig: &Rig, sequence: u64) -> Vec<Code> {
     rig.done(sequence).iter().map(|done| done.code).collect()
 }
 
-/// What a command behind that stop is told.
+/// Returns the message for a command after this stop.
 fn locked(stop: Stop) -> &'static str {
     match stop {
         Stop::Quick => "x: quick_stop has locked the axis; reset_errors first",
@@ -77,8 +78,9 @@ fn locked(stop: Stop) -> &'static str {
     }
 }
 
-/// In every cycle from that of the enable to the one before the axis is on: the drive is off again, at once, and but for I_BREAK
-/// it stays so until a reset. Who enabled it is told what ended that; another axis of the same command comes on.
+/// In every cycle from that of the enable to the one before the axis is on: the drive is switched off again at once,
+/// and except for I_BREAK it remains off until a reset. The enable ends with the reason; another axis of the same
+/// command is switched on.
 #[test]
 fn a_stop_ends_an_enable_under_way() {
     let both = || Action::Enable([X, Y].into_iter().collect());
@@ -115,8 +117,8 @@ fn a_stop_ends_an_enable_under_way() {
     }
 }
 
-/// Commands of one cycle come in the order of their lanes, not in that in which somebody gave them: an enable behind the stop
-/// is refused, one before an input's stop is ended, and an abort's brake stays closed.
+/// Commands of one cycle are handled in the order of their lanes, not in the order of the clients: an enable after the
+/// stop is refused, one before the stop of an input is ended, and the brake of an abort remains closed.
 #[test]
 fn an_enable_in_the_cycle_of_a_stop_does_not_come_on() {
     for stop in STOPS {
@@ -133,7 +135,7 @@ fn an_enable_in_the_cycle_of_a_stop_does_not_come_on() {
         }
         assert_eq!(rig.int("p"), i64::from(stop == Stop::Abort), "{stop:?}");
     }
-    // One that is on already, and a virtual one, are locked.
+    // An axis that is already on, and a virtual axis, are locked.
     for stop in [Stop::Quick, Stop::Abort] {
         for first in [false, true] {
             let mut rig = Rig::of(with_inputs());
@@ -151,8 +153,8 @@ fn an_enable_in_the_cycle_of_a_stop_does_not_come_on() {
     assert_eq!((rig.state("line"), codes(&rig, 1)), ("STOPPING", vec![Code::QUICK_STOP]));
 }
 
-/// While the brake opens the drive holds the load already: the axis keeps its power and is locked. It is never told to be
-/// enabled, and moves only after a reset.
+/// While the brake opens the drive already holds the load: the axis keeps its power and is locked. It is never reported
+/// as enabled, and moves only after a reset.
 #[test]
 fn a_stop_while_the_brake_opens_locks_the_axis() {
     for stop in STOPS {
@@ -173,7 +175,7 @@ fn a_stop_while_the_brake_opens_locks_the_axis() {
             assert_eq!((rig.state("x"), codes(&rig, reset)), ("STANDSTILL", vec![Code::NONE]), "{stop:?} {wait}");
             assert_eq!(rig.int("x.actual.position"), 0);
         }
-        // Before the drive holds it the brake is closed, and stays so.
+        // Before the drive holds the load the brake is closed, and remains closed.
         let mut rig = vertical_of(with_inputs(), 50_000_000, 35_000_000, Model::Ideal);
         rig.run(3);
         rig.give(Action::Enable(x()));
@@ -185,8 +187,8 @@ fn a_stop_while_the_brake_opens_locks_the_axis() {
     }
 }
 
-/// FStart switches the axis on and waits for that: a stop ends both, and the next enable moves nothing. A start behind the stop
-/// in its cycle is refused.
+/// FStart switches the axis on and waits for that: a stop ends both, and the next enable moves nothing. A start after
+/// the stop in its cycle is refused.
 #[test]
 fn a_stop_ends_a_start_that_switches_on() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, Start};
@@ -222,7 +224,7 @@ fn a_stop_ends_a_start_that_switches_on() {
     assert_eq!((rig.state("x"), rig.int("x.output.control")), ("STOPPING", 0));
 }
 
-/// What the axis does when the stop comes.
+/// State of the axis before the stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Before {
     Stands,
@@ -256,8 +258,8 @@ fn prepared(before: Before) -> Rig {
     rig
 }
 
-/// A reset that is given with a stop, before or behind it or in another lane, was meant for what was there before: it ends with
-/// the stop's code, and a later one unlocks the axis.
+/// A reset in one cycle with a stop, before or after it or in another lane, applies to earlier errors: it ends with the
+/// code of the stop, and a later reset unlocks the axis.
 #[test]
 fn a_stop_wins_over_a_reset_of_its_cycle() {
     for before in BEFORE {
@@ -293,7 +295,7 @@ fn a_stop_wins_over_a_reset_of_its_cycle() {
     }
 }
 
-/// A reset that waits for rest when the stop comes does not undo it, also where an error had stopped the axis.
+/// A reset that waits for rest does not release a later stop, also if an error had stopped the axis.
 #[test]
 fn a_reset_that_waits_for_rest_does_not_undo_a_stop() {
     for stop in STOPS {
@@ -315,7 +317,7 @@ fn a_reset_that_waits_for_rest_does_not_undo_a_stop() {
     }
 }
 
-/// The reset bit of the positioning modules is no way round a stop of its cycle either.
+/// The reset bit of the positioning modules cannot release a stop of its cycle, either.
 ///
 /// Proves: WF-MON-06
 #[test]
@@ -338,7 +340,7 @@ fn a_stop_wins_over_the_reset_bit_of_its_cycle() {
     assert_eq!((rig.was_accepted(again), rig.state("x")), (true, "STANDSTILL"));
 }
 
-/// I_CONTINUE and I_ERRCLR in the cycle of a stop, and an I_ERRCLR that waits for rest, let nothing go on.
+/// I_CONTINUE and I_ERRCLR in the cycle of a stop, and an I_ERRCLR that waits for rest, do not release the axis.
 #[test]
 fn inputs_in_the_cycle_of_a_stop_let_nothing_go_on() {
     let mut rig = prepared(Before::Stands);
@@ -353,7 +355,7 @@ fn inputs_in_the_cycle_of_a_stop_let_nothing_go_on() {
     assert_eq!(rig.state("x"), "STANDSTILL", "the next edge does");
     for stop in STOPS {
         for earlier in [0, 1] {
-            // An error that only is reported: the axis goes on, and I_ERRCLR has something to clear.
+            // An error that is only reported: the axis continues, and I_ERRCLR has something to clear.
             let mut rig = Rig::of(with_inputs());
             rig.give(set(X, "error_reaction", 5));
             rig.enable();
@@ -371,7 +373,7 @@ fn inputs_in_the_cycle_of_a_stop_let_nothing_go_on() {
     }
 }
 
-/// An axis in error without power stays without it, and has nothing else to be locked for: there the reset is done.
+/// An axis in error without power stays without it, and has no other reason for a lock: the reset is done.
 #[test]
 fn a_reset_of_an_axis_that_is_off() {
     for stop in STOPS {
@@ -395,7 +397,8 @@ fn a_reset_of_an_axis_that_is_off() {
     }
 }
 
-/// halt locks nothing, so the reset unlocks what was locked; disable takes the power whatever is reset, and the load stays.
+/// halt causes no lock, so the reset unlocks the axis; disable removes the power with any reset, and the load stays in
+/// place.
 #[test]
 fn halt_and_disable_with_a_reset_in_one_cycle() {
     for before in BEFORE {
@@ -434,7 +437,8 @@ fn halt_and_disable_with_a_reset_in_one_cycle() {
     }
 }
 
-/// The stop ends a reset that already works on the drive; off and locked, the axis can be set up as one that is disabled.
+/// The stop ends a reset that is already acting on the drive; the axis is off and locked, and can be parameterised like
+/// a disabled one.
 #[test]
 fn a_stop_ends_a_reset_of_a_drive_in_fault() {
     for stop in [Stop::Quick, Stop::Abort] {

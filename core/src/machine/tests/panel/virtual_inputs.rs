@@ -10,14 +10,15 @@ use crate::machine::Machine;
 use crate::machine::tests::rig::{Rig, X, at};
 use crate::object::AxisSet;
 
-/// Input c (3) reads output p.
+/// Returns a cell in which input c (3) reads output p.
 fn virtual_c() -> MachineConfig {
     let mut cell = with_io();
     cell.global.virtual_inputs = vec![VirtualInput { input: 2, output: P }];
     cell
 }
 
-/// Input 3 reads output 1: x runs, then the output is set in cycle k. The input shows it in k + 1, and x stops in that cycle.
+/// Input 3 reads output 1: x runs, then the output is set in cycle k. The input shows it in k + 1, and x stops in that
+/// cycle.
 ///
 /// Proves: MACS-LIM-07
 #[test]
@@ -41,7 +42,7 @@ fn a_limit_switch_may_be_an_output_of_the_machine_and_comes_a_cycle_later() {
         assert_eq!(shown(&rig), (new, 1, "ERROR_STOP"), "{number}: the next one");
         let event = rig.events.iter().find(|event| event.kind == Kind::Error).unwrap();
         assert_eq!((event.cycle, event.code), (before + 1, Code::HARDWARE_LIMIT_POSITIVE));
-        // The level holds the way closed until the output is set back.
+        // The level blocks the direction until the output is reset.
         rig.run(50);
         rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(5);
@@ -54,7 +55,8 @@ fn a_limit_switch_may_be_an_output_of_the_machine_and_comes_a_cycle_later() {
     }
 }
 
-/// Outputs with a function are read as others are: the error of y stops x, a cycle later; a brake that an axis closes by itself.
+/// Outputs with a function are read like others: the error of y stops x, one cycle later; also a brake that an axis
+/// closes itself.
 ///
 /// Proves: MACS-LIM-07
 #[test]
@@ -84,7 +86,8 @@ fn an_output_with_a_function_is_read_too() {
     assert_eq!((rig.int("r"), rig.int("c")), (1, 1), "open");
 }
 
-/// A filter counts from the level that the input would have shown without it; what a backend says of the input counts for nothing.
+/// A filter counts from the level that the input would have had without it; the value of a backend for the input has no
+/// effect.
 #[test]
 fn a_virtual_input_may_be_filtered_and_hears_no_backend() {
     let mut cell = virtual_c();
@@ -94,14 +97,14 @@ fn a_virtual_input_may_be_filtered_and_hears_no_backend() {
     rig.run(20);
     assert_eq!(rig.int("c"), 0);
     rig.give(Action::set_output(P, 1.0));
-    // It would have shown in the next cycle; 5 ms later it counts.
+    // Without the filter the level would show in the next cycle; it applies 5 ms later.
     rig.run(5);
     assert_eq!(rig.int("c"), 0);
     rig.run(1);
     assert_eq!(rig.int("c"), 1);
 }
 
-/// Every input function takes one: the edge of an output clears, with i_errclr.
+/// Every input function accepts a virtual input: the edge of an output clears errors with i_errclr.
 #[test]
 fn other_functions_take_virtual_inputs_as_well() {
     let mut cell = virtual_c();
@@ -116,7 +119,7 @@ fn other_functions_take_virtual_inputs_as_well() {
     assert!(rig.was_accepted(assigned));
 }
 
-/// After the power came back outputs are 0, and so is what reads them.
+/// After a power cycle outputs are 0, and so are the inputs that read them.
 #[test]
 fn a_power_cycle_takes_the_level_with_the_output() {
     let mut rig = Rig::of(virtual_c());

@@ -1,4 +1,4 @@
-//! What becomes of an axis with two encoders when one of them, or what is between motor and load, fails: no axis runs away.
+//! Failure of one of two encoders of an axis, or of the transmission between motor and load: no axis runs away.
 
 use super::super::super::rig::cases;
 use super::*;
@@ -41,7 +41,7 @@ fn has_told(rig: &Rig, code: Code) -> bool {
     rig.events.iter().any(|event| event.code == code)
 }
 
-/// Each fault in a motion, whatever the reaction to errors, 5 (none) too: the power goes.
+/// Each fault during a motion removes the power, with any error reaction, including 5 (none).
 #[test]
 fn each_fault_in_a_motion_takes_the_power() {
     for fault in FAULTS {
@@ -60,15 +60,15 @@ fn each_fault_in_a_motion_takes_the_power() {
                 }
             }
             assert_eq!(rig.int("x.enabled"), 0, "{fault:?} {reaction}");
-            // What is allowed, and what a cycle and a twist make.
+            // The allowed deviation, plus that of a cycle and of the torsion.
             assert!(furthest <= ALLOWED + 1_000, "{fault:?} {reaction}: {furthest}");
             assert!(has_told(&rig, Code::ENCODERS_APART) || reaction != 5, "{fault:?} {reaction}");
         }
     }
 }
 
-/// A belt that is broken: the motor turns alone, the load stands, and the axis is off before the motor has turned by much more than what is
-/// allowed.
+/// A broken belt: the motor turns alone, the load stands still, and the axis is switched off before the motor exceeds
+/// the allowed deviation by much.
 #[test]
 fn a_motor_without_its_load_loses_its_power() {
     let mut data = motor();
@@ -84,7 +84,7 @@ fn a_motor_without_its_load_loses_its_power() {
     assert!((ALLOWED..ALLOWED + 1_500).contains(&motor), "{motor}");
 }
 
-/// An encoder of the motor that has no words: the drive tells those of an absolute encoder, and its line is cut.
+/// A motor encoder without words: the drive reports those of an absolute encoder, and its line is cut.
 #[test]
 fn without_words_of_the_motor_the_power_goes() {
     let encoder = Absolute { turns: 4096, code: WordCode::Gray, ..Absolute::single_turn(1_000) };
@@ -100,7 +100,7 @@ fn without_words_of_the_motor_the_power_goes() {
     assert_eq!((rig.int("x.error"), rig.int("x.enabled")), (i64::from(Code::ENCODER_INVALID.0), 0));
 }
 
-/// A ratio that is up to half or twice what it is told to be is no broken belt; more is.
+/// A real ratio of half to twice the given one is not detected as a broken belt; a larger deviation is.
 #[test]
 fn a_ratio_that_is_not_quite_the_one_given_is_borne() {
     for (resolution, is_borne) in [(TURN * 5 / 9, true), (TURN * 9 / 5, true), (TURN / 3, false), (TURN * 3, false)] {
@@ -113,7 +113,7 @@ fn a_ratio_that_is_not_quite_the_one_given_is_borne() {
     }
 }
 
-/// Off, motor and load may be moved apart: what was taken apart for service is no fault afterwards.
+/// While the axis is off, motor and load may be moved apart: disassembly for service is no fault afterwards.
 #[test]
 fn off_nothing_is_compared() {
     let mut rig = rig(faulty(2), motor());
@@ -126,7 +126,7 @@ fn off_nothing_is_compared() {
     assert_eq!((rig.int("x.error"), rig.state("x")), (0, "STANDSTILL"));
 }
 
-/// The encoder of the drive for both loops: it is never apart from itself, and no cycle is passed over.
+/// The encoder of the drive for both loops: it cannot deviate from itself, and no cycle is skipped.
 #[test]
 fn the_encoder_of_the_drive_may_be_both() {
     let mut config = dual_config();
@@ -141,9 +141,9 @@ fn the_encoder_of_the_drive_may_be_both() {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Whatever fails, whenever, over plants, gains, laws and reactions, at rest and in motion: while the axis has power its load comes no
-    /// further from where it was when that happened, and from where it should be, than what is allowed, but for what some cycles of a
-    /// motor that speeds up and a spring make of it.
+    /// Any fault at any time, with random plants, gains, control laws and reactions, at rest and in motion: while the
+    /// axis has power its load moves at most by the allowed deviation away from its position at the fault and from its
+    /// command, plus the travel of some cycles of an accelerating motor and of the spring.
     #[test]
     fn no_axis_with_two_encoders_runs_away(
         is_pid in any::<bool>(),
@@ -187,7 +187,7 @@ proptest! {
             let (low, high) = (begun.min(wanted), begun.max(wanted));
             let beyond = (low - place).max(place - high).max(0);
             prop_assert!(beyond <= ALLOWED + 2_000, "cycle {}: {} beyond {} to {}", cycle, beyond, low, high);
-            // One that lags too far without any fault may have stopped before, and holds.
+            // An axis that lags too far without a fault may have stopped before, and holds.
             let is_late = rig.state("x") == "CONTINUOUS_MOTION" && velocity.abs() > 10_000.0 && cycle > 2_500;
             prop_assert!(!is_late, "cycle {}: still on, {} of {}", cycle, place, wanted);
         }
