@@ -69,7 +69,7 @@ impl Supervision {
         id == master
     }
 
-    /// Returns true if a heartbeat of the drive is due. One that is late is not made up for.
+    /// Returns true if a heartbeat of the drive is due. Missed heartbeats are not made up for.
     pub(super) fn is_due(&mut self, table: &Table, now: Duration) -> bool {
         let (Some(due), Some(time)) = (self.next_heartbeat, heartbeat(table)) else { return false };
         if now < due {
