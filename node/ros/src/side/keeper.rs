@@ -169,7 +169,8 @@ impl<T: Target> Keeper<T> {
                     Ok(number) => {
                         self.last = number;
                         self.sending.push_back((now, number));
-                        // Those that were written to others since it joined: the library may not know it yet, and would send them to it.
+                        // Samples that were written to other readers since this one joined: the library may not have discovered it yet, and
+                        // would send them to it.
                         if !reader.has_sample {
                             (reader.first, reader.has_sample) = (number, true);
                         }

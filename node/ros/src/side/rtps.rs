@@ -1,4 +1,4 @@
-//! RTPS messages that are sent in addition to the DDS library (little endian), and a parser of the ACKNACKs that answer them.
+//! RTPS messages that are sent in addition to those of the DDS library (little endian), and a parser of the ACKNACKs that answer them.
 
 use std::net::SocketAddrV4;
 

@@ -163,7 +163,7 @@ impl Overrides {
     pub(super) fn of(all: &[Override], node: &NodeName) -> Self {
         let mut own: BTreeMap<String, Given> = BTreeMap::new();
         for one in all.iter().filter(|one| one.nodes.fits(node)) {
-            // What was once meant for this node alone has to be there.
+            // A value that was once given for this node only must match a parameter.
             let was_strict = own.get(&one.name).is_some_and(|before| before.is_strict);
             let given = Given { is_strict: one.given.is_strict || was_strict, ..one.given.clone() };
             own.insert(one.name.clone(), given);
@@ -171,32 +171,32 @@ impl Overrides {
         Self(own)
     }
 
-    /// Takes the value that was given for a parameter.
+    /// Removes and returns the value that was given for a parameter.
     pub fn take(&mut self, name: &str) -> Option<Given> {
         self.0.remove(name)
     }
 
-    /// Takes all whose names fit.
+    /// Removes and returns all values whose names match.
     pub fn take_where(&mut self, fits: impl Fn(&str) -> bool) -> Self {
         let (taken, left) = std::mem::take(&mut self.0).into_iter().partition(|(name, _)| fits(name));
         self.0 = left;
         Self(taken)
     }
 
-    /// All of them, ascending by name.
+    /// Returns all values, ascending by name.
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Given)> {
         self.0.iter()
     }
 
-    /// Whether nothing was given.
+    /// Returns true if no value was given.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What is left at the end is known to nobody: what was meant for this node is an error, the rest a list of warnings.
+    /// Returns warnings about values that match no parameter. To be called last.
     ///
     /// # Errors
-    /// All that was meant for this node, in one sentence.
+    /// All values that were given for this node only, in one message.
     pub fn unknown(&self) -> Result<Vec<String>, String> {
         let sentence = |(name, given): (&String, &Given)| format!("{}: no parameter is called `{name}`", given.place);
         let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_strict).map(sentence).collect();
