@@ -1,4 +1,4 @@
-//! Where the joints of a group should be and where they are, as points of a trajectory.
+//! Desired and actual positions of the joints of a group, as points of a trajectory.
 
 use super::joints::Joints;
 use crate::surface::messages::AxisView;
