@@ -206,7 +206,7 @@ pub struct DriveConfig {
     pub drive_type: Option<DriveType>,
     /// Capabilities of the drive according to the cell.
     pub offers: Capabilities,
-    /// Counts per motor revolution according to the cell, as a fraction; `None`: unknown.
+    /// Counts per shaft revolution according to the cell, as a fraction; `None`: unknown.
     pub per_revolution: Option<(u64, u64)>,
     /// Velocity unit of the drive.
     pub velocity: VelocityFactor,

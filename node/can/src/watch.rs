@@ -1,7 +1,7 @@
 //! Monitoring of a device: error control (CiA 301).
 //!
 //! Law      heartbeat: the device reports its state by itself. It is lost if it is silent for longer than the heartbeat time, counted from
-//!          its first heartbeat. Node guarding: the device is asked by a remote frame and answers with a toggle bit that alternates,
+//!          its first heartbeat. Node guarding: the master sends a remote frame, and the device answers with a toggle bit that alternates,
 //!          starting at 0 after its boot-up. It is lost if it gives no valid answer for guard time times life time factor, counted from the
 //!          first request. A lost device is back with its next valid sign of life. If the first heartbeat never arrives, the device is not
 //!          monitored; this is reported once, when the heartbeat time after its start has passed

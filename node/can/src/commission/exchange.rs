@@ -1,8 +1,8 @@
 //! Decodes SDO frames that were recorded from the bus.
 //!
 //! Law      one exchange for each node: segments belong to the object that was named last. Segments of a block have no command specifier of
-//!          their own; they are recognized by the frames before them. If the beginning of an exchange was not received, its frames are decoded
-//!          by their first byte
+//!          their own; they are recognized by the frames before them. If the beginning of an exchange was not received, its frames are
+//!          decoded by their first byte
 //! Source   CiA 301
 
 use super::allowed::label;

@@ -59,9 +59,9 @@ pub enum Access {
     Wo,
     /// Read and write.
     Rw,
-    /// Read and write; a PDO can send it only.
+    /// Read and write; in a PDO it can only be sent.
     Rwr,
-    /// Read and write; a PDO can receive it only.
+    /// Read and write; in a PDO it can only be received.
     Rww,
     /// Read only, with a constant value.
     Const,

@@ -2,8 +2,8 @@
 //!
 //! Law      each bus has a queue of requests. The service handles them one after another and answers each once. A client that has waited
 //!          too long cancels its request, which is then never started
-//! Refuses  a request for which the queue has no room; a write that requires a disabled drive, if the drive reports that it is enabled
-//!          (6041h)
+//! Refuses  a request for which the queue has no room; a write that requires a drive without power, if the drive reports enabled, quick
+//!          stop or fault reaction (6041h)
 //! Source   CiA 301; CiA 402-2 (states)
 
 use super::port::Port;
@@ -34,10 +34,10 @@ pub enum Denied {
     /// The object is longer than the maximum.
     #[error("{0} has more than {LONGEST} bytes; `lineshaft can sdo read` takes longer ones")]
     Long(Object),
-    /// The drive is enabled, and the object is in one of its PDOs.
+    /// The drive is under power (enabled, quick stop or fault reaction), and the object is in one of its PDOs.
     #[error("{0} is mapped in a PDO and the drive is under power ({state}); switch the axis off first", state = words::drive_state(*.1))]
     Power(Object, DriveState),
-    /// It is unknown whether the drive is enabled.
+    /// It is unknown whether the drive is under power.
     #[error("{0} is mapped in a PDO, and whether the drive is under power is not known: {1}")]
     NoState(Object, SdoError),
     /// The bus connection is lost.
@@ -60,7 +60,7 @@ pub enum Access {
     Write {
         /// Bytes of the value.
         data: Vec<u8>,
-        /// Whether the write requires that the drive is not enabled.
+        /// Whether the write requires that the drive is not under power.
         without_power: bool,
     },
 }

@@ -10,8 +10,8 @@ use crate::eds::Direction;
 use crate::sdo::Object;
 
 impl Sheet<'_> {
-    /// Reports a mapped object that the file lacks, only the first one of each index. If an index gives its number of subindices, the
-    /// following ones are missing as well.
+    /// Reports a mapped object that the file lacks, only the first one of each index. It is an error if the index has fewer subindices
+    /// according to its subindex 0; otherwise a warning.
     pub(super) fn missing(&mut self, object: Object, key: &str) {
         if !self.lacking.insert(object.index) {
             return;

@@ -26,7 +26,7 @@ pub(super) struct Context {
     pub(super) request_timeout: Duration,
     /// Tap that copies published messages; `None`: nothing is copied.
     pub(super) tap: Option<Tap>,
-    /// Returns an error once the node has ended.
+    /// Receiver whose channel is closed when the node ends.
     pub(super) closed: watch::Receiver<()>,
     /// All endpoints that were ever opened.
     #[cfg(test)]

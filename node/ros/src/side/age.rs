@@ -26,7 +26,7 @@ pub(super) struct Known {
     pub(super) written: Option<u64>,
     /// Time of this host's clock, in ticks of 2^-32 s.
     pub(super) now: u64,
-    /// Time since the reader was created, or since the writer's participant was heard again after a loss.
+    /// Time since the reader was created, or since the first announcement of the writer's participant after a loss.
     pub(super) reader: Duration,
     /// Time since the writer was matched.
     pub(super) matched: Duration,

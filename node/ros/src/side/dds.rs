@@ -251,7 +251,8 @@ impl Participant {
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
     }
 
-    /// Whether a remote reader wants the samples that were written before it joined. Returns false if the reader is unknown.
+    /// Whether a remote reader gets the samples that were written before it joined (transient local). Returns false if the reader is
+    /// unknown.
     pub(super) fn keeps_for(&self, reader: Guid) -> bool {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);

@@ -39,7 +39,7 @@ const SENDING: Duration = GAP_REPEATS[0];
 pub(super) trait Target: Send + Sync + 'static {
     /// Writes a sample to one matched reader and returns its number.
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
-    /// Whether the reader wants the values that were set before it joined.
+    /// Whether the reader gets the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
     /// Returns the addresses on which a reader reads.
     fn addresses(&self, reader: Guid) -> Vec<SocketAddrV4>;

@@ -1,9 +1,9 @@
 //! State of all remote participants: present, lost, or back after a loss.
 //!
-//! Law      a participant is lost when its lease has expired in the DDS library. When it is heard again, it is coming. It is back when the
-//!          library has discovered it again; otherwise it is lost again. A participant that is disposed is removed. A lost participant is
-//!          requested to announce itself, for one hour
-//! Refuses  more than [`MOST`] participants: the one that was not heard for the longest time is removed
+//! Law      a participant is lost when its lease has expired in the DDS library. When an announcement of it is received again, it is
+//!          coming. It is back when the library has discovered it again; otherwise it is lost again. A participant that is disposed is
+//!          removed. A lost participant is requested to announce itself, for one hour
+//! Refuses  more than [`MOST`] participants: the one with the oldest announcement is removed
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -26,7 +26,7 @@ const HOPE: Duration = Duration::from_secs(3600);
 pub(super) enum Heard {
     /// The library handles the announcement itself.
     Known,
-    /// A lost participant is heard again.
+    /// An announcement of a lost participant was received.
     Coming,
     /// A participant that is back announces a change, or disposes itself.
     Changed,
@@ -125,7 +125,7 @@ impl Presence {
         is_found
     }
 
-    /// Returns the time at which it was heard again, or `None` if it was never lost or is still lost.
+    /// Returns the time at which its first announcement after a loss was received, or `None` if it was never lost or is still lost.
     pub(super) fn since(&self, who: Prefix) -> Option<Instant> {
         match self.all.get(&who)?.state {
             State::There | State::Lost { .. } => None,

@@ -38,7 +38,7 @@ pub(super) struct Replies {
     topic: String,
     /// Reader of each client, by the client's writer, if a search has found exactly one reader.
     known: Mutex<HashMap<Guid, Guid>>,
-    /// Locked while a reply is sent, so that a long reply knows its sequence number in advance.
+    /// Locked while a reply is sent, so that the sequence number of a long reply is known in advance.
     numbers: tokio::sync::Mutex<Numbers>,
 }
 

@@ -95,7 +95,7 @@ pub(super) const FINAL: u8 = 0b10;
 pub(super) struct AckNack {
     pub(super) reader: Entity,
     pub(super) writer: Entity,
-    /// All samples before this number are acknowledged; 0: preemptive, the reader does not know the writer's samples yet.
+    /// All samples before this number are acknowledged; 0: preemptive, before the reader has any information about the writer's samples.
     pub(super) base: i64,
     pub(super) count: i32,
     pub(super) is_final: bool,

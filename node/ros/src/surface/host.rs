@@ -313,7 +313,7 @@ pub trait Host: Send + Sync + 'static {
     /// Stops accepting commands, executes those that wait, then ends the cycles and stops the backends.
     fn close(&self);
 
-    /// Returns whether cycles run.
+    /// Returns the state of the cycles.
     fn gate(&self) -> GateState;
 
     /// Returns the timing of the cycle. The newest values start again with each call, so there must be only one caller.

@@ -82,7 +82,7 @@ impl AxisView {
         self.si(self.int(board, AxisSignal::CommandPosition), fraction)
     }
 
-    /// Returns the position that the master demands, in m or rad: the command position plus the synchronization error.
+    /// Returns the position that the master or the trajectory demands, in m or rad: the command position plus the synchronization error.
     pub(super) fn desired(&self, board: &Board) -> f64 {
         let lag = self.int(board, AxisSignal::SyncError);
         let fraction = self.real(board, AxisSignal::CommandFraction);

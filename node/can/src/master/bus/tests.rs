@@ -379,8 +379,8 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
 }
 
-/// Bit 12 is still 1 from the previous homing, as with methods 35 and 37 of some drives, or rises after the new zero. A step of more than 4
-/// * 50,000 counts/s in a cycle of 1 ms, plus 100 counts, is not motion; a smaller step is motion of the homing.
+/// Bit 12 is still 1 from the previous homing, as with methods 35 and 37 of some drives, or rises after the new zero. A step above 4 *
+/// 50,000 counts/s in a cycle of 1 ms, plus 100 counts, is not motion; a smaller step is motion of the homing.
 #[test]
 fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
     for before in [0x1637, 0x0237] {

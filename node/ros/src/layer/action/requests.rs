@@ -150,7 +150,7 @@ impl<A: Action> Drop for GoalHandle<A> {
     }
 }
 
-/// Goals that a client wants to cancel; the request is refused when dropped.
+/// Goals that a client requests to cancel; the request is refused when dropped.
 pub struct CancelRequest<A: Action> {
     shared: Arc<Shared<A>>,
     selection: Selection,

@@ -278,7 +278,7 @@ impl<A: Action> Dispatch<A> {
     }
 
     /// Cancels the known goals at once and returns them, so that a motion does not continue until the request is answered. If the
-    /// application decides about cancel requests, it is asked once, later.
+    /// application decides about cancel requests, it gets one event, later.
     fn begin_cancel(&self, Request { message, reply }: &Request<CancelGoal>) -> Vec<Shown> {
         let origin = reply.origin();
         if self.cancels == Cancels::Ask || origin.refused(None).is_some() {

@@ -127,7 +127,7 @@ pub enum Progress<A: Action> {
     },
     /// The goal has ended.
     Ended {
-        /// A constant of `GoalStatus`: 4 succeeded, 5 canceled, 6 aborted, or 0 for a goal that the server does not know.
+        /// A constant of `GoalStatus`: 4 succeeded, 5 canceled, 6 aborted, or 0 for a goal that is unknown to the server.
         status: i8,
         /// Result.
         result: A::Result,
