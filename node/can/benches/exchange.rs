@@ -1,7 +1,7 @@
-//! What CAN costs the cycle thread, without a way to a bus.
+//! Time that the CAN master takes in the cycle thread, without a real bus.
 //!
-//! `cargo bench -p lineshaft-can --bench exchange`: the exchange of a cycle with 1, 2 and 8 drives whose answers are there at once; the words of a
-//! PDO both ways; reading a number by SDO; counting the bits of a frame.
+//! `cargo bench -p lineshaft-can --bench exchange` measures: the exchange of one cycle with 1, 2 and 8 drives whose answers are available
+//! at once; packing and unpacking of a PDO; reading a number by SDO; counting the bits of a frame.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
@@ -15,7 +15,7 @@ use lineshaft_can::{Frame, Id, NodeId, Watching};
 use lineshaft_core::drive::{Backend, DriveInput, DriveOutput, Inputs, MODE_CSP, Outputs};
 use std::hint::black_box;
 
-/// Drives whose PDOs come with each SYNC.
+/// Transport that returns the PDOs of all drives after each SYNC.
 struct Loopback {
     answers: Vec<Image<Told>>,
     next: usize,
@@ -94,7 +94,7 @@ fn exchange(criterion: &mut Criterion) {
             cycle += 1;
             inputs.drive.iter().all(|drive| drive.online && drive.fresh)
         };
-        // What is measured is an exchange in which all take part.
+        // Only an exchange in which all drives take part is measured.
         once();
         assert!(once(), "all drives answer");
         group.throughput(Throughput::Elements(drives as u64));

@@ -1,14 +1,15 @@
-//! How long drives take to answer a SYNC, as this program's way to a bus sees it.
+//! Time from a SYNC to the answers of the drives, measured through the transport of this program.
 //!
-//! `cargo bench -p lineshaft-can --bench latency -- ADDRESS COUNT NODE..`: that many SYNCs, each once all nodes have answered the one before with
-//! their TPDO 1; one line of JSON. The nodes are configured, and no program drives them. `tests/soak/can_peers.py` runs it.
+//! `cargo bench -p lineshaft-can --bench latency -- ADDRESS COUNT NODE..` sends COUNT SYNCs. Each SYNC is sent when all nodes have answered
+//! the previous one with their TPDO 1. The result is one line of JSON. The nodes must be configured, and no other program may use them.
+//! `tests/soak/can_peers.py` runs it.
 
 use lineshaft_can::transport::{Address, Options, open};
 use lineshaft_can::{Frame, Id, NmtCommand, NodeId};
 use std::thread::{sleep, yield_now};
 use std::time::{Duration, Instant};
 
-/// An answer that takes longer is lost.
+/// Time after which an answer counts as lost.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 fn main() {
@@ -34,7 +35,7 @@ fn main() {
         while !left.is_empty() && begin.elapsed() < PATIENCE {
             match way.receive().expect("the bus is there") {
                 Some(frame) => left.retain(|id| *id != frame.id()),
-                // The other side has the same processors.
+                // The process that answers shares the processors with this one.
                 None => yield_now(),
             }
         }

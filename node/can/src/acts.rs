@@ -1,9 +1,10 @@
-//! Objects that a device configuration (DCF) does not write, as they act or are setpoints.
+//! Objects of a device configuration (DCF) that are not written, because they trigger an action or are setpoints.
 //!
-//! Law      an object acts if the write itself does something: it stores, restores, clears, presets, starts, enables. A setpoint is a value
-//!          that the device follows, at once or as soon as it is enabled. Every other object keeps a value and is written. No standard says
-//!          what objects of the manufacturer do (2000h to 5FFFh): they are written
-//! Reads    objects, and the profile of the logical device that has them (1000h; 67FFh and 800h further for the next ones)
+//! Law      an object acts if the write itself triggers something: it stores, restores, clears, presets, starts or enables. A setpoint is a
+//!          value that the device follows, at once or as soon as it is enabled. Every other object stores a value and is written.
+//!          Manufacturer objects (2000h to 5FFFh) are written, as no standard describes their effect
+//! Reads    objects, and the profile of the logical device that has them (1000h; 67FFh for the second logical device and 800h higher for
+//!          each further one)
 //! Source   CiA 301, CiA 302-2, CiA 302-3, CiA 401, CiA 402-2, CiA 406
 
 use crate::drive::objects::DEVICE_TYPE;
@@ -13,26 +14,26 @@ use std::fmt;
 
 use LeftOutReason::{Acts, Setpoint};
 
-/// Objects of profiles: those of the first logical device, and where those of the next one begin.
+/// First index of the profile area of the first logical device.
 const FIRST_OF_PROFILES: u16 = 0x6000;
 const LAST_OF_PROFILES: u16 = 0x9FFF;
 const LOGICAL_DEVICE: u16 = 0x800;
-/// Device type of the first logical device, if a device gives it here as well as in 1000h.
+/// Device type of the first logical device, if a device has it here in addition to 1000h.
 const LOGICAL_DEVICE_TYPE: u16 = 0x67FF;
 
-/// Why a configuration does not write an object.
+/// Reason why a configuration does not write an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeftOutReason {
-    /// The write itself does something.
+    /// The write itself triggers an action.
     Acts,
     /// The device follows the value.
     Setpoint,
 }
 
-/// First and last index, the subindex (none: all of them), and why they are left out.
+/// First and last index, subindex (`None`: all subindices), and the reason why they are left out.
 type Row = (u16, u16, Option<u8>, LeftOutReason);
 
-/// Objects of all profiles.
+/// Rows that apply to all profiles.
 const COMMON: [Row; 7] = [
     // Pre-defined error field: 0 clears the history.
     (0x1003, 0x1003, Some(0), Acts),
@@ -42,26 +43,26 @@ const COMMON: [Row; 7] = [
     (0x1013, 0x1013, None, Setpoint),
     // OS command, its mode, debugger interface, OS prompt.
     (0x1023, 0x1026, None, Acts),
-    // Configuration request: a manager configures its nodes.
+    // Configuration request, with which a manager configures its nodes.
     (0x1F25, 0x1F25, None, Acts),
     // Program data (the flash memory), program control (stop, start, reset, clear).
     (0x1F50, 0x1F51, None, Acts),
-    // Request NMT, request node guarding: a master commands its nodes.
+    // Request NMT, request node guarding, with which a master commands its nodes.
     (0x1F82, 0x1F83, None, Acts),
 ];
 
-/// Modules of inputs and outputs (CiA 401): all are outputs.
+/// I/O modules (CiA 401): all rows are outputs.
 const MODULE: [Row; 5] = [
-    // 8 bits; single bits 1 to 1024; 16 bits; 32 bits.
+    // Digital outputs of 8 bits; single bits 1 to 1024; 16 bits; 32 bits.
     (0x6200, 0x6200, None, Setpoint),
     (0x6220, 0x6227, None, Setpoint),
     (0x6300, 0x6300, None, Setpoint),
     (0x6320, 0x6320, None, Setpoint),
-    // Analog, of 8, 16, 32 bits, REAL32, of the manufacturer.
+    // Analog outputs of 8, 16 and 32 bits, as REAL32, and manufacturer-specific.
     (0x6410, 0x6414, None, Setpoint),
 ];
 
-/// Drives (CiA 402). 60FEh:02 is the mask of the outputs, which is configuration.
+/// Drives (CiA 402). 60FEh:02 is the mask of the outputs, which is configuration and is not listed.
 const DRIVE: [Row; 8] = [
     // Control word.
     (0x6040, 0x6040, None, Acts),
@@ -69,7 +70,7 @@ const DRIVE: [Row; 8] = [
     (0x6042, 0x6042, None, Setpoint),
     (0x6071, 0x6071, None, Setpoint),
     (0x607A, 0x607A, None, Setpoint),
-    // Position, velocity and torque offset, which add to the targets.
+    // Position, velocity and torque offset, which are added to the targets.
     (0x60B0, 0x60B2, None, Setpoint),
     // Interpolation data record.
     (0x60C1, 0x60C1, None, Setpoint),
@@ -79,15 +80,15 @@ const DRIVE: [Row; 8] = [
     (0x60FF, 0x60FF, None, Setpoint),
 ];
 
-/// Encoders (CiA 406): presets, which move the position to their value when they are written.
+/// Encoders (CiA 406): presets. A write sets the position to the preset value.
 const ENCODER: [Row; 3] = [
     (0x6003, 0x6003, None, Acts),
-    // With 64 bits; of several channels.
+    // 64-bit preset; presets of several channels.
     (0x6009, 0x6009, None, Acts),
     (0x6010, 0x6010, None, Acts),
 ];
 
-/// Profiles by their numbers.
+/// Rows by profile number.
 const PROFILES: [(u16, &[Row]); 3] = [(401, &MODULE), (402, &DRIVE), (406, &ENCODER)];
 
 fn found(rows: &[Row], object: Object) -> Option<LeftOutReason> {
@@ -98,14 +99,14 @@ fn found(rows: &[Row], object: Object) -> Option<LeftOutReason> {
     rows.iter().find(is_it).map(|row| row.3)
 }
 
-/// Number of the logical device that has an index, from 0; none for an index of no profile.
+/// Returns the number of the logical device that has an index, from 0; `None` for an index outside the profile area.
 fn logical_device(index: u16) -> Option<u16> {
     let beyond = index.checked_sub(FIRST_OF_PROFILES)?;
     (index <= LAST_OF_PROFILES).then_some(beyond / LOGICAL_DEVICE)
 }
 
-/// Returns why a configuration does not write an object, none if it does. `profile` is that of the logical device that has the object;
-/// where it is none, or no profile of drives, modules or encoders, whatever acts in one of these is left out.
+/// Returns the reason why a configuration does not write an object; `None` if it is written. `profile` is the profile of the logical device
+/// that has the object. If it is `None` or unknown here (not 401, 402 or 406), the objects that act in any of these profiles are left out.
 pub fn reason(object: Object, profile: Option<u16>) -> Option<LeftOutReason> {
     let Some(device) = logical_device(object.index) else { return found(&COMMON, object) };
     let object = Object { index: object.index - device * LOGICAL_DEVICE, ..object };
@@ -115,7 +116,7 @@ pub fn reason(object: Object, profile: Option<u16>) -> Option<LeftOutReason> {
     }
 }
 
-/// Returns the object with the device type of the logical device that has an index; none for an index of no profile.
+/// Returns the object with the device type of the logical device that has an index; `None` for an index outside the profile area.
 pub fn device_type(index: u16) -> Option<Object> {
     match logical_device(index)? {
         0 => Some(DEVICE_TYPE),
@@ -123,31 +124,31 @@ pub fn device_type(index: u16) -> Option<Object> {
     }
 }
 
-/// Returns the profile in a device type; none for 0, which stands for a device without a profile.
+/// Returns the profile number in a device type; `None` for 0, which means a device without a profile.
 pub fn profile(device_type: u32) -> Option<u16> {
     Some(device_type as u16).filter(|profile| *profile != 0)
 }
 
-/// Returns the profile of the logical device that has an index, by a dictionary. `first` is that of the first one, and of those of which
-/// the dictionary says nothing.
+/// Returns the profile of the logical device that has an index, according to a dictionary. `first` is the profile of the first logical
+/// device. It also applies to a further logical device whose device type is missing in the dictionary.
 pub fn profile_of(dictionary: &Dictionary, index: u16, first: Option<u16>) -> Option<u16> {
     let further = device_type(index).filter(|object| *object != DEVICE_TYPE);
     let said = further.and_then(|object| dictionary.value(object)?.number());
     said.and_then(|number| profile(u32::try_from(number).ok()?)).or(first)
 }
 
-/// What a configuration has and does not write, in the order of the objects.
+/// Objects of a configuration that are not written, in the order of the objects.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut(pub Vec<(Object, LeftOutReason)>);
 
 impl LeftOut {
-    /// Whether all is written.
+    /// Returns true if all objects are written.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 }
 
-/// All of them with their reasons, to stand after "left out": "as objects that act: 1010h:01 to 04; as setpoints: 607Ah:00".
+/// Lists the objects with their reasons, to follow the words "left out": "as objects that act: 1010h:01 to 04; as setpoints: 607Ah:00".
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut gap = "";
@@ -163,7 +164,7 @@ impl fmt::Display for LeftOut {
     }
 }
 
-/// Objects as a list; subindices in a row as their first and last one.
+/// Returns objects as a list in which consecutive subindices are shown as a range.
 fn listed(objects: impl Iterator<Item = Object>) -> String {
     let mut runs: Vec<(Object, u8)> = Vec::new();
     for object in objects {

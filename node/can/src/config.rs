@@ -1,4 +1,4 @@
-//! What a bus is made of, as a cell says it.
+//! Configuration of a bus and its devices.
 
 use crate::acts::LeftOut;
 use crate::drive::layout::Extras;
@@ -12,51 +12,51 @@ use lineshaft_core::drive::{Capabilities, Terminal};
 use lineshaft_core::sync::gear::gcd;
 use std::fmt;
 
-/// Heartbeats that may be missed until who sends them is lost.
+/// Number of heartbeat times without a heartbeat after which its producer counts as lost.
 pub const HEARTBEATS_MISSED: u64 = 3;
 
-/// A bus.
+/// Configuration of a bus.
 #[derive(Clone, Debug)]
 pub struct BusConfig {
-    /// Its name in the cell.
+    /// Name in the cell.
     pub name: String,
-    /// The way to it.
+    /// Address of the transport.
     pub transport: Address,
-    /// (bit/s); none where the way has none, or sets it by itself.
+    /// Bit rate, in bit/s; `None` if the transport has none, or sets it by itself.
     pub bit_rate: Option<u32>,
-    /// Baud rate of the serial line of an adapter (bit/s); none: 115200, or the way has no serial line.
+    /// Baud rate of the serial line of an adapter, in bit/s; `None`: 115200, or the transport has no serial line.
     pub serial_baudrate: Option<u32>,
-    /// From one SYNC to the next (ns).
+    /// SYNC period, in ns.
     pub cycle_ns: u64,
-    /// SYNC counts from 1 to this, 2 to 240; none: SYNC has no counter.
+    /// SYNC counter overflow, 2 to 240: SYNC counts from 1 to this value; `None`: SYNC has no counter.
     pub sync_overflow: Option<u8>,
-    /// How long an SDO server may take for an answer (ns).
+    /// SDO timeout, in ns.
     pub sdo_timeout_ns: u64,
-    /// From one TIME to the next (ns); none: there is none.
+    /// Period of the TIME message, in ns; `None`: TIME is not sent.
     pub time_ns: Option<u64>,
-    /// The heartbeat of the master; none: the drives do not watch it.
+    /// Heartbeat of the master; `None`: the drives do not monitor the master.
     pub master: Option<Master>,
-    /// Its devices.
+    /// Devices on the bus.
     pub devices: Vec<DeviceConfig>,
 }
 
-/// How the master shows that it is there.
+/// Heartbeat producer of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Master {
-    /// Its own node id.
+    /// Node ID of the master.
     pub node: NodeId,
-    /// From one heartbeat to the next (ns).
+    /// Heartbeat time, in ns.
     pub heartbeat_ns: u64,
 }
 
 impl BusConfig {
-    /// The value and the power of ten that say the cycle in seconds (60C2h); none where 8 bits do not say it.
+    /// Returns the interpolation time period (60C2h): value and power of ten, in seconds; `None` if 8 bits cannot represent the cycle.
     pub fn interpolation(&self) -> Option<(u8, i8)> {
         let (mut value, mut index) = (self.cycle_ns, -9_i8);
         while value != 0 && value.is_multiple_of(10) {
             (value, index) = (value / 10, index + 1);
         }
-        // A power that drives know: 10^-3 rather than 10^-2.
+        // Drives support 10^-3 rather than 10^-2.
         while index > -3 && value <= u64::from(u8::MAX) / 10 {
             (value, index) = (value * 10, index - 1);
         }
@@ -64,29 +64,29 @@ impl BusConfig {
     }
 }
 
-/// A device: a drive, a module of inputs and outputs, or an encoder.
+/// Configuration of a device: drive, I/O module or encoder.
 #[derive(Clone, Debug)]
 pub struct DeviceConfig {
-    /// Its node.
+    /// Node ID.
     pub node: NodeId,
-    /// How it is watched.
+    /// Monitoring of the device.
     pub watching: Watching,
-    /// What its PDOs carry.
+    /// PDO layout.
     pub layout: Layout,
-    /// What it must be.
+    /// Required identity.
     pub identity: Identity,
-    /// What it is told before it starts, in this order.
+    /// Objects that are written before the device starts, in this order.
     pub startup: Vec<Write>,
-    /// Values of its file that it is not told, as they act or are setpoints.
+    /// Values of the device file that are not written, as they act or are setpoints.
     pub left_out: LeftOut,
-    /// Inputs, outputs and encoders of the machine that are there.
+    /// Inputs, outputs and encoders of the machine at this device.
     pub terminals: Terminals,
-    /// What it is.
+    /// Role of the device.
     pub role: Role,
 }
 
 impl DeviceConfig {
-    /// A drive in csp of which nothing more is said, as benches and tests have it.
+    /// Returns a drive in csp with default settings, for benchmarks and tests.
     pub fn plain_drive(place: usize, node: NodeId, watching: Watching) -> Self {
         let terminals = Terminals::default();
         let drive = DriveConfig {
@@ -115,7 +115,7 @@ impl DeviceConfig {
         }
     }
 
-    /// What it is as a drive, where it is one.
+    /// Returns the drive configuration if the device is a drive.
     pub fn drive(&self) -> Option<&DriveConfig> {
         match &self.role {
             Role::Drive(drive) => Some(drive),
@@ -124,7 +124,7 @@ impl DeviceConfig {
     }
 }
 
-/// Node and axis, or what else it is.
+/// Writes the node, and the axis or the kind of device.
 impl fmt::Display for DeviceConfig {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.drive() {
@@ -134,19 +134,19 @@ impl fmt::Display for DeviceConfig {
     }
 }
 
-/// What a device is, by its profile.
+/// Role of a device, according to its profile.
 #[derive(Clone, Debug)]
 pub enum Role {
     /// A drive (CiA 402).
     Drive(DriveConfig),
-    /// A module of inputs and outputs (CiA 401).
+    /// I/O module (CiA 401).
     Module,
     /// An encoder (CiA 406).
     Encoder,
 }
 
 impl Role {
-    /// Number and name of its profile.
+    /// Returns number and name of the profile.
     pub fn profile(&self) -> (u32, &'static str) {
         match self {
             Self::Drive(_) => (402, "drive"),
@@ -156,72 +156,72 @@ impl Role {
     }
 }
 
-/// What of a machine is at the terminals of a device.
+/// Inputs, outputs and encoders of the machine at a device.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Terminals {
-    /// Digital inputs; addresses are bits, of 6000h:01 on, of 60FDh of a drive.
+    /// Digital inputs. Addresses are bit numbers, counted from 6000h:01, or from bit 0 of 60FDh of a drive.
     pub digital_inputs: Vec<Terminal>,
-    /// Digital outputs; addresses are bits, of 6200h:01 on, of 60FEh:01 of a drive.
+    /// Digital outputs. Addresses are bit numbers, counted from 6200h:01, or from bit 0 of 60FEh:01 of a drive.
     pub digital_outputs: Vec<Terminal>,
     /// Analog inputs (6401h).
     pub analog_inputs: Vec<Analog>,
     /// Analog outputs (6411h).
     pub analog_outputs: Vec<Analog>,
-    /// Encoders of the machine that it is.
+    /// Encoders of the machine that this device implements.
     pub encoders: Vec<Encoder>,
 }
 
 /// An analog terminal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Analog {
-    /// Its place in the machine, and its channel from 0.
+    /// Place in the machine, and channel from 0.
     pub terminal: Terminal,
-    /// What 7FFFh is (V).
+    /// Voltage at 7FFFh, in V.
     pub full_scale: f64,
 }
 
 /// An encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Encoder {
-    /// Its place in the machine.
+    /// Place among the encoders of the machine.
     pub place: usize,
-    /// Its words still hold behind a power cycle.
+    /// Whether the position remains valid after a power cycle.
     pub is_absolute: bool,
 }
 
-/// What a device is as a drive.
+/// Configuration of a drive.
 #[derive(Clone, Debug)]
 pub struct DriveConfig {
-    /// Its place among the drives of the machine.
+    /// Place among the drives of the machine.
     pub place: usize,
-    /// The axis that it drives.
+    /// Name of the axis.
     pub axis: String,
-    /// The number of that axis.
+    /// Object number of the axis.
     pub object: u16,
-    /// What its touch probes catch.
+    /// Edges that the touch probes capture.
     pub probes: Probes,
-    /// How it is commanded.
+    /// Mode of operation.
     pub mode: DriveMode,
-    /// Its number in MACS, where the cell has chosen it by that.
+    /// DRIVETYPE of MACS, if the cell selects the drive by it.
     pub drive_type: Option<DriveType>,
-    /// What it offers, by the cell.
+    /// Capabilities of the drive according to the cell.
     pub offers: Capabilities,
-    /// Counts per revolution of its shaft by the cell, as a fraction; none: nobody knows.
+    /// Counts per shaft revolution according to the cell, as a fraction; `None`: unknown.
     pub per_revolution: Option<(u64, u64)>,
-    /// How fast it says it is.
+    /// Velocity unit of the drive.
     pub velocity: VelocityFactor,
-    /// What is shown of it while its words are missing.
+    /// Behaviour while process data of the drive is missing.
     pub missed: Missed,
-    /// Effort of the axis at the rated torque of the drive (6076h), where the cell says it (N or Nm).
+    /// Effort of the axis at the rated torque of the drive (6076h), in N or Nm; `None` if the cell does not give it.
     pub rated_effort: Option<f64>,
 }
 
-/// What is shown of a drive whose words are missing.
+/// Behaviour while process data of a drive is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Missed {
-    /// Cycles that are waited for.
+    /// Number of cycles without process data that are tolerated.
     pub cycles: u32,
-    /// Its position goes on at its last velocity meanwhile; else it stays.
+    /// Whether the position is extrapolated with the last velocity meanwhile; otherwise it stays.
     pub extrapolates: bool,
 }
 
@@ -231,10 +231,10 @@ impl Default for Missed {
     }
 }
 
-/// What a device must be (1018h); what is none is not looked at.
+/// Required identity of a device (1018h); `None` is not checked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity {
-    /// Vendor.
+    /// Vendor ID.
     pub vendor: Option<u32>,
     /// Product code.
     pub product: Option<u32>,
@@ -244,10 +244,10 @@ pub struct Identity {
     pub serial: Option<u32>,
 }
 
-/// Units of velocity of a drive: `numerator / denominator` of them are one count per second (6096h, the other way round).
+/// Velocity unit of a drive: `numerator / denominator` units are one count per second (the inverse of 6096h).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityFactor {
-    /// Drive's units.
+    /// Velocity units of the drive.
     pub numerator: u32,
     /// Counts per second.
     pub denominator: u32,
@@ -260,7 +260,8 @@ impl Default for VelocityFactor {
 }
 
 impl VelocityFactor {
-    /// 1/1000 rpm of a shaft with so many counts in so many revolutions (MACS-CAN-12); none where 32 bits do not say it.
+    /// Returns the factor for 1/1000 rpm of a shaft with `counts` counts in `turns` revolutions (MACS-CAN-12); `None` if it does not fit 32
+    /// bits.
     pub fn mrpm(counts: u64, turns: u64) -> Option<Self> {
         let (numerator, denominator) = (turns.checked_mul(60_000)?, counts);
         let divisor = gcd(numerator, denominator);
@@ -268,18 +269,18 @@ impl VelocityFactor {
         Some(Self { numerator: part(numerator)?, denominator: part(denominator)? })
     }
 
-    /// From counts/s to the drive's units; saturates.
+    /// Converts counts/s to the velocity unit of the drive; saturates.
     pub fn to_drive(self, counts_per_s: f64) -> i64 {
         (counts_per_s * f64::from(self.numerator) / f64::from(self.denominator)).round() as i64
     }
 }
 
-/// A value for an object.
+/// Write of an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Write {
-    /// Which one.
+    /// Object.
     pub object: Object,
-    /// Its bytes.
+    /// Bytes of the value.
     pub data: Vec<u8>,
 }
 
@@ -324,7 +325,7 @@ mod tests {
         assert_eq!(factor.to_drive(f64::INFINITY), i64::MAX);
     }
 
-    /// 3000 rpm of a motor with 4096 counts are 204,800 counts/s, and 3,000,000 of 1/1000 rpm.
+    /// 3000 rpm of a motor with 4096 counts per revolution are 204,800 counts/s, which is 3,000,000 in units of 1/1000 rpm.
     ///
     /// Proves: MACS-O-57
     #[test]

@@ -1,12 +1,12 @@
 //! Classical CAN frames with 11-bit identifiers, as CANopen uses them (CiA 301).
 
-/// Why something is no frame.
+/// Reason why a frame or an identifier is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameError {
-    /// Identifiers have 11 bits.
+    /// The identifier exceeds 11 bits.
     #[error("CAN identifier {0:X}h; 0h to 7FFh is allowed")]
     Id(u16),
-    /// Frames carry up to 8 bytes.
+    /// The frame has more than 8 bytes.
     #[error("{0} bytes of data; 0 to 8 are allowed")]
     Length(usize),
 }
@@ -16,31 +16,31 @@ pub enum FrameError {
 pub struct Id(u16);
 
 impl Id {
-    /// Network management (CiA 301).
+    /// Network management (NMT, CiA 301).
     pub const NMT: Self = Self(0x000);
     /// SYNC (CiA 301, object 1005h by default).
     pub const SYNC: Self = Self(0x080);
     /// TIME (CiA 301, object 1012h by default).
     pub const TIME: Self = Self(0x100);
-    /// From the slaves of LSS to its master (CiA 305).
+    /// From LSS slaves to the LSS master (CiA 305).
     pub const LSS_SLAVE: Self = Self(0x7E4);
-    /// From the master of LSS to its slaves (CiA 305).
+    /// From the LSS master to its slaves (CiA 305).
     pub const LSS_MASTER: Self = Self(0x7E5);
 
-    /// An identifier of 0h to 7FFh.
+    /// Creates an identifier of 0h to 7FFh.
     ///
     /// # Errors
-    /// A larger number.
+    /// The number is larger.
     pub const fn new(id: u16) -> Result<Self, FrameError> {
         if id <= 0x7FF { Ok(Self(id)) } else { Err(FrameError::Id(id)) }
     }
 
-    /// That of a function of one node: at most 780h + 127.
+    /// Returns the identifier of a function of one node: at most 780h + 127.
     pub(crate) const fn of_function(function: u16, node: u8) -> Self {
         Self((function & 0x780) + (node & 0x7F) as u16)
     }
 
-    /// The number.
+    /// Returns the number.
     pub const fn get(self) -> u16 {
         self.0
     }
@@ -56,10 +56,10 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A data frame.
+    /// Creates a data frame.
     ///
     /// # Errors
-    /// More than 8 bytes.
+    /// There are more than 8 bytes.
     pub fn data(id: Id, bytes: &[u8]) -> Result<Self, FrameError> {
         let mut data = [0; 8];
         let place = data.get_mut(..bytes.len()).ok_or(FrameError::Length(bytes.len()))?;
@@ -67,20 +67,20 @@ impl Frame {
         Ok(Self { id, data, length: bytes.len() as u8, remote: false })
     }
 
-    /// A data frame of 8 bytes.
+    /// Creates a data frame of 8 bytes.
     pub const fn of(id: Id, data: [u8; 8]) -> Self {
         Self { id, data, length: 8, remote: false }
     }
 
-    /// A data frame of 2 bytes.
+    /// Creates a data frame of 2 bytes.
     pub(crate) const fn short(id: Id, [a, b]: [u8; 2]) -> Self {
         Self { id, data: [a, b, 0, 0, 0, 0, 0, 0], length: 2, remote: false }
     }
 
-    /// A remote frame that asks for `length` bytes.
+    /// Creates a remote frame that requests `length` bytes.
     ///
     /// # Errors
-    /// More than 8 bytes.
+    /// The length exceeds 8 bytes.
     pub fn remote(id: Id, length: u8) -> Result<Self, FrameError> {
         if length > 8 {
             return Err(FrameError::Length(length.into()));
@@ -88,22 +88,22 @@ impl Frame {
         Ok(Self { id, data: [0; 8], length, remote: true })
     }
 
-    /// The identifier.
+    /// Returns the identifier.
     pub fn id(&self) -> Id {
         self.id
     }
 
-    /// The data; none for a remote frame.
+    /// Returns the data; empty for a remote frame.
     pub fn bytes(&self) -> &[u8] {
         if self.remote { &[] } else { &self.data[..usize::from(self.length)] }
     }
 
-    /// Number of bytes that it carries or asks for.
+    /// Returns the number of bytes that the frame carries or requests.
     pub fn length(&self) -> u8 {
         self.length
     }
 
-    /// True for a remote frame.
+    /// Returns true for a remote frame.
     pub fn is_remote(&self) -> bool {
         self.remote
     }

@@ -1,5 +1,5 @@
-//! CAN for Lineshaft: the ways to a bus, the CANopen master, CiA 402 drives, EDS and DCF files. The crate alone knows CAN, and it knows no
-//! ROS.
+//! CAN for Lineshaft: transports, CANopen master, CiA 402 drives, EDS and DCF files. This is the only crate with CAN, and it does not
+//! depend on ROS.
 #![forbid(unsafe_code)]
 
 pub mod acts;
@@ -24,7 +24,7 @@ pub use nmt::{Life, NmtCommand, NmtState};
 pub use node_id::NodeId;
 pub use watch::{Happened, Watch, Watching};
 
-/// The tests of the master watch for memory that a cycle takes.
+/// Tests of the master check that cycles allocate no memory.
 #[cfg(test)]
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;

@@ -1,22 +1,22 @@
-//! What frames cost a bus.
+//! Bus load of CAN frames.
 //!
-//! Law      a frame with an 11-bit identifier has 47 bits beside its data, the 3 bits of space behind it among them; behind 5 equal bits from
-//!          its start to its checksum one of the other kind is stuffed
-//! Reads    frames; what a cell says of a bus
+//! Law      a frame with an 11-bit identifier has 47 bits in addition to its data, including the 3 bits of interframe space. After 5 equal
+//!          bits between start and checksum, a bit of the other level is stuffed
+//! Reads    frames; the configuration of a bus
 //! Source   ISO 11898-1; CRC-15 of CAN
 
 use crate::Frame;
 use crate::config::BusConfig;
 use crate::drive::layout::{Pdo, Transmission};
 
-/// Bits of a frame beside its data.
+/// Bits of a frame without its data.
 const BARE: u64 = 47;
-/// Bits beside its data that can be stuffed: from the start of the frame to its checksum.
+/// Bits without data that are subject to bit stuffing: from the start of the frame to its checksum.
 const STUFFED: u64 = 34;
-/// Generator of the checksum, without its highest bit.
+/// Generator polynomial of the checksum, without its highest bit.
 const GENERATOR: u16 = 0x4599;
 
-/// The checksum of each byte.
+/// Checksum of each byte.
 const CHECKSUMS: [u16; 256] = checksums();
 
 const fn checksums() -> [u16; 256] {
@@ -34,8 +34,8 @@ const fn checksums() -> [u16; 256] {
     table
 }
 
-/// What a byte does to a run of equal bits: behind it stands a run, and so many bits (times 8) were stuffed into it. Runs of 1 to 4 zeros are 0 to 3,
-/// those of ones 4 to 7.
+/// Effect of a byte on a run of equal bits: the run after the byte, plus 8 times the number of stuffed bits. Runs of 1 to 4 zeros are 0 to
+/// 3, runs of ones 4 to 7.
 const STEPS: [[u8; 256]; 8] = steps();
 
 const fn steps() -> [[u8; 256]; 8] {
@@ -61,16 +61,16 @@ const fn steps() -> [[u8; 256]; 8] {
     table
 }
 
-/// Bits of a data frame of so many bytes at the worst: one in four is stuffed.
+/// Returns the maximum number of bits of a data frame with this number of bytes: one bit in four is stuffed.
 pub fn most_bits(bytes: u8) -> u64 {
     let data = 8 * u64::from(bytes);
     BARE + data + (STUFFED + data - 1) / 4
 }
 
-/// Bits of this frame on the wire, those that are stuffed and the space behind it among them.
+/// Returns the number of bits of a frame on the bus, including stuffed bits and interframe space.
 pub fn bits(frame: &Frame) -> u64 {
     let (id, length) = (u32::from(frame.id().get()), u32::from(frame.length()));
-    // Start, identifier, remote, two bits of 0, length: 19 bits behind 5 of 0, which the checksum does not see.
+    // Start of frame, identifier, RTR, two bits of 0, length: 19 bits after 5 bits of 0, which do not change the checksum.
     let head = id << 7 | u32::from(frame.is_remote()) << 6 | length;
     let data = frame.bytes();
     let [_, head_bytes @ ..] = head.to_be_bytes();
@@ -80,7 +80,7 @@ pub fn bits(frame: &Frame) -> u64 {
     });
     let word = data.iter().fold(u128::from(head), |word, byte| word << 8 | u128::from(*byte));
     let word = (word << 15 | u128::from(checksum)).to_be_bytes();
-    // The start is 0, the first bit of the identifier stands alone, and what follows are whole bytes.
+    // The start of frame is 0, the first bit of the identifier is handled separately, and whole bytes follow.
     let begin = if id & 0x400 == 0 { 1 } else { 4 };
     let rest = word.iter().skip(word.len() - 4 - data.len());
     let (_, stuffed) = rest.fold((begin, 0), |(run, stuffed), byte| {
@@ -90,21 +90,21 @@ pub fn bits(frame: &Frame) -> u64 {
     BARE + 8 * data.len() as u64 + stuffed
 }
 
-/// What each cycle of a bus carries: SYNC and what goes with it.
+/// Bus load of each cycle: SYNC and the PDOs that are sent with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Frames.
+    /// Number of frames.
     pub frames: u64,
-    /// Bits of them at the worst.
+    /// Maximum number of bits of the frames.
     pub bits: u64,
-    /// (bit/s)
+    /// Bit rate, in bit/s.
     pub rate: u32,
-    /// From one cycle to the next (us).
+    /// Cycle time, in us.
     pub cycle_us: f64,
 }
 
 impl Load {
-    /// That of a bus; none where it has no bit rate.
+    /// Returns the load of a bus; `None` if it has no bit rate.
     pub fn of(bus: &BusConfig) -> Option<Self> {
         let sync = u8::from(bus.sync_overflow.is_some());
         let asked = bus.devices.iter().flat_map(|device| cyclic(&device.layout.asked));
@@ -118,18 +118,18 @@ impl Load {
         })
     }
 
-    /// What the frames of a cycle take (us).
+    /// Returns the time for the frames of a cycle, in us.
     pub fn time_us(self) -> f64 {
         self.bits as f64 * 1e6 / f64::from(self.rate)
     }
 
-    /// How much of a cycle they take; beyond 1 they do not fit.
+    /// Returns the part of a cycle that the frames need; above 1 they do not fit.
     pub fn share(self) -> f64 {
         self.time_us() / self.cycle_us
     }
 }
 
-/// Lengths of the PDOs that go in each cycle (bytes).
+/// Returns the lengths of the PDOs that are sent in each cycle, in bytes.
 fn cyclic<W>(pdos: &[Pdo<W>]) -> impl Iterator<Item = u8> {
     pdos.iter().filter(|pdo| pdo.transmission == Transmission::EachSync).map(Pdo::bytes)
 }
@@ -140,7 +140,7 @@ mod tests {
     use crate::Id;
     use proptest::prelude::*;
 
-    /// The bits of a frame one by one, as ISO 11898-1 tells them.
+    /// Counts the bits of a frame one by one, according to ISO 11898-1.
     fn one_by_one(id: u16, is_remote: bool, length: u8, data: &[u8]) -> u64 {
         let number = |value: u32, bits: u32| (0..bits).rev().map(move |bit| value >> bit & 1 != 0);
         let mut frame = vec![false];
@@ -159,11 +159,11 @@ mod tests {
                 (last, run, count) = (Some(!bit), 1, count + 1);
             }
         }
-        // Delimiter, acknowledgement and its delimiter, end of frame, space.
+        // Delimiter, acknowledgement and its delimiter, end of frame, interframe space.
         count + 1 + 2 + 7 + 3
     }
 
-    /// The check value of CRC-15/CAN in the catalogue of checksums.
+    /// Check value of CRC-15/CAN in the catalogue of checksums.
     #[test]
     fn the_checksum_is_that_of_can() {
         let checksum = b"123456789".iter().fold(0_u16, |checksum, byte| {
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(checksum, 0x059E);
     }
 
-    /// NMT without data: 34 bits of 0, one of 1 behind each 5 of them.
+    /// NMT without data: 34 bits of 0, with a stuffed 1 after each 5 of them.
     #[test]
     fn a_frame_of_zeros_is_stuffed_six_times() {
         assert_eq!(bits(&Frame::data(Id::NMT, &[]).unwrap()), 47 + 6);

@@ -1,54 +1,54 @@
-//! Layer setting services: giving node ids and bit rates to devices that are told apart by their identity (CiA 305).
+//! Layer setting services (LSS): sets node IDs and bit rates of devices that are identified by their identity object (CiA 305).
 //!
-//! Law      one device at a time is switched to configuration and back to waiting; nothing here waits or has a clock: whoever has the bus
-//!          sends the frames, and says what was answered. A search halves the identities bit by bit, from the highest one on: a device
-//!          answers where all bits so far are its own, so no answer means that the bit is 1
+//! Law      one device at a time is switched to configuration state and back to waiting state. This module neither waits nor has a clock:
+//!          the caller sends the frames and reports whether an answer came. A search (fastscan) determines the identity bit by bit, from
+//!          the highest bit. A device answers if all bits so far match its own, so a missing answer means that the bit is 1
 //! Reads    frames on 7E4h
 //! Writes   frames for 7E5h
-//! Refuses  what a device refuses, with its code in words
-//! Source   CiA 305, from memory; the search as CANopenNode and python-canopen do it
+//! Refuses  requests that a device refuses, with the meaning of its error code
+//! Source   CiA 305, from memory; the search as in CANopenNode and python-canopen
 
 use crate::{Frame, Id, NodeId};
 
-/// Bit rates by their index in table 0 (bit/s). Index 5 is reserved.
+/// Bit rates, in bit/s, with their index in table 0. Index 5 is reserved.
 const BIT_RATES: [(u32, u8); 8] =
     [(1_000_000, 0), (800_000, 1), (500_000, 2), (250_000, 3), (125_000, 4), (50_000, 6), (20_000, 7), (10_000, 8)];
-/// Begins a search: everybody without a node id answers.
+/// Starts a search: all devices without a node ID answer.
 const ALL: u8 = 0x80;
-/// Answers to a search.
+/// Command specifier of an answer to a search.
 const IDENTIFIED: u8 = 79;
-/// Answer to a selection.
+/// Command specifier of the answer to a selection.
 const SELECTED: u8 = 68;
 
-/// Vendor, product code, revision number, serial number (1018h): no two devices share all four.
+/// Vendor ID, product code, revision number, serial number (1018h); together they are unique.
 pub type Identity = [u32; 4];
 
-/// What is asked of the device that is in configuration, or of all.
+/// Command to the device in configuration state, or to all devices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LssCommand {
-    /// All devices go to waiting; no answer.
+    /// All devices change to waiting state; there is no answer.
     Wait,
-    /// The node id that the device has from its next start or from its way to waiting on.
+    /// Node ID of the device from its next start, or from its change to waiting state.
     NodeId(NodeId),
-    /// The bit rate, by its index; it holds from the next start on.
+    /// Bit rate, by its index; it applies from the next start.
     BitRate(u8),
-    /// Keeps both.
+    /// Stores node ID and bit rate permanently.
     Store,
 }
 
-/// Why a device does not do it.
+/// Reason why a device refuses a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LssError {
-    /// It knows no such node id.
+    /// The device does not support the node ID.
     #[error("the device does not take this node id")]
     NodeId,
-    /// It knows no such bit rate.
+    /// The device does not support the bit rate.
     #[error("the device does not know this bit rate")]
     BitRate,
-    /// It cannot keep anything.
+    /// The device cannot store the configuration.
     #[error("the device cannot store its node id and bit rate")]
     NoStore,
-    /// Its memory fails.
+    /// The storage of the device has failed.
     #[error("the memory of the device cannot be written")]
     Memory,
     /// Another reason.
@@ -56,12 +56,12 @@ pub enum LssError {
     Other(u8, u8),
 }
 
-/// The index of a bit rate; none for one that LSS does not know.
+/// Returns the index of a bit rate; `None` if LSS does not support it.
 pub fn bit_rate(bit_per_s: u32) -> Option<u8> {
     BIT_RATES.iter().find(|row| row.0 == bit_per_s).map(|row| row.1)
 }
 
-/// All bit rates (bit/s).
+/// Returns all bit rates, in bit/s.
 pub fn bit_rates() -> impl Iterator<Item = u32> {
     BIT_RATES.iter().map(|row| row.0)
 }
@@ -70,12 +70,12 @@ fn frame(bytes: [u8; 8]) -> Frame {
     Frame::of(Id::LSS_MASTER, bytes)
 }
 
-/// The bytes of an answer.
+/// Returns the bytes of an answer.
 fn answer(frame: &Frame) -> Option<[u8; 8]> {
     frame.bytes().try_into().ok().filter(|_| frame.id() == Id::LSS_SLAVE)
 }
 
-/// Frames that switch the device of an identity to configuration; it answers behind the last one.
+/// Returns the frames that switch the device with an identity to configuration state; it answers after the last one.
 pub fn select(identity: Identity) -> [Frame; 4] {
     let [vendor, product, revision, serial] = identity;
     [(64, vendor), (65, product), (66, revision), (67, serial)].map(|(command, number): (u8, u32)| {
@@ -84,13 +84,13 @@ pub fn select(identity: Identity) -> [Frame; 4] {
     })
 }
 
-/// Does a frame say that a device is in configuration?
+/// Returns true if the frame confirms that a device is in configuration state.
 pub fn is_selected(frame: &Frame) -> bool {
     answer(frame).is_some_and(|bytes| bytes[0] == SELECTED)
 }
 
 impl LssCommand {
-    /// The frame that says it.
+    /// Returns the frame of the command.
     pub fn frame(self) -> Frame {
         frame(match self {
             Self::Wait => [4, 0, 0, 0, 0, 0, 0, 0],
@@ -100,7 +100,7 @@ impl LssCommand {
         })
     }
 
-    /// What a frame answers to it; none where it is no answer to it.
+    /// Returns the result that a frame reports for this command; `None` if the frame is not an answer to it.
     pub fn answered(self, frame: &Frame) -> Option<Result<(), LssError>> {
         let [command, code, detail, ..] = answer(frame)?;
         let [own, ..] = <[u8; 8]>::try_from(self.frame().bytes()).ok()?;
@@ -118,29 +118,29 @@ impl LssCommand {
     }
 }
 
-/// What a search has come to.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// A device: it is in configuration now.
+    /// A device was found; it is in configuration state.
     Found(Identity),
-    /// No device without a node id is there.
+    /// There is no device without a node ID.
     Nobody,
-    /// A device answered and then no longer did: frames were lost, or answers came too late.
+    /// A device answered at first, but no longer: frames were lost, or answers were too late.
     Lost,
 }
 
-/// Where a search is.
+/// Step of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
-    /// Is anybody there?
+    /// Checks whether any device answers.
     Begin,
-    /// Is this bit of this part 0?
+    /// Checks whether this bit of this part is 0.
     Bit { part: usize, bit: u8 },
-    /// Is this part right?
+    /// Checks this part of the identity.
     Part { part: usize },
 }
 
-/// A search for one device that has no node id yet.
+/// Search for one device without a node ID.
 #[derive(Clone, Copy, Debug)]
 pub struct FastScan {
     identity: Identity,
@@ -154,10 +154,10 @@ impl Default for FastScan {
 }
 
 impl FastScan {
-    /// Questions of a search that finds somebody.
+    /// Number of questions of a search that finds a device.
     pub const QUESTIONS: usize = 1 + 4 * 33;
 
-    /// The question that comes next.
+    /// Returns the next question.
     pub fn question(&self) -> Frame {
         let (part, checked, next) = match self.step {
             Step::Begin => (0, ALL, 0),
@@ -168,12 +168,12 @@ impl FastScan {
         frame([81, a, b, c, d, checked, part as u8, next as u8])
     }
 
-    /// Is a frame an answer to a question? Several devices send the same one, at the same time.
+    /// Returns true if a frame is an answer to a question. Several devices send the same answer at the same time.
     pub fn is_answer(frame: &Frame) -> bool {
         answer(frame).is_some_and(|bytes| bytes[0] == IDENTIFIED)
     }
 
-    /// Somebody has answered the question, or nobody has in time; what has come of the search, once it is over.
+    /// Advances after a question that was answered, or that was not answered in time. Returns the result once the search is finished.
     pub fn next(&mut self, is_answered: bool) -> Option<Outcome> {
         match self.step {
             Step::Begin if !is_answered => return Some(Outcome::Nobody),

@@ -1,42 +1,42 @@
-//! Network management: which state a device is in, and how it is brought into another one (CiA 301).
+//! Network management (NMT): states of a device and commands that change them (CiA 301).
 //!
-//! Law      a device boots, is pre-operational, and exchanges process data only while it is operational
-//! Reads    boot-up messages, heartbeats, answers to guarding: one byte, bit 7 of it a toggle
+//! Law      a device boots to pre-operational, and exchanges process data only while it is operational
+//! Reads    boot-up messages, heartbeats, answers to node guarding: one byte with the toggle bit in bit 7
 //! Refuses  other lengths and states
 //! Source   CiA 301
 
 use crate::{Frame, Id, NodeId};
 
-/// The state of a device.
+/// NMT state of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NmtState {
-    /// It has just started, and is pre-operational from now on.
+    /// The device has just booted, and is pre-operational from now on.
     BootUp,
-    /// Network management and heartbeat alone.
+    /// Only NMT and heartbeat.
     Stopped,
     /// All services.
     Operational,
-    /// All services but process data.
+    /// All services except process data.
     PreOperational,
 }
 
-/// What a device is told.
+/// NMT command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NmtCommand {
-    /// Operational.
+    /// Change to operational.
     Start,
-    /// Stopped.
+    /// Change to stopped.
     Stop,
-    /// Pre-operational.
+    /// Change to pre-operational.
     EnterPreOperational,
-    /// Boots anew.
+    /// Reset and boot again.
     ResetNode,
-    /// Boots its communication anew.
+    /// Reset communication and boot again.
     ResetCommunication,
 }
 
 impl NmtCommand {
-    /// The frame that tells one device, or all of them.
+    /// Returns the frame with the command for one node, or for all.
     pub fn frame(self, node: Option<NodeId>) -> Frame {
         let command = match self {
             Self::Start => 0x01,
@@ -49,17 +49,17 @@ impl NmtCommand {
     }
 }
 
-/// A sign of life.
+/// Sign of life of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Life {
-    /// The state that the device shows.
+    /// State that the device reports.
     pub state: NmtState,
-    /// Bit 7: alternates in answers to guarding, 0 in heartbeats.
+    /// Bit 7: alternates in answers to node guarding, is 0 in heartbeats.
     pub toggle: bool,
 }
 
 impl Life {
-    /// Reads a frame on 700h + node; none where it is no sign of life.
+    /// Reads a frame on 700h + node; `None` if it is not a sign of life.
     pub fn of(frame: &Frame) -> Option<Self> {
         let &[byte] = frame.bytes() else { return None };
         let state = match byte & 0x7F {
@@ -77,7 +77,7 @@ impl Life {
 mod tests {
     use super::*;
 
-    /// The command bytes of CiA 301.
+    /// Command bytes of CiA 301.
     #[test]
     fn a_command_names_one_device_or_all() {
         let node = NodeId::new(3);

@@ -1,52 +1,52 @@
-//! Which device of a bus is meant, and by which identifiers it is heard (CiA 301, predefined connection set).
+//! Node ID and its identifiers (CiA 301, predefined connection set).
 
 use crate::Id;
 use std::fmt;
 
-/// A node of a bus, 1 to 127.
+/// Node ID, 1 to 127.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(u8);
 
 impl NodeId {
-    /// The highest one.
+    /// Highest node ID.
     pub const MAX: u8 = 127;
 
-    /// A node of 1 to 127; none for another number.
+    /// Creates a node ID of 1 to 127; `None` for any other number.
     pub const fn new(number: u8) -> Option<Self> {
         if number >= 1 && number <= Self::MAX { Some(Self(number)) } else { None }
     }
 
-    /// The number.
+    /// Returns the number.
     pub const fn get(self) -> u8 {
         self.0
     }
 
-    /// Emergency messages, 080h + node.
+    /// Returns the identifier of emergency messages, 080h + node.
     pub const fn emergency(self) -> Id {
         self.with(0x080)
     }
 
-    /// Transmit PDO 1 to 4 as it is by default, 180h to 480h + node; none for another number.
+    /// Returns the default identifier of transmit PDO 1 to 4, 180h to 480h + node; `None` for any other number.
     pub const fn tpdo(self, number: u8) -> Option<Id> {
         self.pdo(0x180, number)
     }
 
-    /// Receive PDO 1 to 4 as it is by default, 200h to 500h + node; none for another number.
+    /// Returns the default identifier of receive PDO 1 to 4, 200h to 500h + node; `None` for any other number.
     pub const fn rpdo(self, number: u8) -> Option<Id> {
         self.pdo(0x200, number)
     }
 
-    /// Requests to its SDO server, 600h + node.
+    /// Returns the identifier of SDO requests to the node, 600h + node.
     pub const fn sdo_request(self) -> Id {
         self.with(0x600)
     }
 
-    /// Answers of its SDO server, 580h + node.
+    /// Returns the identifier of SDO answers of the node, 580h + node.
     pub const fn sdo_response(self) -> Id {
         self.with(0x580)
     }
 
-    /// Boot-up message, heartbeat and answer to guarding, 700h + node.
+    /// Returns the identifier of boot-up message, heartbeat and answer to node guarding, 700h + node.
     pub const fn heartbeat(self) -> Id {
         self.with(0x700)
     }
@@ -58,7 +58,7 @@ impl NodeId {
         }
     }
 
-    /// At most 77Fh.
+    /// The result is at most 77Fh.
     const fn with(self, function: u16) -> Id {
         Id::of_function(function, self.0)
     }
@@ -74,7 +74,7 @@ impl fmt::Display for NodeId {
 mod tests {
     use super::*;
 
-    /// The table of CiA 301, for node 5.
+    /// Table of CiA 301 for node 5.
     #[test]
     fn each_service_has_its_identifier() {
         let node = NodeId::new(5).unwrap();

@@ -1,8 +1,8 @@
-//! What a device is to do on a bus, compared with its EDS or DCF file.
+//! Compares the configuration of a device with its EDS or DCF file.
 //!
-//! Law      the file says one thing and the cell another: an error. The file lacks something: a warning, as many files are incomplete, and the
-//!          device itself is asked when it starts. A default that is missing or 0 says nothing
-//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of what PDOs carry; objects that
+//! Law      a conflict between file and cell is an error. Missing content of the file is a warning, because many files are incomplete and
+//!          the device itself is checked when it starts. A default value that is missing or 0 gives no information
+//! Reads    1000h (profile); 6502h (supported modes) and the mode of the drive; type, length and access of mapped objects; objects that
 //!          keys of the cell need; Baudrate of a DCF, BaudRate_ of an EDS
 //! Source   CiA 301, CiA 306-1, CiA 401-1, CiA 402-2, CiA 406
 
@@ -16,24 +16,24 @@ use crate::eds::Dictionary;
 use crate::sdo::Object;
 use std::collections::BTreeSet;
 
-/// Mode of operation of homing in the drive (6060h); bit 5 of 6502h.
+/// Mode of operation homing (6060h); bit 5 of 6502h.
 const HOMING: i8 = 6;
 
-/// What the cell says of a device in addition to its configuration.
+/// Requirements of the cell in addition to the device configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// Bit rate of the bus (bit/s); none where the cell does not say it.
+    /// Bit rate of the bus, in bit/s; `None` if the cell does not give it.
     pub bit_rate: Option<u32>,
-    /// Whether the drive homes by itself (`homing.in_drive` of the axis).
+    /// Whether homing is done in the drive (`homing.in_drive` of the axis).
     pub homes: bool,
 }
 
-/// Sentences, each beginning with the device.
+/// Messages, each starting with the device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
-    /// What the file contradicts.
+    /// Conflicts with the file.
     pub errors: Vec<String>,
-    /// What the file lacks, or where it contradicts itself.
+    /// Content that the file lacks, and contradictions within the file.
     pub warnings: Vec<String>,
 }
 
@@ -50,11 +50,11 @@ pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findi
     sheet.found
 }
 
-/// A comparison.
+/// Comparison in progress.
 struct Sheet<'a> {
     device: &'a DeviceConfig,
     known: &'a Dictionary,
-    /// Indices of which something is missing in the file.
+    /// Indices with missing content that was already reported.
     lacking: BTreeSet<u16>,
     found: Findings,
 }
@@ -68,18 +68,18 @@ impl Sheet<'_> {
         self.found.warnings.push(format!("{}: {sentence}", self.device));
     }
 
-    /// A number that the file gives; none where it is missing or 0.
+    /// Returns a number of the file; `None` if it is missing or 0.
     fn number(&self, object: Object) -> Option<u32> {
         let number = self.known.value(object)?.number()?;
         u32::try_from(number).ok().filter(|number| *number != 0)
     }
 
-    /// Compares what the cell takes the device for with its profile.
+    /// Compares the profile that the cell requires with that of the file.
     fn profile(&mut self) {
         let object = objects::DEVICE_TYPE;
         let Some(device_type) = self.number(object) else { return };
         let (found, (expected, what)) = (device_type & 0xFFFF, self.device.role.profile());
-        // Without a profile a device says nothing of it.
+        // 0: the device has no standard profile.
         if found == expected || found == 0 {
             return;
         }
@@ -101,8 +101,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Compares the bit rate of the bus (bit/s) with those of the file (kbit/s): the one that the device is configured for, those that it
-    /// knows.
+    /// Compares the bit rate of the bus (bit/s) with those of the file (kbit/s): the configured one, and the supported ones.
     fn bit_rate(&mut self, bit_rate: u32) {
         let known = self.known;
         let here = format!("bitrate of the backend is {bit_rate} bit/s");
@@ -123,7 +122,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Compares the mode of the drive, and homing in it, with 6502h.
+    /// Compares the mode of the drive, and homing in the drive, with 6502h.
     fn modes(&mut self, homes: bool) {
         let object = objects::SUPPORTED_MODES;
         let device = self.device;
@@ -148,7 +147,7 @@ impl Sheet<'_> {
         if homes && !offers(HOMING) {
             let sentence = format!("{said}: mode {HOMING} (hm) is missing, and homing.in_drive is true");
             let method = objects::HOMING_METHOD;
-            // Many files have 6502h wrong. A ParameterValue is what the drive itself has said.
+            // 6502h is wrong in many files. A ParameterValue was read from the drive itself.
             if !is_configured && self.known.entry(method).is_some_and(|entry| entry.access.is_writable()) {
                 self.warning(&format!("{sentence}; {method} of the file can be written all the same"));
             } else {

@@ -1,71 +1,71 @@
-//! Watching that a device is there (CiA 301, error control).
+//! Monitoring of a device: error control (CiA 301).
 //!
-//! Law      heartbeat: the device tells its state by itself, and is lost once it has been silent for longer than its time; that begins with
-//!          the first one. Guarding: it is asked by a remote frame and answers with a toggle that alternates, from 0 on after its
-//!          boot-up; it is lost once it has not answered rightly for the guard time times the life time factor, from the first question on.
-//!          One that is lost is back with its next right sign of life. One whose first heartbeat never comes is not watched: that is
-//!          reported once, its time after it was started
+//! Law      heartbeat: the device reports its state by itself. It is lost if it is silent for longer than the heartbeat time, counted from
+//!          its first heartbeat. Node guarding: the master sends a remote frame, and the device answers with a toggle bit that alternates,
+//!          starting at 0 after its boot-up. It is lost if it gives no valid answer for guard time times life time factor, counted from the
+//!          first request. A lost device is back with its next valid sign of life. If the first heartbeat never arrives, the device is not
+//!          monitored; this is reported once, when the heartbeat time after its start has passed
 //! Reads    frames on 700h + node, the time
-//! Writes   the remote frames that guard
+//! Writes   the remote frames for node guarding
 //! Source   CiA 301, MACS-CAN-06
 
 use crate::{Frame, Life, NmtState, NodeId};
 
-/// How a device is watched.
+/// Kind of monitoring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Watching {
-    /// Only its boot-up is heard.
+    /// Only the boot-up message is evaluated.
     None,
-    /// It sends heartbeats, at least one in this time (ns).
+    /// The device sends heartbeats, at least one in this time.
     Heartbeat {
-        /// (ns)
+        /// Time, in ns.
         time_ns: u64,
     },
-    /// It is asked.
+    /// The master requests an answer (node guarding).
     Guarding {
-        /// From one question to the next (ns); 100Ch.
+        /// Time between two requests, in ns (100Ch).
         guard_ns: u64,
-        /// Questions without a right answer until it is lost; 100Dh.
+        /// Number of requests without a valid answer after which the device is lost (100Dh).
         life_factor: u8,
     },
 }
 
-/// What has become of a device.
+/// Event of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Happened {
-    /// It has booted: nothing that it was told before holds.
+    /// The device has booted and lost its configuration.
     BootedUp,
-    /// It shows another state.
+    /// The device reports another state.
     State(NmtState),
-    /// It is silent.
+    /// The device is silent.
     Lost,
-    /// It was started and its first heartbeat does not come: nothing watches it.
+    /// The device was started, but its first heartbeat did not arrive: it is not monitored.
     NeverHeard,
-    /// It is there again, in this state.
+    /// The device is back, in this state.
     Back(NmtState),
 }
 
-/// The watch of one device.
+/// Monitoring of one device.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     node: NodeId,
     how: Watching,
     state: Option<NmtState>,
     is_lost: bool,
-    /// When it was heard last; of guarding the first question counts as well.
+    /// Time of the last sign of life; for node guarding, the first request counts as well.
     heard_ns: Option<u64>,
-    /// When it was asked last.
+    /// Time of the last request.
     asked_ns: Option<u64>,
-    /// Toggle of its next answer.
+    /// Expected toggle bit of the next answer.
     toggle: bool,
-    /// When it was started, before its first heartbeat.
+    /// Time of the start, before the first heartbeat.
     began_ns: Option<u64>,
-    /// It was reported that its first heartbeat does not come.
+    /// Whether the missing first heartbeat was reported.
     is_told: bool,
 }
 
 impl Watch {
-    /// A device that has not been heard.
+    /// Creates the monitoring of a device that has not sent anything.
     pub fn new(node: NodeId, how: Watching) -> Self {
         Self {
             node,
@@ -80,31 +80,31 @@ impl Watch {
         }
     }
 
-    /// It was configured and started: heartbeats come from now on.
+    /// Records that the device was configured and started: heartbeats are expected from now on.
     pub fn begin(&mut self, now_ns: u64) {
         self.began_ns = Some(now_ns);
     }
 
-    /// The state that it has shown last; none before the first one, and of one that is lost.
+    /// Returns the last reported state; `None` before the first one, and if the device is lost.
     pub fn state(&self) -> Option<NmtState> {
         self.state.filter(|_| !self.is_lost)
     }
 
-    /// Is it silent for longer than it may be?
+    /// Returns true if the device has been silent for too long.
     pub fn is_lost(&self) -> bool {
         self.is_lost
     }
 
-    /// Takes a frame on 700h + node.
+    /// Handles a frame on 700h + node.
     pub fn hear(&mut self, frame: &Frame, now_ns: u64) -> Option<Happened> {
         let life = Life::of(frame).filter(|_| frame.id() == self.node.heartbeat())?;
-        // A boot-up message has no toggle.
+        // A boot-up message has no toggle bit.
         if life.state == NmtState::BootUp && !life.toggle {
             *self = Self { state: Some(NmtState::BootUp), heard_ns: Some(now_ns), ..Self::new(self.node, self.how) };
             return Some(Happened::BootedUp);
         }
         if matches!(self.how, Watching::Guarding { .. }) {
-            // A wrong toggle is a lost answer, and what comes behind a loss begins anew.
+            // An answer with the wrong toggle bit is ignored. After a loss, the toggle sequence starts again.
             if life.toggle != self.toggle && !self.is_lost {
                 return None;
             }
@@ -119,7 +119,7 @@ impl Watch {
         }
     }
 
-    /// What time has done, and the question that is due.
+    /// Handles timeouts. Returns an event, and the guarding request that is due.
     pub fn tick(&mut self, now_ns: u64) -> (Option<Happened>, Option<Frame>) {
         let since = |then: Option<u64>| then.map(|then| now_ns.saturating_sub(then));
         match self.how {
@@ -182,7 +182,8 @@ mod tests {
         assert_eq!(watch.state(), Some(NmtState::Operational));
     }
 
-    /// 100 ms after the start, once; the first one that comes is watched as ever, and a boot-up is a sign of life.
+    /// Reported once, 100 ms after the start. A heartbeat that arrives later is monitored normally, and a boot-up message is a sign of
+    /// life.
     #[test]
     fn heartbeats_that_never_come_are_told_once() {
         let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
@@ -195,7 +196,7 @@ mod tests {
         assert_eq!(watch.tick(30_000 * MS).0, None, "reported once, however often it is started");
         assert_eq!(watch.hear(&life(0x05), 30_001 * MS), Some(Happened::State(NmtState::Operational)));
         assert_eq!(watch.tick(30_102 * MS).0, Some(Happened::Lost));
-        // A device that sends them, or is watched otherwise, is not reported.
+        // A device that sends heartbeats, or has another kind of monitoring, is not reported.
         let mut heard = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
         heard.begin(0);
         heard.hear(&life(0x05), 50 * MS);
@@ -216,7 +217,7 @@ mod tests {
         assert_eq!(watch.hear(&other, 40 * MS), None);
     }
 
-    /// 100Ch = 100 ms, 100Dh = 3: lost after 300 ms without a right answer.
+    /// 100Ch = 100 ms, 100Dh = 3: lost after 300 ms without a valid answer.
     #[test]
     fn guarding_asks_in_its_time_and_wants_a_toggle() {
         let mut watch = Watch::new(node(), Watching::Guarding { guard_ns: 100 * MS, life_factor: 3 });
@@ -236,14 +237,14 @@ mod tests {
         assert_eq!(watch.state(), Some(NmtState::Operational));
     }
 
-    /// The life time begins with the first question: one that never answers is lost.
+    /// The life time starts with the first request: a device that never answers is lost.
     #[test]
     fn a_device_that_never_answers_is_lost() {
         let mut watch = Watch::new(node(), Watching::Guarding { guard_ns: 100 * MS, life_factor: 2 });
         assert!(watch.tick(5 * MS).1.is_some());
         assert_eq!(watch.tick(205 * MS).0, None);
         assert_eq!(watch.tick(206 * MS).0, Some(Happened::Lost));
-        // After its boot-up the toggle begins with 0.
+        // After a boot-up the toggle bit starts at 0.
         assert_eq!(watch.hear(&life(0x00), 300 * MS), Some(Happened::BootedUp));
         assert!(watch.tick(301 * MS).1.is_some());
         assert_eq!(watch.hear(&life(0x7F), 302 * MS), Some(Happened::State(NmtState::PreOperational)));

@@ -1,4 +1,4 @@
-//! Ways to a bus take no memory once they are made: not to send, not to receive, not when there is no room, not when they are lost.
+//! Transports allocate no memory after their creation: when sending, when receiving, when the queue is full, and when they are lost.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_can::transport::{Address, Options, Transport, TransportError, open};
@@ -19,7 +19,7 @@ fn opened(address: &str) -> Box<dyn Transport> {
     open(&address, Options { bit_rate: 1_000_000, baud: None }).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Works until this is so, and takes no memory.
+/// Polls until the condition is true, without memory allocation.
 fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     let (began, before) = (Instant::now(), violation_count());
     while !assert_no_alloc(&mut is_so) {
@@ -32,7 +32,7 @@ fn until(what: &str, mut is_so: impl FnMut() -> bool) {
 fn send(way: &mut dyn Transport, count: usize) {
     let mut sent = 0;
     until("frames go", || {
-        // Those that wait make room.
+        // Flushing the queue makes room.
         sent += usize::from(way.send(&FRAME).is_ok());
         sent == count && way.flush().is_ok()
     });
@@ -60,7 +60,7 @@ fn an_adapter_takes_no_memory() {
         let (mut stream, _) = listener.accept()?;
         stream.write_all(b"t0808A5A5A5A5A5A5A5A5\r".repeat(100).as_slice())?;
         let mut byte = [0];
-        // What opens the channel passes over what came before.
+        // Input before the open command is skipped.
         while byte != *b"O" {
             stream.read_exact(&mut byte)?;
         }
@@ -72,7 +72,7 @@ fn an_adapter_takes_no_memory() {
     receive(&mut *way, 100);
     send(&mut *way, 1000);
     let mut stream = Some(adapter.join().expect("it does not panic").expect("the other end is there"));
-    // Nobody reads: the system takes much, then the queue is full.
+    // The remote end does not read: the system buffers a lot, then the queue is full.
     until("there is no room", || (0..1000).any(|_| matches!(way.send(&FRAME), Err(TransportError::Full(256)))));
     drop(stream.take());
     until("the way is lost", || is_lost(way.flush()) || way.receive().is_err());

@@ -1,4 +1,4 @@
-//! The smallest node with a service and an action: `/echo/home` answers, `/echo/move_to` takes its time.
+//! A minimal node with a service and an action: `/echo/home` answers at once, `/echo/move_to` runs for the duration of its goal.
 //!
 //!     ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST cargo run -p lineshaft-ros --example echo_node
 //!     ros2 service call /echo/home std_srvs/srv/Trigger
@@ -59,7 +59,7 @@ async fn home(mut server: ServiceServer<Trigger>) {
     while let Some(request) = server.next().await {
         calls += 1;
         let response = TriggerResponse { success: true, message: format!("call {calls}") };
-        // Each answer for itself: a client that is slow to appear holds up nobody.
+        // Each answer is sent by a separate task, so that a client that is discovered late does not delay others.
         tokio::spawn(async move {
             if let Err(error) = request.reply.send(response).await {
                 tracing::debug!("{error}");
@@ -78,7 +78,7 @@ async fn move_to(mut server: ActionServer<MoveTo>) {
     }
 }
 
-/// Pretends to move for the duration of the goal.
+/// Simulates a motion for the duration of the goal.
 async fn pursue(goal: GoalHandle<MoveTo>) {
     goal.execute();
     let MoveToGoal { positions, duration } = goal.goal().clone();
@@ -102,7 +102,7 @@ async fn pursue(goal: GoalHandle<MoveTo>) {
     goal.succeed(MoveToResult::default());
 }
 
-/// An action that is not in `lineshaft_msgs`: what its generator writes, by hand.
+/// An action that is not in `lineshaft_msgs`: hand-written equivalent of the generated code.
 enum MoveTo {}
 
 impl Action for MoveTo {
@@ -135,7 +135,7 @@ impl Action for MoveTo {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct MoveToGoal {
     positions: Vec<f64>,
-    /// In seconds.
+    /// Duration, in s.
     duration: f64,
 }
 
@@ -147,7 +147,7 @@ struct MoveToResult {
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct MoveToFeedback {
-    /// 0..1.
+    /// Progress, 0 to 1.
     progress: f64,
     positions: Vec<f64>,
 }

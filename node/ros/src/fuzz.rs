@@ -1,8 +1,8 @@
-//! What must hold for anything that the network brings: tried with random bytes by the tests, and by the fuzzer in `fuzz/`,
-//! for which alone the feature `fuzz` is there.
+//! Properties that must hold for any data from the network: tests check them with random bytes, and so does the fuzzer in `fuzz/`, for
+//! which the feature `fuzz` exists.
 
 pub use crate::layer::any_request;
 pub use crate::surface::any_goal;
 
-/// Longest sentence about what a client has sent, in a small cell (bytes). It may not grow with what was sent.
+/// Maximum size of a message about data of a client, in a small cell (bytes). It must not grow with that data.
 pub(crate) const LONGEST_SENTENCE: usize = 600;

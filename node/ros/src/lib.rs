@@ -1,7 +1,7 @@
 //! ROS 2 for Lineshaft.
 //!
-//! [`layer`] is a small ROS 2 client library: node, publishers, services, actions, logs. It answers clients of rmw_fastrtps
-//! and of rmw_cyclonedds, and knows nothing of axes. The DDS library is in [`side`], which is a process of its own.
+//! [`layer`] is a small ROS 2 client library: node, publishers, services, actions, logs. It serves clients with rmw_fastrtps and
+//! rmw_cyclonedds, and is independent of axes. The DDS library is in [`side`], which runs as a separate process.
 #![forbid(unsafe_code)]
 
 #[cfg(any(test, feature = "fuzz"))]

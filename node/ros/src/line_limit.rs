@@ -1,26 +1,26 @@
-//! Lines of a log that may repeat without end.
+//! Rate limit for log messages that may repeat endlessly.
 
 use std::collections::{HashMap, VecDeque};
 use std::hash::Hash;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Lines of one kind in [`SPAN`].
+/// Maximum number of messages of one kind in [`SPAN`].
 const MOST: usize = 9;
 const SPAN: Duration = Duration::from_secs(60);
-/// Kinds that are remembered: more than a cell has objects and codes that meet in a minute.
+/// Maximum number of kinds: more than the combinations of objects and codes of a cell within a minute.
 const KINDS: usize = 1024;
 
-/// Lets a few lines of each kind pass, and counts the others.
+/// Passes a few messages of each kind and counts the others.
 ///
-/// Law      at most 9 lines of a kind in any 60 s; the next that passes tells how many did not
-/// Bounds   1024 kinds in a minute; further ones are left out
+/// Law      at most 9 messages of a kind in any 60 s; the next message that passes gives the number of skipped ones
+/// Bounds   1024 kinds in a minute; further ones are skipped
 #[derive(Debug)]
 pub struct LineLimit<K>(Mutex<HashMap<K, Kind>>);
 
 #[derive(Debug, Default)]
 struct Kind {
-    /// When the last ones were said, the oldest first.
+    /// Times of the last messages, the oldest first.
     said: VecDeque<Instant>,
     left_out: u64,
 }
@@ -32,7 +32,7 @@ impl<K> Default for LineLimit<K> {
 }
 
 impl<K: Eq + Hash> LineLimit<K> {
-    /// Says a line of a kind, if it may: with a note of how many were left out before it.
+    /// Logs a message of a kind if the limit allows it, with the number of messages that were skipped before it.
     pub fn say(&self, kind: K, line: impl FnOnce(&str)) {
         if let Some(left_out) = self.pass(kind, Instant::now()) {
             let more = if left_out > 0 { format!(" ({left_out} more since the last line)") } else { String::new() };
@@ -40,7 +40,7 @@ impl<K: Eq + Hash> LineLimit<K> {
         }
     }
 
-    /// May a line pass? Then, how many were left out before it.
+    /// Returns the number of skipped messages if a message may pass.
     fn pass(&self, kind: K, now: Instant) -> Option<u64> {
         let mut kinds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_over = |said: Option<&Instant>| said.is_none_or(|said| now.duration_since(*said) >= SPAN);

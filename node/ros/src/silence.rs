@@ -1,27 +1,27 @@
-//! How long something that answers regularly has been silent, and whether it is broken or only gets no processor.
+//! Measures how long a component that answers regularly has been silent, and distinguishes a fault from a lack of processor time.
 //!
-//! Law      silence is the time since the last answer, less the time by which the watching thread itself was late or for which the
-//!          threads that have to answer waited for a processor, whichever is longer. Threads that are stopped or wait for a lock do
-//!          not wait for a processor. Without an answer for `MOST` times the timeout, waits for a processor do not count
+//! Law      silence is the time since the last answer, minus the delay of the monitoring thread or the time for which the answering threads
+//!          waited for a processor, whichever is longer. Threads that are stopped or wait for a lock do not wait for a processor. Without
+//!          an answer for `MOST` times the timeout, waits for a processor are no longer deducted
 //! Reads    `/proc/<process>/task/*/schedstat` of Linux, only while an answer is overdue. Without it nothing is deducted
 
 use std::collections::HashMap;
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// Number of timeouts after which waits for a processor are not deducted any more.
+/// Number of timeouts after which waits for a processor are no longer deducted.
 const MOST: u32 = 5;
 
-/// The threads that have to answer.
+/// Threads that have to answer.
 #[derive(Clone, Debug)]
 pub enum Threads {
     /// All threads of a process, by its ID.
     Process(u32),
-    /// The threads of this process with this name.
+    /// Threads of this process with this name.
     Own(&'static str),
 }
 
-/// Silence of one answerer.
+/// Silence of one component.
 #[derive(Debug)]
 pub struct Silence {
     threads: Threads,
@@ -30,15 +30,15 @@ pub struct Silence {
     period: Duration,
     answered: Instant,
     checked: Instant,
-    /// By how much the checks since the last answer came late, together.
+    /// Total delay of the checks since the last answer.
     late: Duration,
     overdue: Option<Overdue>,
 }
 
-/// State since an answer is overdue.
+/// State while an answer is overdue.
 #[derive(Debug)]
 struct Overdue {
-    /// How long each thread had waited for a processor before (ns), by its ID.
+    /// Previous waiting time for a processor of each thread, in ns, by thread ID.
     before: HashMap<u32, u64>,
     was_reported: bool,
 }
@@ -46,34 +46,34 @@ struct Overdue {
 /// Result of a check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Check {
-    /// Nothing to do.
+    /// No action is necessary.
     Good,
-    /// Half of the timeout has passed, reported once: for how long, and the state of each thread.
+    /// Half of the timeout has passed; reported once, with the duration and the state of each thread.
     Overdue(String),
-    /// Silent for longer than the timeout.
+    /// The silence exceeds the timeout.
     Silent,
 }
 
 impl Silence {
-    /// Silence of these threads, which begins now. [`Silence::check`] is called every `period`.
+    /// Creates the silence of these threads, which starts now. [`Silence::check`] must be called every `period`.
     pub fn new(threads: Threads, timeout: Duration, period: Duration) -> Self {
         let now = Instant::now();
         Self { threads, timeout, period, answered: now, checked: now, late: Duration::ZERO, overdue: None }
     }
 
-    /// An answer has come.
+    /// Records an answer.
     pub fn answered(&mut self) {
         self.answered = Instant::now();
         self.late = Duration::ZERO;
         self.overdue = None;
     }
 
-    /// Time since the last answer, less the time by which the checks were late: this process may have been stopped.
+    /// Returns the time since the last answer, minus the delay of the checks, because this process may have been suspended.
     pub fn since(&self) -> Duration {
         self.less(Duration::ZERO)
     }
 
-    /// The silence, if threads have waited for a processor for this time.
+    /// Returns the silence if threads have waited for a processor for this time.
     fn less(&self, starved: Duration) -> Duration {
         self.answered.elapsed().saturating_sub(self.late.max(starved))
     }
@@ -92,7 +92,7 @@ impl Silence {
         });
         let waited =
             |thread: &Thread| thread.waited_ns.saturating_sub(overdue.before.get(&thread.id).copied().unwrap_or(0));
-        // A thread that waited less before has the ID of one that has ended.
+        // A thread that waited less than before has the reused ID of an ended one.
         let starved = Duration::from_nanos(threads.iter().map(waited).max().unwrap_or(0));
         let silence = self.less(starved);
         if silence >= self.timeout || self.since() >= MOST * self.timeout {
@@ -108,21 +108,21 @@ impl Silence {
     }
 }
 
-/// A thread as the system shows it.
+/// Thread, as the system reports it.
 #[derive(Debug)]
 struct Thread {
     id: u32,
     name: String,
-    /// Letter of its state: R runs or waits for a processor, S and D wait, T is stopped.
+    /// State: R runs or waits for a processor, S and D wait, T is stopped.
     state: char,
-    /// Kernel function in which it waits; empty if it does not wait or the system does not show it.
+    /// Kernel function in which the thread waits; empty if it does not wait or the system does not report it.
     place: String,
-    /// How long it has waited for a processor since it began (ns).
+    /// Total waiting time for a processor, in ns.
     waited_ns: u64,
 }
 
 impl Threads {
-    /// The threads, as far as the system shows them.
+    /// Returns the threads that the system reports.
     fn read(&self) -> Vec<Thread> {
         let folder = match self {
             Self::Process(id) => format!("/proc/{id}/task"),
@@ -134,7 +134,7 @@ impl Threads {
     }
 
     fn has(&self, name: &str) -> bool {
-        // The system keeps 15 bytes of a name.
+        // The system stores 15 bytes of a name.
         matches!(self, Self::Own(of) if of.get(..15).unwrap_or(of) == name)
     }
 }
@@ -218,7 +218,7 @@ mod tests {
         assert!(near(silence.less(ms(200)), ms(700)) && near(silence.less(ms(400)), ms(600)));
         assert_eq!(silence.less(ms(2000)), Duration::ZERO);
         assert!(near(silence.since(), ms(700)));
-        // However long threads wait for a processor.
+        // Regardless of how long threads wait for a processor.
         silence.overdue = Some(Overdue { before: HashMap::new(), was_reported: true });
         assert_eq!(silence.check(), Check::Silent, "700 ms are more than 5 times 100 ms");
     }

@@ -5,27 +5,27 @@ fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// Indices that are left out for a reason, with at least one of their first subindices.
+/// Returns the indices that are left out for a reason in at least one of subindices 0 to 3.
 fn all(profile: Option<u16>, wanted: LeftOutReason) -> Vec<u16> {
     let is_it = |index: &u16| (0..=3).any(|sub| reason(at(*index, sub), profile) == Some(wanted));
     (0x1000..=0xFFFF).filter(is_it).collect()
 }
 
-/// By CiA 301 (1003h, 1010h, 1011h, 1013h, 1023h to 1026h), CiA 302-2 (1F82h, 1F83h) and CiA 302-3 (1F25h, 1F50h, 1F51h).
+/// Objects from CiA 301 (1003h, 1010h, 1011h, 1013h, 1023h to 1026h), CiA 302-2 (1F82h, 1F83h) and CiA 302-3 (1F25h, 1F50h, 1F51h).
 #[test]
 fn objects_that_act_in_each_device_are_left_out() {
     let acting: [u16; 12] =
         [0x1003, 0x1010, 0x1011, 0x1023, 0x1024, 0x1025, 0x1026, 0x1F25, 0x1F50, 0x1F51, 0x1F82, 0x1F83];
-    // What a profile adds is in the tests below.
+    // The tests below cover the objects that a profile adds.
     let common = |profile| all(profile, Acts).into_iter().filter(|index| *index < 0x2000).collect::<Vec<_>>();
     for profile in [None, Some(401), Some(402), Some(406), Some(404)] {
         assert_eq!(common(profile), acting, "{profile:?}");
         assert_eq!(reason(at(0x1013, 0), profile), Some(Setpoint), "{profile:?}");
-        // Heartbeat, SYNC, identity, 1020h, PDOs, boot of an NMT master, the concise DCF: they keep values.
+        // Heartbeat, SYNC, identity, 1020h, PDOs, boot of an NMT master, the concise DCF: they store values.
         for index in [0x1005, 0x1014, 0x1016, 0x1017, 0x1018, 0x1019, 0x1020, 0x1400, 0x1A00, 0x1F22, 0x1F80, 0x1F81] {
             assert_eq!(reason(at(index, 0), profile), None, "{profile:?} {index:04X}h");
         }
-        // Those of the manufacturer, and beyond the profiles.
+        // Manufacturer objects, and objects above the profile area.
         for index in [0x2000, 0x2040, 0x5FFF, 0xA000, 0xA040, 0xFFFF] {
             assert_eq!(reason(at(index, 0), profile), None, "{profile:?} {index:04X}h");
         }
@@ -34,7 +34,7 @@ fn objects_that_act_in_each_device_are_left_out() {
     assert_eq!(reason(at(0x1010, 4), Some(402)), Some(Acts), "each of its subindices");
 }
 
-/// By CiA 402-2: up to 8 axes, each 800h further.
+/// CiA 402-2: up to 8 axes, each 800h higher.
 #[test]
 fn control_word_and_setpoints_of_all_axes_of_a_drive_are_left_out() {
     let of_axis: [u16; 9] = [0x6042, 0x6071, 0x607A, 0x60B0, 0x60B1, 0x60B2, 0x60C1, 0x60FE, 0x60FF];
@@ -43,13 +43,13 @@ fn control_word_and_setpoints_of_all_axes_of_a_drive_are_left_out() {
     let found = |wanted| all(Some(402), wanted).into_iter().filter(|index| *index >= 0x6000).collect::<Vec<_>>();
     assert_eq!(found(Setpoint), setpoints);
     assert_eq!(found(Acts), axes.map(|begin| 0x6040 + begin).collect::<Vec<_>>());
-    // The mask of the outputs; 6410h are data of the motor here.
+    // 60FEh:02 is the mask of the outputs; 6410h contains motor data in a drive.
     for object in [at(0x60FE, 2), at(0x68FE, 2), at(0x6410, 1), at(0x6003, 0), at(0x6200, 1), at(0x6060, 0)] {
         assert_eq!(reason(object, Some(402)), None, "{object}");
     }
 }
 
-/// By CiA 401: outputs, not what becomes of them in a fault (6206h, 6207h, 6443h, 6444h) nor filters (6003h).
+/// CiA 401: outputs, but neither their error reactions (6206h, 6207h, 6443h, 6444h) nor filters (6003h).
 #[test]
 fn outputs_of_a_module_are_left_out_and_their_reactions_written() {
     let outputs: [u16; 16] = [
@@ -64,7 +64,7 @@ fn outputs_of_a_module_are_left_out_and_their_reactions_written() {
     }
 }
 
-/// By CiA 406: presets move the position when they are written; 6200h is a timer there, 6320h a limit of a cam.
+/// CiA 406: a write of a preset changes the position. 6200h is the cyclic timer, 6320h a cam limit.
 #[test]
 fn presets_of_an_encoder_are_left_out_and_its_timer_written() {
     let found: Vec<u16> = all(Some(406), Acts).into_iter().filter(|index| (0x6000..0x6800).contains(index)).collect();
@@ -89,7 +89,7 @@ fn an_unknown_profile_leaves_out_whatever_acts_in_a_known_one() {
     }
 }
 
-/// A module of outputs that a drive has as its second logical device; the third one says nothing.
+/// A drive whose second logical device is an output module. The dictionary has no device type for the third one.
 #[test]
 fn each_logical_device_has_its_own_profile() {
     assert_eq!(device_type(0x5FFF), None);

@@ -1,7 +1,8 @@
-//! What a dictionary allows for an object: who may do what, which type its bytes are of, within which limits.
+//! Checks of SDO access against an EDS: access type, data type and limits of an object.
 //!
-//! Law      nothing is asked of a device that its dictionary forbids; an object that the dictionary does not have is bound by nothing
-//! Refuses  reading what can only be written and the other way round, another type, values beyond the limits, a value without a type
+//! Law      access that the dictionary forbids is refused before anything is sent; an object that the dictionary lacks has no restrictions
+//! Refuses  reading a write-only object, writing a read-only object, another data type, values beyond the limits, a value without a data
+//!          type
 //! Source   CiA 306-1
 
 use super::kind;
@@ -9,48 +10,48 @@ use crate::eds::{DataType, Dictionary, Value, ValueError};
 use crate::sdo::Object;
 use std::cmp::Ordering;
 
-/// Why something is not asked of a device.
+/// Reason why a request is not sent to a device.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
-    /// Its access forbids it.
+    /// The access type of the object forbids it.
     #[error("{label} cannot be {verb}: its access is {access} by the EDS")]
     Access {
-        /// The object and its name.
+        /// Object and its name.
         label: String,
-        /// What cannot be done.
+        /// Forbidden operation: "read" or "written".
         verb: &'static str,
-        /// Its access.
+        /// Access type of the object.
         access: &'static str,
     },
-    /// Another type than was given.
+    /// The given data type conflicts with the EDS.
     #[error("{label} is {known} by the EDS, not {given}; leave the type out")]
     Type {
-        /// The object and its name.
+        /// Object and its name.
         label: String,
-        /// By the EDS.
+        /// Data type according to the EDS.
         known: DataType,
-        /// By whoever asks.
+        /// Data type that the caller gave.
         given: DataType,
     },
-    /// Nobody says what its bytes are.
+    /// The data type of the object is unknown.
     #[error("the type of {0} is not known: give it ({types}), or an EDS that has the object", types = kind::list())]
     NoType(String),
-    /// The value is none of the type.
+    /// The value does not fit the data type.
     #[error("{0}: {1}")]
     Value(String, ValueError),
-    /// Beyond the limits.
+    /// The value is beyond the limits of the object.
     #[error("{label} cannot be {value}; {range} is allowed by the EDS")]
     Limit {
-        /// The object and its name.
+        /// Object and its name.
         label: String,
-        /// The value.
+        /// Refused value.
         value: String,
-        /// What is allowed.
+        /// Allowed range.
         range: String,
     },
 }
 
-/// The object, and its name where the dictionary has it.
+/// Returns the object as text, with its name if the dictionary has it.
 pub fn label(object: Object, dictionary: Option<&Dictionary>) -> String {
     match dictionary.and_then(|dictionary| dictionary.name(object)) {
         Some(name) => format!("{object} {name}"),
@@ -58,10 +59,10 @@ pub fn label(object: Object, dictionary: Option<&Dictionary>) -> String {
     }
 }
 
-/// May it be read?
+/// Checks that an object can be read.
 ///
 /// # Errors
-/// It can only be written.
+/// The object is write-only.
 pub fn readable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), Refusal> {
     let access = dictionary.and_then(|dictionary| dictionary.entry(object)).map(|entry| entry.access);
     match access.filter(|access| !access.is_readable()) {
@@ -70,10 +71,10 @@ pub fn readable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), R
     }
 }
 
-/// May it be written?
+/// Checks that an object can be written.
 ///
 /// # Errors
-/// It can only be read.
+/// The object is read-only.
 pub fn writable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), Refusal> {
     let access = dictionary.and_then(|dictionary| dictionary.entry(object)).map(|entry| entry.access);
     match access.filter(|access| !access.is_writable()) {
@@ -84,10 +85,10 @@ pub fn writable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), R
     }
 }
 
-/// What its bytes are: what the dictionary says, or else what was given.
+/// Returns the data type of an object: from the dictionary, otherwise the given one.
 ///
 /// # Errors
-/// Both differ.
+/// The two types differ.
 pub fn type_of(
     object: Object,
     given: Option<DataType>,
@@ -95,7 +96,7 @@ pub fn type_of(
 ) -> Result<Option<DataType>, Refusal> {
     let known = dictionary.and_then(|dictionary| dictionary.entry(object)).map(|entry| entry.data_type);
     match (known, given) {
-        // A type of the vendor, of which the file says nothing more.
+        // A manufacturer type, which the file does not describe.
         (Some(DataType::Other(_)), Some(given)) => Ok(Some(given)),
         (Some(known), Some(given)) if known != given => {
             Err(Refusal::Type { label: label(object, dictionary), known, given })
@@ -104,10 +105,10 @@ pub fn type_of(
     }
 }
 
-/// The bytes of a value that is to be written.
+/// Returns the bytes of a value that is to be written.
 ///
 /// # Errors
-/// What the access, the type or the limits do not allow.
+/// The access type, the data type or the limits do not allow the value.
 pub fn encoded(
     object: Object,
     text: &str,
@@ -122,10 +123,10 @@ pub fn encoded(
     value.to_bytes(data_type).map_err(refuse)
 }
 
-/// Bytes of a device or of a file as a value.
+/// Decodes bytes from a device or a file.
 ///
 /// # Errors
-/// Bytes that are no value of the type, and values beyond the limits.
+/// The bytes are not a value of the type, or the value is beyond the limits.
 pub fn decoded(
     object: Object,
     bytes: &[u8],
@@ -135,7 +136,7 @@ pub fn decoded(
     Value::from_bytes(data_type, bytes).map_err(|error| Refusal::Value(label(object, dictionary), error))
 }
 
-/// Is the value within the limits of its object?
+/// Checks that a value is within the limits of its object.
 fn within(object: Object, value: &Value, dictionary: Option<&Dictionary>) -> Result<(), Refusal> {
     let Some(known) = dictionary else { return Ok(()) };
     let (low, high) = (known.low_limit(object), known.high_limit(object));
@@ -165,7 +166,7 @@ mod tests {
     use super::*;
     use crate::eds;
 
-    /// The dictionary of the simulated drive, with limits for 607Fh.
+    /// Returns the dictionary of the simulated drive, with limits for 607Fh.
     fn known() -> Dictionary {
         let text = String::from_utf8(include_bytes!("../../../../launch-configs/can/cia402_sim.eds").to_vec()).unwrap();
         let at = text.find("[607F]").unwrap();

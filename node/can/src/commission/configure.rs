@@ -1,9 +1,11 @@
-//! Bringing a configuration into a device.
+//! Writes a configuration (DCF) to a device.
 //!
-//! Law      every object is read first, and written where it differs. A PDO that differs is switched off, mapped and switched on again, so that
-//!          no half of a mapping ever goes over the bus; what cannot change while something else is on waits for that
-//! Reads    what a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written)), apart from what acts or is a setpoint ([`acts`])
-//! Refuses  a drive that is enabled; the first object that the device refuses ends it
+//! Law      every object is read first and written only if its value differs. A PDO that differs is disabled, mapped and enabled again, so
+//!          that no partly written mapping is ever used on the bus. An object that can only change while another one is disabled is written
+//!          in that order
+//! Reads    the values that a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written)), except objects that act or are
+//!          setpoints ([`acts`])
+//! Refuses  a drive that is enabled; the first object that the device refuses ends the configuration
 //! Source   CiA 301 (1400h to 1BFFh, 1006h and 1019h, 1014h), CiA 306-1
 
 use super::session::{CommissionError, Session};
@@ -16,32 +18,32 @@ use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// Bit 31 of a COB-ID: it is not in use.
+/// Bit 31 of a COB-ID: the object is disabled.
 const INVALID: u32 = 0x8000_0000;
-/// What 1010h wants to read before it stores.
+/// Signature that 1010h requires before the device stores its parameters.
 const SAVE: &[u8; 4] = b"save";
-/// How long a device may take for that.
+/// Time that a device may take to store its parameters.
 const STORE: Duration = Duration::from_secs(10);
 
-/// What has come of it.
+/// Result of a configuration.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configured {
-    /// Objects that were compared.
+    /// Number of objects that were compared.
     pub compared: usize,
-    /// Those that differed and were written.
+    /// Objects that differed and were written.
     pub written: Vec<Object>,
-    /// Those that were left out, as they act or are setpoints.
+    /// Objects that were left out, because they act or are setpoints.
     pub left_out: LeftOut,
 }
 
-/// Objects of one PDO: those of its communication and those of its mapping.
+/// Communication and mapping objects of one PDO.
 #[derive(Default)]
 struct Pdo<'a> {
     communication: BTreeMap<u8, &'a [u8]>,
     mapping: BTreeMap<u8, &'a [u8]>,
 }
 
-/// The indices of the PDO to which an index belongs, and whether it is that of the mapping.
+/// Returns the communication and mapping indices of the PDO to which an index belongs, and whether the index is the mapping.
 fn pdo_of(index: u16) -> Option<((u16, u16), bool)> {
     match index {
         0x1400..=0x15FF | 0x1800..=0x19FF => Some(((index, index + 0x200), false)),
@@ -51,10 +53,10 @@ fn pdo_of(index: u16) -> Option<((u16, u16), bool)> {
 }
 
 impl Session {
-    /// Writes what differs; `progress` is told how many objects are done, of how many.
+    /// Writes the objects that differ. Calls `progress` with the number of finished objects and the total number.
     ///
     /// # Errors
-    /// The drive is enabled; the device refuses an object or does not answer; the way is lost.
+    /// The drive is enabled; the device refuses an object or does not answer; the bus connection is lost.
     pub fn configure(
         &mut self,
         node: NodeId,
@@ -88,7 +90,8 @@ impl Session {
         Ok(done)
     }
 
-    /// Why an object is left out, if it is. The device is asked for its profiles where that depends on them, for each of them once.
+    /// Returns the reason why an object is left out, if it is. If the reason depends on profiles, each profile is read from the device
+    /// once.
     fn left_out(
         &mut self,
         node: NodeId,
@@ -108,7 +111,7 @@ impl Session {
         Ok(acts::reason(object, profile))
     }
 
-    /// The profile that a device type says; where a further logical device says none, that of the first one.
+    /// Returns the profile in a device type object. If a further logical device has none, the profile of the first one applies.
     fn profile(&mut self, node: NodeId, device_type: Object) -> Result<Option<u16>, CommissionError> {
         let own = self.number(node, device_type.index, device_type.sub)?.and_then(acts::profile);
         if own.is_some() || device_type == objects::DEVICE_TYPE {
@@ -117,18 +120,18 @@ impl Session {
         self.profile(node, objects::DEVICE_TYPE)
     }
 
-    /// Tells a device to keep what it has ("save" to 1010h:01).
+    /// Stores the parameters of a device permanently ("save" to 1010h:01).
     ///
     /// # Errors
-    /// It refuses or does not answer.
+    /// The device refuses or does not answer.
     pub fn store(&mut self, node: NodeId) -> Result<(), CommissionError> {
         self.write_within(node, Object { index: 0x1010, sub: 1 }, SAVE, STORE)
     }
 
-    /// A device whose vendor or product code is another one is refused; 0 and none stand for any.
+    /// Returns an error if vendor or product code of a device differ from the given ones; 0 and `None` match any value.
     ///
     /// # Errors
-    /// Another device; no answer.
+    /// Vendor or product code differ, or the device does not answer.
     pub fn refuse_others(
         &mut self,
         node: NodeId,
@@ -157,16 +160,16 @@ impl Session {
         }
     }
 
-    /// Has the object another value? One that cannot be read is written.
+    /// Returns true if the object of the device has another value, or cannot be read.
     fn differs(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<bool, CommissionError> {
         Ok(self.optional(node, object)?.is_none_or(|present| present != data))
     }
 
-    /// Writes an object that belongs to no PDO, around what it depends on.
+    /// Writes an object that belongs to no PDO, and disables the object on which it depends meanwhile.
     fn write_alone(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
         let period = objects::CYCLE_PERIOD;
         match object {
-            // The overflow of SYNC changes only while its period is 0.
+            // 1019h can change only while the period 1006h is 0.
             objects::SYNC_OVERFLOW => {
                 let present = self.optional(node, period)?.filter(|present| present.iter().any(|byte| *byte != 0));
                 let Some(present) = present else { return self.write(node, object, data) };
@@ -174,7 +177,7 @@ impl Session {
                 self.write(node, object, data)?;
                 self.write(node, period, &present)
             }
-            // The identifier of emergency messages changes only while they are off.
+            // 1014h can change only while emergency messages are disabled.
             Object { index: 0x1014, sub: 0 } => {
                 if let Some(present) = self.number(node, 0x1014, 0)?.filter(|present| present & INVALID == 0) {
                     self.write(node, object, &(present | INVALID).to_le_bytes())?;
@@ -189,7 +192,8 @@ impl Session {
         }
     }
 
-    /// By the sequence that all devices take: off, no objects, the objects, their number, the rest, on.
+    /// Writes a PDO in the order that all devices accept: disable, set the number of entries to 0, entries, number of entries, other
+    /// parameters, enable.
     fn write_pdo(
         &mut self,
         node: NodeId,
@@ -226,7 +230,7 @@ impl Session {
         }
         if !remapped.is_empty() {
             let number_of = at(mapping, 0);
-            // Entries alone keep the number that there is.
+            // If only entries are written, the present number of entries stays.
             let count = match pdo.mapping.get(&0) {
                 Some(count) => count.to_vec(),
                 None => self.read(node, number_of)?,

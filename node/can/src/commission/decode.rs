@@ -1,8 +1,8 @@
-//! What the frames of a bus say.
+//! Decodes CAN frames to text.
 //!
-//! Law      identifiers mean what the predefined connection set says, unless somebody has said which PDO stands behind one; values have names
-//!          and types where a dictionary is known for their node
-//! Refuses  nothing: a frame that means nothing here is called so
+//! Law      identifiers have the meaning of the predefined connection set, unless a PDO was assigned to an identifier. Values have names
+//!          and types if a dictionary is known for their node
+//! Refuses  nothing: an unknown frame is described as unknown
 //! Source   CiA 301, CiA 305 (LSS)
 
 use super::allowed::label;
@@ -13,20 +13,20 @@ use crate::{Frame, Id, Life, NmtState, NodeId};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 
-/// A PDO behind an identifier.
+/// PDO of an identifier.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Carried {
-    /// Whose.
+    /// Node that sends or receives it.
     pub node: NodeId,
-    /// Which way it goes, seen from the device.
+    /// Direction, from the view of the device.
     pub direction: Direction,
-    /// From 1.
+    /// PDO number, from 1.
     pub number: u16,
-    /// What it carries; nothing where that is not known.
+    /// Mapped objects; empty if the mapping is unknown.
     pub mapped: Vec<Mapped>,
 }
 
-/// Knows what frames say.
+/// Decodes frames to text.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     dictionaries: BTreeMap<NodeId, Dictionary>,
@@ -35,7 +35,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// Knows the objects of a node from now on, and its PDOs as the dictionary says them, where nobody has said them otherwise.
+    /// Adds the dictionary of a node, and its PDOs, except those that were assigned before.
     pub fn know(&mut self, node: NodeId, dictionary: Dictionary) {
         for direction in [Direction::Receive, Direction::Transmit] {
             for number in 1..=4 {
@@ -49,12 +49,12 @@ impl Decoder {
         self.dictionaries.insert(node, dictionary);
     }
 
-    /// Knows what stands behind an identifier.
+    /// Assigns a PDO to an identifier.
     pub fn carry(&mut self, id: Id, pdo: Carried) {
         self.pdos.insert(id, pdo);
     }
 
-    /// Is it a frame of that node, or to it?
+    /// Returns true if a frame is from or to the node.
     pub fn concerns(&self, frame: &Frame, node: NodeId) -> bool {
         match (frame.id(), frame.bytes()) {
             (Id::NMT, [_, of]) => *of == 0 || *of == node.get(),
@@ -62,7 +62,7 @@ impl Decoder {
         }
     }
 
-    /// What a frame says.
+    /// Returns the text of a frame.
     pub fn words(&mut self, frame: &Frame) -> String {
         let id = frame.id();
         if let Some(pdo) = self.pdos.get(&id) {
@@ -102,7 +102,7 @@ impl Decoder {
         }
     }
 
-    /// A PDO, and the values in it.
+    /// Returns a PDO with its values as text.
     fn carried(&self, pdo: &Carried, frame: &Frame) -> String {
         let known = self.dictionaries.get(&pdo.node);
         let mut wide = [0; 8];
@@ -119,7 +119,7 @@ impl Decoder {
             }
             let value = all >> at & (u64::MAX >> (64 - bits.min(64)));
             at += bits;
-            // A dummy: it only takes room.
+            // A dummy entry, which only fills bits.
             if object.index < 0x1000 {
                 continue;
             }
@@ -135,13 +135,13 @@ fn name(pdo: &Carried) -> String {
     format!("{letter}PDO {} of node {}", pdo.number, pdo.node.get())
 }
 
-/// Whose identifier it is by the predefined connection set.
+/// Returns the node to which an identifier belongs in the predefined connection set.
 fn owner(id: Id) -> Option<NodeId> {
     let node = NodeId::new((id.get() & 0x7F) as u8)?;
     matches!(id.get() & 0x780, 0x080 | 0x180..=0x600 | 0x700).then_some(node)
 }
 
-/// A value in a PDO. Words of bits are shown as such.
+/// Returns a value of a PDO as text. Words of bits are shown in hexadecimal.
 fn shown(index: u16, value: u64, bits: u32, data_type: Option<DataType>) -> String {
     let digits = bits.div_ceil(4) as usize;
     let word = format!("{value:0digits$X}h");
@@ -189,7 +189,7 @@ fn emergency(node: NodeId, bytes: &[u8]) -> String {
     if vendor.iter().all(|byte| *byte == 0) { text } else { format!("{text}, {}", hex(vendor)) }
 }
 
-/// Milliseconds of the day, and days since 1984-01-01.
+/// Returns the time of a TIME frame: milliseconds of the day, and days since 1984-01-01.
 fn time(bytes: &[u8]) -> String {
     let &[a, b, c, d, low, high] = bytes else { return "TIME of another length".to_owned() };
     let ms = u32::from_le_bytes([a, b, c, d]) & 0x0FFF_FFFF;
@@ -320,7 +320,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        /// Any frame is something, and breaks nothing.
+        /// Every frame gets a text, and none causes a panic.
         #[test]
         fn every_frame_has_words(frames in proptest::collection::vec((0_u16..0x800, proptest::collection::vec(proptest::prelude::any::<u8>(), 0..=8)), 0..40)) {
             let mut decoder = knowing();

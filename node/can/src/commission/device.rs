@@ -1,7 +1,7 @@
-//! What a device says of itself.
+//! Reads identity and state of a device.
 //!
-//! Law      what a device does not have, or refuses, is none; what it does not answer is an error
-//! Reads    1000h to 1018h; of a drive its modes, its state, its place and its factors
+//! Law      an object that the device lacks or refuses is `None`; a missing answer is an error
+//! Reads    1000h to 1018h; of a drive also its modes, state, position and factors
 //! Source   CiA 301, CiA 402-2
 
 use super::session::{CommissionError, Session};
@@ -11,14 +11,14 @@ use crate::sdo::Object;
 use crate::{NmtState, NodeId};
 use std::time::Duration;
 
-/// Lower half of the device type of a drive.
+/// Profile number of drives, in the lower half of the device type.
 const PROFILE: u32 = 402;
-/// The longest time between two heartbeats that is waited for.
+/// Longest heartbeat time that is waited for.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Errors of the history that are read.
+/// Number of entries of the error history that are read.
 const HISTORY: u32 = 8;
 
-/// Factors of a drive: object, its subindices, what they are.
+/// Factors of a drive: index, first and last subindex, name.
 const FACTORS: [(u16, u8, u8, &str); 6] = [
     (0x608F, 1, 2, "position encoder resolution"),
     (0x6091, 1, 2, "gear ratio"),
@@ -28,7 +28,7 @@ const FACTORS: [(u16, u8, u8, &str); 6] = [
     (0x60A9, 0, 0, "SI unit velocity"),
 ];
 
-/// A device.
+/// Identity of a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Device {
     /// Device type (1000h).
@@ -39,20 +39,20 @@ pub struct Device {
     pub texts: [Option<String>; 3],
     /// Error register (1001h).
     pub register: Option<u32>,
-    /// Errors, the newest first (1003h); none where there is no history.
+    /// Error codes, the newest first (1003h); `None` if the device has no history.
     pub history: Option<Vec<u32>>,
-    /// From one heartbeat to the next (ms; 1017h).
+    /// Heartbeat time, in milliseconds (1017h).
     pub heartbeat_ms: Option<u32>,
 }
 
 impl Device {
-    /// Is it a drive?
+    /// Returns true if the device is a drive.
     pub fn is_drive(&self) -> bool {
         self.device_type.is_some_and(|device_type| device_type & 0xFFFF == PROFILE)
     }
 }
 
-/// A drive of CiA 402.
+/// State of a CiA 402 drive.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Drive {
     /// Supported modes (6502h).
@@ -67,23 +67,23 @@ pub struct Drive {
     pub position: Option<i32>,
     /// Digital inputs (60FDh).
     pub inputs: Option<u32>,
-    /// Factors that it has: index, what they are, the values of the subindices.
+    /// Factors that the drive has: index, name, values of the subindices.
     pub factors: Vec<(u16, &'static str, Vec<u32>)>,
 }
 
-/// The state of a device, as it shows it.
+/// NMT state of a device, as its heartbeat reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
-    /// It has shown it.
+    /// Reported state.
     State(NmtState),
-    /// It has no heartbeat.
+    /// The device has no heartbeat.
     None,
-    /// It should have one, which has not come.
+    /// The device should send a heartbeat, but none was received.
     Silent,
 }
 
 impl Session {
-    /// An object that the device may lack.
+    /// Reads an object that the device may lack.
     pub(super) fn optional(&mut self, node: NodeId, object: Object) -> Result<Option<Vec<u8>>, CommissionError> {
         match self.read(node, object) {
             Ok(data) => Ok(Some(data)),
@@ -92,15 +92,15 @@ impl Session {
         }
     }
 
-    /// Its number of up to 4 bytes.
+    /// Reads a number of up to 4 bytes that the device may lack.
     pub(super) fn number(&mut self, node: NodeId, index: u16, sub: u8) -> Result<Option<u32>, CommissionError> {
         Ok(self.optional(node, Object { index, sub })?.and_then(|data| number(&data)))
     }
 
-    /// What a device says of itself.
+    /// Reads the identity of a device.
     ///
     /// # Errors
-    /// It does not answer; the way is lost.
+    /// The device does not answer; the bus connection is lost.
     pub fn device(&mut self, node: NodeId) -> Result<Device, CommissionError> {
         let device_type = self.number(node, 0x1000, 0)?;
         let mut device = Device { device_type, ..Device::default() };
@@ -122,10 +122,10 @@ impl Session {
         Ok(device)
     }
 
-    /// What a drive says of itself.
+    /// Reads the state of a drive.
     ///
     /// # Errors
-    /// Likewise.
+    /// The device does not answer; the bus connection is lost.
     pub fn drive(&mut self, node: NodeId) -> Result<Drive, CommissionError> {
         let mut of = |object: Object| self.number(node, object.index, object.sub);
         let mut drive = Drive {
@@ -149,10 +149,10 @@ impl Session {
         Ok(drive)
     }
 
-    /// The state of a device: what has been heard, or what its heartbeat tells, which is waited for.
+    /// Returns the NMT state of a device: the last one that was received, otherwise that of the next heartbeat, which is waited for.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The bus connection is lost.
     pub fn heard(&mut self, node: NodeId, heartbeat_ms: Option<u32>) -> Result<Heard, CommissionError> {
         if let Some(state) = self.state(node) {
             return Ok(Heard::State(state));

@@ -1,8 +1,8 @@
-//! What SDO frames say, heard from beside.
+//! Decodes SDO frames that were recorded from the bus.
 //!
-//! Law      one exchange for each node: the object that was named last is that of the segments behind it. Segments of a block look like
-//!          anything; which frames are some is known from what led to them, so an exchange that was not heard from its begin is
-//!          told by its first bytes
+//! Law      one exchange for each node: segments belong to the object that was named last. Segments of a block have no command specifier of
+//!          their own; they are recognized by the frames before them. If the beginning of an exchange was not received, its frames are
+//!          decoded by their first byte
 //! Source   CiA 301
 
 use super::allowed::label;
@@ -11,24 +11,24 @@ use crate::eds::{Dictionary, Value};
 use crate::sdo::{Abort, Object};
 use crate::{Frame, NodeId};
 
-/// Who sends segments of a block now.
+/// Side that sends the segments of the present block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Block {
     Client,
     Server,
 }
 
-/// The exchange of one node.
+/// SDO exchange of one node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Exchange {
     object: Option<Object>,
     block: Option<Block>,
-    /// The number of the last segment of all.
+    /// Sequence number of the last segment of the block transfer.
     last: Option<u8>,
 }
 
 impl Exchange {
-    /// What a frame of the client says.
+    /// Returns the text of a frame of the client.
     pub(super) fn request(&mut self, node: NodeId, frame: &Frame, known: Option<&Dictionary>) -> String {
         let head = format!("SDO {}", node.get());
         let Ok(bytes) = <[u8; 8]>::try_from(frame.bytes()) else { return format!("{head} request of another length") };
@@ -76,7 +76,7 @@ impl Exchange {
         format!("{head} {words}")
     }
 
-    /// What a frame of the server says.
+    /// Returns the text of a frame of the server.
     pub(super) fn response(&mut self, node: NodeId, frame: &Frame, known: Option<&Dictionary>) -> String {
         let head = format!("SDO {}", node.get());
         let Ok(bytes) = <[u8; 8]>::try_from(frame.bytes()) else { return format!("{head} answer of another length") };
@@ -134,7 +134,7 @@ impl Exchange {
         self.object.map_or_else(|| "an object".to_owned(), |object| label(object, known))
     }
 
-    /// Bytes as the dictionary reads them.
+    /// Returns bytes as a value of the dictionary's type, otherwise in hexadecimal.
     fn value(&self, bytes: &[u8], known: Option<&Dictionary>) -> String {
         let entry = self.object.zip(known).and_then(|(object, known)| known.entry(object));
         let value = entry.and_then(|entry| Value::from_bytes(entry.data_type, bytes).ok());
@@ -149,7 +149,7 @@ impl Exchange {
         format!("segment {number} of a block of {}{}", self.label(known), if ends { ", the last one" } else { "" })
     }
 
-    /// `sender` goes on with the next block, unless all have come.
+    /// Handles the acknowledgement of a block. `sender` sends the next block, unless the transfer is complete.
     fn acknowledged(&mut self, [_, sequence, ..]: [u8; 8], sender: Block, known: Option<&Dictionary>) -> String {
         self.block = (self.last != Some(sequence)).then_some(sender);
         self.last = None;
@@ -163,7 +163,7 @@ impl Exchange {
     }
 }
 
-/// The bytes in the first frame, where they are all.
+/// Returns the data bytes of an expedited transfer.
 fn value(command: u8, bytes: &[u8; 8]) -> Option<&[u8]> {
     let unused = if command & 1 == 1 { usize::from(command >> 2 & 3) } else { 0 };
     (command & 2 != 0).then(|| bytes.get(4..8 - unused)).flatten()
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(told, expected);
     }
 
-    /// A segment with number 65 that is the last one looks like the end of a transfer (C1h).
+    /// The last segment with number 65 looks like the end of a transfer (C1h).
     #[test]
     fn segments_of_blocks_are_known_by_what_led_to_them() {
         let told = all(&[

@@ -1,8 +1,8 @@
-//! Types as a person names them.
+//! Names of data types for the command line.
 
 use crate::eds::DataType;
 
-/// Name, type.
+/// Name and data type.
 const KINDS: [(&str, DataType); 14] = [
     ("bool", DataType::Boolean),
     ("u8", DataType::Unsigned8),
@@ -20,23 +20,23 @@ const KINDS: [(&str, DataType); 14] = [
     ("domain", DataType::Domain),
 ];
 
-/// The names of all types that can be given.
+/// Returns the names of all types that can be given.
 pub fn names() -> impl Iterator<Item = &'static str> + Clone {
     KINDS.iter().map(|row| row.0)
 }
 
-/// The type of a name.
+/// Returns the data type with a name.
 pub fn named(name: &str) -> Option<DataType> {
     KINDS.iter().find(|row| row.0 == name).map(|row| row.1)
 }
 
-/// The name of a type; where nobody gives it by name, that of the standard.
+/// Returns the name of a data type: the one for the command line, otherwise that of the standard.
 pub fn name(data_type: DataType) -> String {
     let known = KINDS.iter().find(|row| row.1 == data_type);
     known.map_or_else(|| data_type.to_string(), |row| row.0.to_owned())
 }
 
-/// The names of all types that can be given, in a sentence.
+/// Returns the names of all types that can be given, separated by commas.
 pub fn list() -> String {
     names().collect::<Vec<_>>().join(", ")
 }

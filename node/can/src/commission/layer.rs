@@ -1,7 +1,7 @@
-//! Node ids and bit rates of devices, by their identity (CiA 305).
+//! LSS: sets node IDs and bit rates of devices that are selected by their identity (CiA 305).
 //!
-//! Law      a device that is set is switched to configuration, told, and switched back to waiting, also where it has refused
-//! Refuses  an identity that nobody has; what the device refuses
+//! Law      the selected device is switched to configuration state, configured, and switched back to waiting state, also if it refuses
+//! Refuses  an identity that no device has; commands that the device refuses
 //! Source   CiA 305
 
 use super::session::{CommissionError, Session};
@@ -9,14 +9,14 @@ use crate::Frame;
 use crate::lss::{FastScan, Identity, LssCommand, LssError, Outcome, is_selected, select};
 use std::time::Duration;
 
-/// How long the answer to a question of a search may take: where the answer is no, this time passes.
+/// Longest time for an answer during a search. It passes completely if the answer is no, as no device sends a frame then.
 const ANSWER: Duration = Duration::from_millis(100);
 
 impl Session {
-    /// The first device without a node id, if there is any; `progress` is told how many questions are asked, of how many.
+    /// Searches for the first device without a node ID. Calls `progress` with the number of sent requests and the total number.
     ///
     /// # Errors
-    /// The device that was found no longer answers; the way is lost.
+    /// The device that was found no longer answers; the bus connection is lost.
     pub fn search(&mut self, progress: &mut dyn FnMut(usize, usize)) -> Result<Option<Identity>, CommissionError> {
         let patience = ANSWER.min(Duration::from_nanos(self.timeout_ns()));
         self.send(&LssCommand::Wait.frame())?;
@@ -39,10 +39,10 @@ impl Session {
         }
     }
 
-    /// Tells the device of an identity something.
+    /// Sends a command to the device with an identity.
     ///
     /// # Errors
-    /// Nobody has the identity; the device refuses or does not answer; the way is lost.
+    /// No device has the identity; the device refuses or does not answer; the bus connection is lost.
     pub fn set_layer(&mut self, identity: Identity, command: LssCommand) -> Result<(), CommissionError> {
         self.send(&LssCommand::Wait.frame())?;
         let time = Duration::from_nanos(self.timeout_ns());

@@ -1,7 +1,8 @@
-//! Commissioning of a bus without a machine: who is there, what it is, its objects one by one, what goes over the bus.
+//! Commissioning of a bus without a machine: scan, device information, object access, monitoring of frames.
 //!
-//! Law      whoever calls waits here; a frame goes out only for what was asked for: no SYNC, no heartbeat, no NMT of its own
-//! Refuses  what a dictionary does not allow, before anything is sent; what a device refuses or does not answer, in a sentence
+//! Law      calls block until they are finished. Frames are sent only as requested: no SYNC, no heartbeat, no NMT command is sent by itself
+//! Refuses  access that a dictionary does not allow, before anything is sent; requests that a device refuses or does not answer, with a
+//!          message
 //! Source   CiA 301, CiA 402-2
 
 mod allowed;

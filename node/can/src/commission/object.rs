@@ -1,31 +1,31 @@
-//! Objects as a person names them.
+//! Parses objects as the user writes them.
 //!
-//! Law      `6064`, `0x6064`, `6064h:00`, `0x6099:1`: four hexadecimal digits, and one or two for the subindex, which is 0 where it is
-//!          left out; or the name of one object of a dictionary, which goes before an index of letters alone
-//! Refuses  everything else, with what is allowed
+//! Law      `6064`, `0x6064`, `6064h:00`, `0x6099:1`: four hexadecimal digits, and one or two for the subindex, which is 0 if it is left
+//!          out; or the name of one object of a dictionary. A name has precedence over an index of letters only
+//! Refuses  any other text; the message gives the allowed forms
 //! Source   CiA 301
 
 use crate::eds::{Dictionary, FindError};
 use crate::sdo::Object;
 
-/// Why a text names no object.
+/// Reason why a text is not an object.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ObjectError {
-    /// Neither numbers nor a name.
+    /// The text is neither an index nor a name.
     #[error(
         "{0:?} is no object; allowed are an index like 6064 or 0x6064 (1000 to FFFF), index and subindex like 6099:01 (00 to FF), both \
          hexadecimal{names}", names = if *.1 { ", and a name of the EDS" } else { "; a name needs an EDS" }
     )]
     Form(String, bool),
-    /// No object of the dictionary has that name, or several have.
+    /// No object of the dictionary has the name, or several have it.
     #[error(transparent)]
     Find(#[from] FindError),
 }
 
-/// The object that a text names.
+/// Parses an object.
 ///
 /// # Errors
-/// A text that names none.
+/// The text is not an object.
 pub fn parse(text: &str, dictionary: Option<&Dictionary>) -> Result<Object, ObjectError> {
     let text = text.trim();
     let numbers = numbers(text);

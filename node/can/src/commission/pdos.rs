@@ -1,7 +1,7 @@
-//! The PDOs of a device, as it has them now.
+//! Reads the present PDO configuration of a device.
 //!
-//! Law      the first eight of each direction are looked for one by one, the others up to the first that is missing
-//! Reads    1400h, 1600h, 1800h, 1A00h and those behind them
+//! Law      the first eight PDOs of each direction are read one by one, further ones up to the first that is missing
+//! Reads    1400h, 1600h, 1800h, 1A00h and the following indices
 //! Source   CiA 301
 
 use super::session::{CommissionError, Session};
@@ -9,37 +9,37 @@ use crate::NodeId;
 use crate::eds::{CobId, Direction, Mapped};
 use crate::sdo::Object;
 
-/// A device may leave out some of so many.
+/// Number of PDOs of which a device may leave out some.
 const LIKELY: u16 = 8;
-/// PDOs of each direction.
+/// Maximum number of PDOs of each direction.
 const MOST: u16 = 512;
-/// Objects of a PDO.
+/// Maximum number of objects of a PDO.
 const MOST_MAPPED: u32 = 64;
 
-/// A PDO of a device.
+/// PDO configuration of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PdoSeen {
-    /// Which way it goes, seen from the device.
+    /// Direction, from the view of the device.
     pub direction: Direction,
-    /// From 1.
+    /// PDO number, from 1.
     pub number: u16,
-    /// Its identifier.
+    /// COB-ID.
     pub cob_id: CobId,
-    /// When it goes.
+    /// Transmission type.
     pub transmission: Option<u8>,
-    /// At least so long between two of them (100 us).
+    /// Inhibit time, the minimum time between two PDOs, in units of 100 us.
     pub inhibit: Option<u32>,
-    /// At most so long between two of them, or until the device misses it (ms).
+    /// Event timer, in ms: maximum time between two PDOs; for a received PDO, the time after which the device reports it as missing.
     pub event_timer: Option<u32>,
-    /// What it carries.
+    /// Mapped objects.
     pub mapped: Vec<Mapped>,
 }
 
 impl Session {
-    /// All PDOs, those that the device receives first.
+    /// Reads all PDOs, first those that the device receives.
     ///
     /// # Errors
-    /// It does not answer; the way is lost.
+    /// The device does not answer; the bus connection is lost.
     pub fn pdos(&mut self, node: NodeId) -> Result<Vec<PdoSeen>, CommissionError> {
         let mut pdos = Vec::new();
         for (direction, communication, mapping) in

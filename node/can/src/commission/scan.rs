@@ -1,9 +1,9 @@
-//! Who is on a bus.
+//! Scan of a bus for nodes.
 //!
-//! Law      all nodes are asked beside each other, one new one per `gap`, so that a bus without anybody takes hardly longer than one
-//!          answer may; whoever answers is asked for the rest. Signs of life are heard meanwhile, for `least` at least
+//! Law      nodes are queried in parallel; a new one starts after each `gap`. A scan of an empty bus therefore takes little longer than one
+//!          SDO timeout. A node that answers is asked for its identity. Heartbeats are received meanwhile, for `least` at least
 //! Reads    1000h, 1018h, 1008h
-//! Refuses  nothing: a node that is silent is not there, unless it shows that it lives
+//! Refuses  nothing: a node that does not answer is absent, unless it sends a heartbeat or boot-up message
 //! Source   CiA 301
 
 use super::session::{CommissionError, Session};
@@ -14,11 +14,11 @@ use crate::{NmtState, NodeId};
 use std::thread;
 use std::time::Duration;
 
-/// Bytes of the longest name.
+/// Bytes of the longest name, with room for a whole last segment.
 const ROOM: usize = 256 + 7;
-/// Between two looks at the bus.
+/// Time between two polls of the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// What is asked, in this order.
+/// Objects that are read, in this order.
 const ASKED: [Object; 6] = [
     objects::DEVICE_TYPE,
     objects::VENDOR,
@@ -28,41 +28,41 @@ const ASKED: [Object; 6] = [
     Object { index: 0x1008, sub: 0 },
 ];
 
-/// How a bus is scanned.
+/// Settings of a scan.
 #[derive(Clone, Copy, Debug)]
 pub struct Scan {
     /// First node.
     pub from: NodeId,
     /// Last node.
     pub to: NodeId,
-    /// From one node that is asked for the first time to the next.
+    /// Time between the first requests to two nodes.
     pub gap: Duration,
-    /// How long signs of life are listened for.
+    /// Minimum time for receiving heartbeats.
     pub least: Duration,
 }
 
-/// A node that is there. What it does not tell is none.
+/// Node that was found. A value that it does not report is `None`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// Which one.
+    /// Node ID.
     pub node: NodeId,
-    /// The state that it has shown.
+    /// NMT state, if the node has reported it.
     pub state: Option<NmtState>,
     /// Device type (1000h); the profile in its lower half.
     pub device_type: Option<u32>,
     /// Vendor, product code, revision number, serial number (1018h).
     pub identity: [Option<u32>; 4],
-    /// Its name (1008h).
+    /// Device name (1008h).
     pub name: Option<String>,
-    /// Does it answer at all?
+    /// Whether the node answers SDO requests.
     pub answers: bool,
 }
 
-/// A node that is asked.
+/// Node that is being queried.
 struct Asked {
     found: Found,
     client: Client,
-    /// Which of the objects comes next.
+    /// Place in [`ASKED`] of the object that is read next.
     next: usize,
     begins: Duration,
 }
@@ -72,12 +72,12 @@ impl Asked {
         self.next >= ASKED.len() && self.client.is_idle()
     }
 
-    /// Begins with the next object.
+    /// Starts to read the next object.
     fn go_on(&mut self, now_ns: u64) {
         if self.client.is_idle()
             && let Some(object) = ASKED.get(self.next)
         {
-            // It is idle, and takes it.
+            // The client is idle and accepts the transfer.
             drop(self.client.upload(*object, Vec::with_capacity(ROOM), false, now_ns));
             self.next += 1;
         }
@@ -85,7 +85,7 @@ impl Asked {
 
     fn take(&mut self, Transfer { object, data, result }: Transfer) {
         match result {
-            // Nobody there, or nobody any more.
+            // There is no node, or it no longer answers.
             Err(SdoError::Silent(..)) => self.next = ASKED.len(),
             Err(_) => self.found.answers = true,
             Ok(()) => {
@@ -105,10 +105,10 @@ impl Asked {
 }
 
 impl Session {
-    /// Looks who is there; `progress` is told how many nodes are done, of how many.
+    /// Scans the bus. Calls `progress` with the number of finished nodes and the total number.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The bus connection is lost.
     pub fn scan(&mut self, scan: Scan, progress: &mut dyn FnMut(usize, usize)) -> Result<Vec<Found>, CommissionError> {
         let began = self.elapsed();
         let nodes = (scan.from.get()..=scan.to.get()).filter_map(NodeId::new);

@@ -1,7 +1,7 @@
-//! A bus that is spoken to by hand: one transfer after the other, with all that is heard meanwhile.
+//! Session for manual access to a bus: one transfer after another, with reception of all other frames.
 //!
-//! Law      each call ends: with an answer, or after the time that an answer may take. Who has shown which state is remembered
-//! Refuses  objects longer than [`LONGEST`]; what a device refuses or does not answer; a way that is lost
+//! Law      each call ends with an answer, or after the time that an answer may take. The last reported NMT state of each node is stored
+//! Refuses  objects longer than [`LONGEST`]; requests that a device refuses or does not answer; a lost bus connection
 //! Source   CiA 301
 
 use crate::lss::{Identity, LssError};
@@ -12,80 +12,80 @@ use std::collections::BTreeMap;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Bytes of the longest object that is read.
+/// Maximum size of an object that is read, in bytes.
 pub const LONGEST: usize = 16 << 20;
-/// What the last segment is filled up with.
+/// Bytes of a segment, by which the last one may exceed the object.
 const FILL: usize = 7;
-/// Between two looks at the bus.
+/// Time between two polls of the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// How long a queue before the bus may be full.
+/// Longest time for which the send queue may be full.
 const FULL: Duration = Duration::from_secs(2);
-/// How long what was sent last may need until it is on the bus.
+/// Time that the last frame may need until it is on the bus.
 const LEAVE: Duration = Duration::from_millis(30);
 
-/// Why something that was asked for has not been done.
+/// Reason why a request failed.
 #[derive(Debug, thiserror::Error)]
 pub enum CommissionError {
     /// The device refuses, or does not answer.
     #[error("{0}: {1}")]
     Sdo(NodeId, SdoError),
-    /// More bytes than are read.
+    /// The object is longer than [`LONGEST`].
     #[error("{0}: {1} has more than {LONGEST} bytes (16 MiB), which are not read")]
     Long(NodeId, Object),
-    /// The bus takes nothing, or is lost.
+    /// The bus accepts no frames, or the connection to it is lost.
     #[error("{0}")]
     Way(#[from] TransportError),
-    /// A drive whose motor has current.
+    /// The drive is enabled.
     #[error("{node} is {state} (6041h is {status:04X}h); switch it off first")]
     Enabled {
-        /// Which one.
+        /// Node of the drive.
         node: NodeId,
-        /// Its state in words.
+        /// State of the drive, as text.
         state: &'static str,
-        /// Its status word.
+        /// Status word.
         status: u16,
     },
-    /// No device of an identity.
+    /// No device has the identity.
     #[error(
         "no device answers to vendor {:08X}h, product {:08X}h, revision {:08X}h, serial {:08X}h", .0[0], .0[1], .0[2], .0[3]
     )]
     Nobody(Identity),
-    /// A device in configuration does not do it.
+    /// A device in LSS configuration state refuses the command.
     #[error("{0}")]
     Lss(LssError),
-    /// It does not answer.
+    /// A device in LSS configuration state does not answer; timeout in ms.
     #[error("the device has not answered for {0} ms")]
     SilentLss(u64),
-    /// A search that has come to nothing.
+    /// The search has lost the device.
     #[error(
         "the search lost the device that it had begun with: frames or answers were lost; try again, or with a longer --timeout"
     )]
     LostInSearch,
-    /// A configuration for another device.
+    /// The configuration is for another device.
     #[error("{node} is another device: its {what} is {found:08X}h, the file is for {expected:08X}h")]
     Other {
-        /// Which one.
+        /// Node of the device.
         node: NodeId,
-        /// Vendor or product code.
+        /// Name of the value: vendor or product code.
         what: &'static str,
-        /// What the device says.
+        /// Value of the device.
         found: u32,
-        /// What the file says.
+        /// Value of the file.
         expected: u32,
     },
 }
 
 impl CommissionError {
-    /// Has the device refused, so that it is there?
+    /// Returns true if the device has refused, which means that it is present.
     pub fn is_refusal(&self) -> bool {
         matches!(self, Self::Sdo(_, SdoError::Refused(..)))
     }
 }
 
-/// How far a transfer is: bytes, and of how many where that is known.
+/// Progress of a transfer: number of transferred bytes, and total number if it is known.
 pub type Progress<'a> = &'a mut dyn FnMut(usize, Option<usize>);
 
-/// A bus, and how long an answer may take.
+/// Bus with the timeout for an answer.
 pub struct Session {
     transport: Box<dyn Transport>,
     began: Instant,
@@ -94,12 +94,12 @@ pub struct Session {
 }
 
 impl Session {
-    /// Speaks over a way that is open.
+    /// Creates a session on an open transport.
     pub fn new(transport: Box<dyn Transport>, timeout: Duration) -> Self {
         Self { transport, began: Instant::now(), timeout, states: BTreeMap::new() }
     }
 
-    /// Since it began.
+    /// Returns the time since the session began.
     pub fn elapsed(&self) -> Duration {
         self.began.elapsed()
     }
@@ -112,12 +112,12 @@ impl Session {
         u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX)
     }
 
-    /// The state that a device has shown last, if any.
+    /// Returns the last NMT state that a device has reported, if any.
     pub fn state(&self, node: NodeId) -> Option<NmtState> {
         self.states.get(&node).copied()
     }
 
-    /// Sends a frame; waits while the bus takes none.
+    /// Sends a frame. Waits while the send queue is full.
     pub(super) fn send(&mut self, frame: &Frame) -> Result<(), CommissionError> {
         let began = Instant::now();
         loop {
@@ -128,10 +128,10 @@ impl Session {
         }
     }
 
-    /// The next frame, if one has come. What waits to be sent goes on.
+    /// Returns the next received frame, if there is one. Sends queued frames as well.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The bus connection is lost.
     pub fn receive(&mut self) -> Result<Option<Frame>, CommissionError> {
         self.transport.flush()?;
         let Some(frame) = self.transport.receive()? else { return Ok(None) };
@@ -144,10 +144,10 @@ impl Session {
         Ok(Some(frame))
     }
 
-    /// Hands over each frame that comes, with when (since the session began), until `on` gives false.
+    /// Passes each received frame to `on`, with the time since the session began, until `on` returns false.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The bus connection is lost.
     pub fn listen(&mut self, mut on: impl FnMut(Duration, Option<&Frame>) -> bool) -> Result<(), CommissionError> {
         loop {
             let frame = self.receive()?;
@@ -160,10 +160,10 @@ impl Session {
         }
     }
 
-    /// Listens for so long, or until a device has shown a state that `is_wanted`; that one.
+    /// Listens for the given time, or until a device reports a state for which `is_wanted` returns true. Returns this state.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The bus connection is lost.
     pub fn hear(
         &mut self,
         node: NodeId,
@@ -180,12 +180,12 @@ impl Session {
         Ok(heard)
     }
 
-    /// Tells one device, or all of them, to go into another state. What comes of it is not waited for.
+    /// Sends an NMT command to one node or to all. Does not wait for its effect.
     ///
     /// # Errors
-    /// The bus does not take it.
+    /// The bus does not accept the frame.
     pub fn nmt(&mut self, command: NmtCommand, node: Option<NodeId>) -> Result<(), CommissionError> {
-        // What was shown before does not count any more.
+        // States that were reported before the command no longer apply.
         match node {
             Some(node) => drop(self.states.remove(&node)),
             None => self.states.clear(),
@@ -193,10 +193,10 @@ impl Session {
         self.send(&command.frame(node))
     }
 
-    /// Reads an object; in blocks where the device knows them, if that is wanted.
+    /// Reads an object, on request by block transfer if the device supports it.
     ///
     /// # Errors
-    /// The device refuses or does not answer; the way is lost.
+    /// The device refuses or does not answer; the bus connection is lost.
     pub fn read_with(
         &mut self,
         node: NodeId,
@@ -205,7 +205,7 @@ impl Session {
         progress: Progress<'_>,
     ) -> Result<Vec<u8>, CommissionError> {
         let room = Vec::with_capacity(LONGEST + FILL);
-        // A client of its own has no other transfer under way.
+        // A new client has no other transfer in progress.
         let begin = |client: &mut Client, now_ns| drop(client.upload(object, room, in_blocks, now_ns));
         match self.transfer(node, self.timeout_ns(), begin, progress) {
             Err(CommissionError::Sdo(node, SdoError::Wrong(object, Abort::MEMORY))) => {
@@ -218,15 +218,15 @@ impl Session {
     /// Reads an object of a few bytes.
     ///
     /// # Errors
-    /// Likewise.
+    /// As for [`read_with`](Self::read_with).
     pub fn read(&mut self, node: NodeId, object: Object) -> Result<Vec<u8>, CommissionError> {
         self.read_with(node, object, false, &mut |_, _| {})
     }
 
-    /// Writes an object; a long one in blocks where the device knows them.
+    /// Writes an object. Uses block transfer for a long object if the device supports it.
     ///
     /// # Errors
-    /// Likewise.
+    /// As for [`read_with`](Self::read_with).
     pub fn write_with(
         &mut self,
         node: NodeId,
@@ -241,12 +241,12 @@ impl Session {
     /// Writes an object of a few bytes.
     ///
     /// # Errors
-    /// Likewise.
+    /// As for [`read_with`](Self::read_with).
     pub fn write(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
         self.write_with(node, object, data, &mut |_, _| {})
     }
 
-    /// Writes an object for which the device may take longer than for others.
+    /// Writes an object with a longer timeout than other objects.
     pub(super) fn write_within(
         &mut self,
         node: NodeId,
@@ -276,7 +276,7 @@ impl Session {
             let now_ns = self.now_ns();
             let done = frame.as_ref().and_then(|frame| client.receive(frame, now_ns));
             if let Some(done) = done.or_else(|| client.tick(now_ns)) {
-                // What ends it on the bus, too.
+                // The frames that end the transfer on the bus.
                 while let Some(frame) = client.next_frame() {
                     self.send(&frame)?;
                 }
@@ -294,7 +294,7 @@ impl Session {
 
 impl Drop for Session {
     fn drop(&mut self) {
-        // A frame that still waits would be lost with the channel.
+        // A queued frame would be lost when the transport is closed.
         let began = Instant::now();
         while began.elapsed() < LEAVE && self.transport.flush().is_ok() {
             thread::sleep(LOOK);

@@ -1,4 +1,4 @@
-//! Numbers of the standards in words.
+//! Texts for the numbers of the CiA standards.
 //!
 //! Source   CiA 301 (states, error register, transmission types), CiA 402-2 (states, modes, inputs)
 
@@ -6,23 +6,23 @@ use crate::NmtState;
 use lineshaft_core::drive::{DriveState, error_text, register_texts};
 use std::ops::RangeInclusive;
 
-/// A number of 1 to 4 bytes.
+/// Returns a little-endian number of 1 to 4 bytes.
 pub fn number(bytes: &[u8]) -> Option<u32> {
     let is_it = (1..=4).contains(&bytes.len());
     is_it.then(|| bytes.iter().rev().fold(0, |number, byte| number << 8 | u32::from(*byte)))
 }
 
-/// A text as devices keep it: up to its first zero.
+/// Returns a text of a device, up to its first zero byte.
 pub fn text(bytes: &[u8]) -> String {
     bytes.iter().take_while(|byte| **byte != 0).copied().map(char::from).collect::<String>().trim_end().to_owned()
 }
 
-/// Pairs of hexadecimal digits.
+/// Returns bytes as pairs of hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ")
 }
 
-/// A state of network management.
+/// Returns the text of an NMT state.
 pub fn nmt_state(state: NmtState) -> &'static str {
     match state {
         NmtState::BootUp => "booted",
@@ -32,7 +32,7 @@ pub fn nmt_state(state: NmtState) -> &'static str {
     }
 }
 
-/// A state of a drive (CiA 402-2).
+/// Returns the text of a drive state (CiA 402-2).
 pub fn drive_state(state: DriveState) -> &'static str {
     state.text()
 }
@@ -51,15 +51,15 @@ const MODES: [(i8, &str, &str); 10] = [
     (11, "cstca", "cyclic synchronous torque with commutation angle"),
 ];
 
-/// Numbers of profiles of CiA; other numbers are of no standard, and in hexadecimal.
+/// Profile numbers of CiA. Numbers outside this range belong to no standard and are shown in hexadecimal.
 const PROFILES: RangeInclusive<u32> = 401..=460;
 
-/// The number of a profile (lower half of 1000h).
+/// Returns the text of a profile number (lower half of 1000h).
 pub fn profile(number: u32) -> String {
     if PROFILES.contains(&number) { number.to_string() } else { format!("{number:04X}h") }
 }
 
-/// A mode of operation (6060h, 6061h).
+/// Returns the text of a mode of operation (6060h, 6061h).
 pub fn mode(number: i8) -> String {
     match MODES.iter().find(|row| row.0 == number) {
         Some((_, short, name)) => format!("{short} ({name})"),
@@ -69,7 +69,7 @@ pub fn mode(number: i8) -> String {
     }
 }
 
-/// The modes that a drive offers (6502h).
+/// Returns the text of the modes that a drive supports (6502h).
 pub fn modes(offered: u32) -> String {
     let is_offered = |number: i8| offered >> (number - 1) & 1 == 1;
     let known = MODES.iter().filter(|row| is_offered(row.0)).map(|row| row.1.to_owned());
@@ -90,12 +90,12 @@ pub fn modes(offered: u32) -> String {
     listed(known.chain(others))
 }
 
-/// The error register (1001h).
+/// Returns the text of the error register (1001h).
 pub fn register(bits: u32) -> String {
     listed(register_texts(bits).map(str::to_owned))
 }
 
-/// Digital inputs (60FDh).
+/// Returns the text of the digital inputs (60FDh).
 pub fn inputs(bits: u32) -> String {
     const BITS: [&str; 4] = ["negative limit", "positive limit", "home", "interlock"];
     let name = |bit: usize| BITS.get(bit).map_or_else(|| format!("bit {bit}"), |name| (*name).to_owned());
@@ -107,7 +107,7 @@ fn listed(names: impl Iterator<Item = String>) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
-/// When a PDO goes (1400h:02, 1800h:02).
+/// Returns the text of a transmission type (1400h:02, 1800h:02).
 pub fn transmission(kind: u8) -> String {
     match kind {
         0 => "0 (sync, when changed)".to_owned(),
@@ -121,7 +121,7 @@ pub fn transmission(kind: u8) -> String {
     }
 }
 
-/// An error code (603Fh, emergency messages, 1003h).
+/// Returns the text of an error code (603Fh, emergency messages, 1003h).
 pub fn error(code: u16) -> String {
     match error_text(code) {
         Some(text) => format!("{code:04X}h {text}"),

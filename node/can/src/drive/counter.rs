@@ -1,14 +1,14 @@
-//! Counts of 16 or 32 bits that never run out.
+//! Extends a position word of 16 or 32 bits to 64 bits.
 //!
-//! Law      the change from one word to the next is the shorter way around; a coordinate that was set anew is another epoch, and its change
-//!          is no motion
+//! Law      the change from one word to the next is the shorter distance around the word. A change of the coordinate system starts a new
+//!          epoch and is not counted as motion
 //! Reads    position actual values (6064h)
 //! Source   CiA 402-2; contract section 8 (`epoch`)
 
-/// Counts all changes of a word.
+/// Accumulated changes of a position word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counter {
-    /// Of its word that are not there.
+    /// Number of upper bits that the word does not use.
     unused_bits: u32,
     word: Option<i32>,
     count: i64,
@@ -22,46 +22,46 @@ impl Default for Counter {
 }
 
 impl Counter {
-    /// One whose words have so many bits, 1 to 32.
+    /// Creates a counter for words of 1 to 32 bits.
     pub fn of_bits(bits: u32) -> Self {
         Self { unused_bits: i32::BITS - bits.clamp(1, i32::BITS), word: None, count: 0, epoch: 0 }
     }
 
-    /// The shorter way from a word to another one.
+    /// Returns the signed difference between two words, the shorter distance around the word.
     fn way(self, from: i32, to: i32) -> i64 {
         i64::from(to.wrapping_sub(from) << self.unused_bits >> self.unused_bits)
     }
 
-    /// Takes a word, with its sign; by how much it has changed.
+    /// Adds the change to a new word and returns it.
     pub fn take(&mut self, word: i32) -> i64 {
         let change = self.word.map(|last| self.way(last, word));
         self.word = Some(word);
         match change {
-            // 2^63 counts are not reached by steps of 2^31.
+            // Cannot overflow in practice: steps of at most 2^31 counts do not reach 2^63.
             Some(change) => self.count = self.count.wrapping_add(change),
             None => self.count = i64::from(word),
         }
         change.unwrap_or_default()
     }
 
-    /// The next word is that of another coordinate.
+    /// Starts a new epoch: the next word belongs to another coordinate system.
     pub fn begin_anew(&mut self) {
         if self.word.take().is_some() {
             self.epoch = self.epoch.wrapping_add(1);
         }
     }
 
-    /// The count at another word of the same coordinate, the shorter way around; none before the first word.
+    /// Returns the count at another word of the same coordinate system, by the shorter distance; `None` before the first word.
     pub fn locate(self, word: i32) -> Option<i64> {
         self.word.map(|last| self.count.wrapping_add(self.way(last, word)))
     }
 
-    /// All of it.
+    /// Returns the accumulated count.
     pub fn count(self) -> i64 {
         self.count
     }
 
-    /// Grows with each new coordinate.
+    /// Returns the epoch, which is incremented with each new coordinate system.
     pub fn epoch(self) -> u32 {
         self.epoch
     }

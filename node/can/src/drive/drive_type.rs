@@ -1,7 +1,7 @@
-//! Drives by the numbers of MACS: DRIVETYPE.
+//! Drive types of MACS (DRIVETYPE).
 //!
-//! Law      |v| is the type, or the type and 100: the control word is left alone; a positive one is guarded
-//! Refuses  numbers that the table does not have; types whose words the source does not tell
+//! Law      |v| is the type, or the type + 100 if the control word is not written; a positive number enables node guarding
+//! Refuses  numbers that the table lacks; types whose process data the source does not describe
 //! Source   MACS-CAN-01, -02, -08, -11, -12, -13, A-51, A-53
 
 use super::layout::{Asked, Field, Layout, LayoutError, ModeBySdo, Pdo, Told, Transmission};
@@ -9,21 +9,21 @@ use super::objects;
 use crate::NodeId;
 use crate::sdo::Object;
 
-/// Objects that stand for words nobody maps here: dummy entries of 16 bits (CiA 301, data type 0006h).
+/// Dummy entry of 16 bits for unused process data (CiA 301, data type 0006h).
 const UNUSED: Object = Object { index: 0x0006, sub: 0 };
 
-/// A kind of drive.
+/// Kind of drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// 1: Lenze, 5000h are 100 %.
+    /// 1: Lenze, 100 % is 5000h.
     Lenze,
-    /// 2: servo drive of DS402.
+    /// 2: CiA 402 servo drive (DS402).
     Ds402,
     /// 3: maxon EPOS.
     Epos,
     /// 4: zub DSA.
     Dsa,
-    /// 5: Lenze, 4000h are 100 %.
+    /// 5: Lenze, 100 % is 4000h.
     LenzeProfibus,
     /// 10: Danfoss.
     Danfoss,
@@ -33,23 +33,23 @@ pub enum Kind {
     Lenze8400,
     /// 13: Kollmorgen AKD.
     Akd,
-    /// 91 to 94: analog output 1 to 4 of a module.
+    /// 91 to 94: analog outputs 1 to 4 of a module.
     Analog(u8),
 }
 
-/// DRIVETYPE but 0, which is no drive on a bus.
+/// DRIVETYPE other than 0, which is no drive on a bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DriveType {
-    /// Its kind.
+    /// Kind of drive.
     pub kind: Kind,
-    /// Its node guarding is on.
+    /// Whether node guarding is enabled.
     pub guarded: bool,
-    /// The controller writes its control word.
+    /// Whether the controller writes the control word.
     pub controlled: bool,
 }
 
 impl DriveType {
-    /// Decodes DRIVETYPE; none for 0, and for a number that the table does not have.
+    /// Decodes DRIVETYPE; `None` for 0, and for a number that the table lacks.
     pub fn decode(value: i16) -> Option<Self> {
         let size = value.unsigned_abs();
         let (kind, controlled) = if size > 100 { (size - 100, false) } else { (size, true) };
@@ -69,7 +69,7 @@ impl DriveType {
         Some(Self { kind, guarded: value > 0, controlled })
     }
 
-    /// Why such a drive cannot be had; none where it can.
+    /// Returns the reason why the drive type is not supported; `None` if it is supported.
     pub fn refusal(self) -> Option<&'static str> {
         if !self.controlled {
             return Some("nothing here writes a control word that the axis leaves alone");
@@ -83,15 +83,16 @@ impl DriveType {
         }
     }
 
-    /// What its PDO 1 carries. Words of [`Kind::Servostar`] and [`Kind::Akd`] are mapped by whoever sets the drive up.
+    /// Returns the layout with PDO 1 of this type. The PDOs of [`Kind::Servostar`] and [`Kind::Akd`] must be mapped in the drive by the
+    /// user.
     ///
     /// # Errors
-    /// None: there is room.
+    /// Cannot fail: the fields fit in PDO 1.
     pub fn layout(self, node: NodeId) -> Result<Layout, LayoutError> {
         let asked = [
             Field { word: Asked::Control, object: objects::CONTROL_WORD, bits: 16 },
             Field { word: Asked::Velocity, object: objects::TARGET_VELOCITY, bits: 32 },
-            // Latch control: no latch is asked for.
+            // Latch control: the latch is not used.
             Field { word: Asked::Nothing, object: UNUSED, bits: 16 },
         ];
         let position = |bits| Field { word: Told::Position, object: objects::POSITION, bits };
@@ -122,7 +123,7 @@ mod tests {
         Some(DriveType { kind, guarded, controlled })
     }
 
-    /// -110 is a Danfoss without guarding and control word, 13 an AKD with guarding, -91 an analog output 1 without.
+    /// -110 is a Danfoss without guarding and control word, 13 an AKD with guarding, -91 analog output 1 without guarding.
     ///
     /// Proves: MACS-O-55, MACS-CAN-01, MACS-CAN-02
     #[test]
@@ -148,7 +149,8 @@ mod tests {
         }
     }
 
-    /// Servostar: control word and reference of 4 bytes; status word and position of 4. AKD: 2, 4, 2; 2, 2, 2, 2.
+    /// Servostar: control word and reference of 4 bytes; status word and position of 4 bytes. AKD: fields of 2, 4, 2 bytes; 2, 2, 2, 2
+    /// bytes.
     ///
     /// Proves: MACS-CAN-11, MACS-CAN-12
     #[test]

@@ -1,7 +1,7 @@
-//! How a drive is told to home before it is put into mode homing.
+//! Writes the homing parameters of a drive before mode homing is commanded.
 //!
-//! Law      method, speeds and acceleration are written one after the other; only then mode 6 is asked for
-//! Refuses  an order of which an object was refused: mode 6 is never asked for then, and the axis ends its homing in time
+//! Law      method, speeds and acceleration are written one after another; only then mode 6 is commanded
+//! Refuses  a homing command of which the drive refused an object: mode 6 is not commanded, and the axis ends its homing by timeout
 //! Source   CiA 402-2, homing mode (6098h, 6099h, 609Ah)
 
 use super::objects;
@@ -12,47 +12,47 @@ use lineshaft_core::drive::{HomingOrder, Mode};
 /// Bytes of the longest object.
 const LONGEST: usize = 4;
 
-/// How far it is.
+/// Progress of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Stage {
-    /// This object is next.
+    /// The object is to be written next.
     #[default]
     Next,
-    /// Its answer has not come.
+    /// The object was written; its answer is pending.
     Asked,
-    /// The drive has refused it.
+    /// The drive has refused the object.
     Refused,
 }
 
-/// The setting up of a homing.
+/// State of the homing setup.
 #[derive(Clone, Debug)]
 pub struct HomingSetup {
     order: Option<HomingOrder>,
     at: usize,
     stage: Stage,
     factor: VelocityFactor,
-    /// Goes with each object and comes back with its answer.
+    /// Data buffer. It is passed along with each write and returned with its answer.
     room: Option<Vec<u8>>,
 }
 
-/// In their order.
+/// Objects in the order in which they are written.
 const STEPS: [Object; 4] =
     [objects::HOMING_METHOD, objects::HOMING_SEARCH, objects::HOMING_ZERO, objects::HOMING_ACCELERATION];
 
 impl HomingSetup {
-    /// None under way.
+    /// Creates a setup without a homing command.
     pub fn new(factor: VelocityFactor) -> Self {
         Self { order: None, at: 0, stage: Stage::Next, factor, room: Some(Vec::with_capacity(LONGEST)) }
     }
 
-    /// What the drive may be asked for, where that is asked of it: no mode homing before all is set up. `before`: the mode until then.
+    /// Returns the mode that may be commanded: mode homing only after all objects are written, before that `before`, the previous mode.
     pub fn allow(&mut self, mode: Mode, before: i8) -> i8 {
         let Mode::Homing(order) = mode else {
             self.order = None;
             return mode.number();
         };
         if self.order != Some(order) {
-            // The answer of an object that is under way still comes, and is not that of this order.
+            // The answer of a pending write still arrives, but it does not belong to this command.
             (self.order, self.at) = (Some(order), 0);
             if self.stage == Stage::Refused {
                 self.stage = Stage::Next;
@@ -61,7 +61,7 @@ impl HomingSetup {
         if self.at >= STEPS.len() { mode.number() } else { before }
     }
 
-    /// The object that is to be written now.
+    /// Returns the object that is to be written now, with its data.
     pub fn next_object(&mut self) -> Option<(Object, Vec<u8>)> {
         let object = *STEPS.get(self.at)?;
         let order = self.order.filter(|_| self.stage == Stage::Next)?;
@@ -78,17 +78,17 @@ impl HomingSetup {
         Some((object, data))
     }
 
-    /// The object could not be asked for; it is tried again.
+    /// Returns the data of a write that could not be started; it is repeated.
     pub fn give_back(&mut self, data: Vec<u8>) {
         (self.room, self.stage) = (Some(data), Stage::Next);
     }
 
-    /// Does it wait for an answer of this object?
+    /// Returns true if the answer to a write of this object is pending.
     pub fn awaits(&self, object: Object) -> bool {
         self.stage == Stage::Asked && STEPS.contains(&object)
     }
 
-    /// Takes the answer.
+    /// Handles the answer to a write.
     pub fn take(&mut self, object: Object, data: Vec<u8>, is_good: bool) {
         self.room = Some(data);
         let is_of_step = STEPS.get(self.at) == Some(&object);
@@ -98,7 +98,7 @@ impl HomingSetup {
                 self.at += 1;
                 Stage::Next
             }
-            // Of the order before.
+            // Answer that belongs to the previous command.
             (false, _) => Stage::Next,
         };
     }
@@ -111,7 +111,7 @@ mod tests {
     const ORDER: HomingOrder =
         HomingOrder { method: -3, search_velocity: 20_000.4, zero_velocity: 0.2, acceleration: 500_000.0 };
 
-    /// Writes what is next; gives the answer.
+    /// Writes the next object and passes the answer.
     fn answer(setup: &mut HomingSetup, is_good: bool) -> (Object, Vec<u8>) {
         let (object, data) = setup.next_object().expect("something is next");
         assert!(setup.awaits(object) && setup.next_object().is_none(), "one at a time");
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(answer(&mut setup, true).1, [17]);
     }
 
-    /// The answer of the order before counts for nothing.
+    /// The answer that belongs to the previous command is ignored.
     #[test]
     fn another_order_begins_anew() {
         let mut setup = HomingSetup::new(VelocityFactor::default());

@@ -1,64 +1,65 @@
-//! End of a homing in a drive whose mode of operation is written by SDO.
+//! End of homing in a drive whose mode of operation is written by SDO.
 //!
-//! Law      with 6060h in a PDO the drive leaves mode homing in the cycle in which the axis commands its own mode again. By SDO that takes some
-//!          cycles, in which the axis could move away already: the drive would jump after it. So the drive is brought back to its cyclic mode
-//!          first, and only then the axis is shown that the zero is attained. Until then it commands no motion
-//! Reads    that the drive has attained a new zero, the status word
-//! Writes   the mode that is to be commanded; mode and status word as the axis sees them
-//! Refuses  a drive that does not come back: a homing error is shown
+//! Law      with 6060h in a PDO the drive leaves mode homing in the cycle in which the axis commands its own mode again. By SDO this takes
+//!          several cycles. The axis could already move in these cycles, and the drive would then jump to its position. Therefore the drive
+//!          is first returned to its cyclic mode, and only then homing attained is reported to the axis. The axis commands no motion before
+//!          that
+//! Reads    whether the drive has attained a new zero, the status word
+//! Writes   the mode to be commanded; mode and status word as the axis sees them
+//! Refuses  a drive that does not return to its cyclic mode: a homing error is reported
 //! Source   CiA 402-2 (mode homing, bits 10, 12, 13 of 6041h)
 
 use lineshaft_core::drive::{MODE_HOMING, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
 
-/// Both say that a homing has succeeded.
+/// Bits that together report a successful homing.
 const HOMED: u16 = STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Stage {
-    /// No new zero.
+    /// There is no new zero.
     #[default]
     None,
-    /// The drive has a new zero, and may still move.
+    /// The drive has a new zero and may still move.
     Attained,
-    /// The drive stands, and is brought back to its cyclic mode, since so many cycles.
+    /// The drive has stopped and is being returned to its cyclic mode; number of cycles since then.
     Returns(u32),
-    /// It is in its cyclic mode.
+    /// The drive is in its cyclic mode.
     Over,
-    /// It is not.
+    /// The drive did not return to its cyclic mode.
     Failed,
 }
 
-/// The end of a homing.
+/// State of the end of homing.
 #[derive(Clone, Copy, Debug)]
 pub struct HomingEnd {
     is_used: bool,
     most_cycles: u32,
-    /// Within so many cycles a method that takes no time has its zero.
+    /// Number of cycles after which a homing method without motion has set its zero.
     instant_cycles: u32,
-    /// Cycles since such a method was started; 0: none was.
+    /// Number of cycles since such a method was started; 0: none was started.
     instant: u32,
     stage: Stage,
 }
 
 impl HomingEnd {
-    /// None under way; `is_used`: the mode is written by SDO. The drive has `most_cycles` to return to its cyclic mode, and its zero after
-    /// `instant_cycles` of a method that takes no time.
+    /// Creates the state without homing. `is_used`: the mode is written by SDO. The drive has `most_cycles` to return to its cyclic mode. A
+    /// method without motion has set its zero after `instant_cycles`.
     pub fn new(is_used: bool, most_cycles: u32, instant_cycles: u32) -> Self {
         Self { is_used, most_cycles, instant_cycles, instant: 0, stage: Stage::None }
     }
 
-    /// Whether the mode is written by SDO, and a drive in another mode than the axis could jump.
+    /// Returns true if the mode is written by SDO, so that a drive in a mode other than that of the axis could jump.
     pub fn is_used(&self) -> bool {
         self.is_used
     }
 
-    /// Forgets a homing.
+    /// Clears the state of a homing.
     pub fn clear(&mut self) {
         (self.stage, self.instant) = (Stage::None, 0);
     }
 
-    /// A cycle in which a method that takes no time (35, 37) is started. It may leave the bits of an earlier homing as they are: they
-    /// count after a while, and are not shown before.
+    /// Counts a cycle in which a method without motion (35, 37) is started. The drive may still report the bits of an earlier homing. They
+    /// are hidden at first and count after `instant_cycles`.
     pub fn note_instant(&mut self) {
         if self.is_used && self.stage == Stage::None {
             self.instant = self.instant.saturating_add(1);
@@ -68,15 +69,15 @@ impl HomingEnd {
         }
     }
 
-    /// The drive shows a new zero while its homing is commanded.
+    /// Records that the drive reports a new zero while homing is commanded.
     pub fn note_zero(&mut self) {
         if self.is_used && self.stage == Stage::None {
             self.stage = Stage::Attained;
         }
     }
 
-    /// The mode to be commanded: the cyclic one instead of homing, once the drive stands at its zero. `starts`: the axis commands a homing, with the
-    /// bit that starts it.
+    /// Returns the mode to be commanded: the cyclic mode instead of homing, once the drive has stopped at its zero. `starts`: the axis
+    /// commands homing, with the start bit.
     pub fn command(&mut self, mode: i8, cyclic: i8, starts: bool) -> i8 {
         if !starts {
             self.clear();
@@ -84,7 +85,7 @@ impl HomingEnd {
         if self.holds() { cyclic } else { mode }
     }
 
-    /// What has come of the return in this cycle.
+    /// Updates the return to the cyclic mode in this cycle.
     pub fn note_return(&mut self, is_settled: bool, is_refused: bool) {
         let Stage::Returns(cycles) = self.stage else { return };
         self.stage = match () {
@@ -94,12 +95,12 @@ impl HomingEnd {
         };
     }
 
-    /// Whether the homing is over for the drive, and not yet for the axis.
+    /// Returns true if homing is finished in the drive, but not yet reported to the axis.
     pub fn holds(&self) -> bool {
         matches!(self.stage, Stage::Returns(_) | Stage::Over | Stage::Failed)
     }
 
-    /// Mode (by the number of the axis) and status word as the axis sees them.
+    /// Returns mode (as the axis numbers it) and status word as the axis sees them.
     pub fn show(&mut self, mode: i8, status: u16) -> (i8, u16) {
         if self.stage == Stage::Attained && status & HOMED == HOMED {
             self.stage = Stage::Returns(0);
@@ -119,7 +120,7 @@ impl HomingEnd {
 mod tests {
     use super::*;
 
-    /// Bits 10 and 12 are shown once the drive is in mode 8 again; meanwhile neither, whatever they mean in that mode.
+    /// Bits 10 and 12 are reported once the drive is in mode 8 again. Before that they are hidden, whatever they mean in that mode.
     #[test]
     fn zero_is_shown_once_the_drive_is_back_in_its_cyclic_mode() {
         let mut end = HomingEnd::new(true, 5, 3);
@@ -131,11 +132,11 @@ mod tests {
         assert_eq!(end.show(0, 0x1637), (6, 0x0237));
         end.note_return(true, false);
         assert_eq!((end.show(8, 0x3237), end.command(6, 8, true)), ((6, 0x1637), 8));
-        // The axis has its zero, and commands its own mode.
+        // The axis has its zero and commands its own mode.
         assert_eq!((end.command(8, 8, false), end.show(8, 0x1237)), (8, (8, 0x1237)));
     }
 
-    /// Bits 10 and 12 stand from an earlier homing, and stay.
+    /// Bits 10 and 12 are still set from an earlier homing.
     #[test]
     fn method_that_takes_no_time_is_over_in_the_cyclic_mode_too() {
         let mut end = HomingEnd::new(true, 5, 3);

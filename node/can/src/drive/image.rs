@@ -1,14 +1,14 @@
-//! Values in the bytes of a PDO.
+//! Packs values into the bytes of a PDO and unpacks them.
 //!
-//! Law      fields follow each other from bit 0 on, little endian, signed ones in two's complement
-//! Reads    a frame as long as its fields, or longer
+//! Law      fields are packed without gaps from bit 0, little endian, signed values in two's complement
+//! Reads    a frame that is at least as long as its fields
 //! Refuses  shorter frames, which change nothing
 //! Source   CiA 301
 
 use super::layout::{Field, Pdo};
 use crate::{Frame, Id};
 
-/// A PDO of which frames are made, and that is read from frames; takes no memory once it is made.
+/// Process image of a PDO, for sending and receiving. It allocates no memory after its creation.
 #[derive(Clone, Debug)]
 pub struct Image<W> {
     id: Id,
@@ -18,17 +18,17 @@ pub struct Image<W> {
 }
 
 impl<W: Copy> Image<W> {
-    /// All bits 0.
+    /// Creates an image with all bits 0.
     pub fn of(pdo: &Pdo<W>) -> Self {
         Self { id: pdo.id, length: pdo.bytes(), fields: pdo.fields.clone(), bits: 0 }
     }
 
-    /// Its identifier.
+    /// Returns the identifier.
     pub fn id(&self) -> Id {
         self.id
     }
 
-    /// Takes a frame; false where it is too short.
+    /// Stores a frame; returns false if it is too short.
     pub fn take(&mut self, frame: &Frame) -> bool {
         let bytes = frame.bytes();
         if bytes.len() < usize::from(self.length) || frame.is_remote() {
@@ -42,19 +42,19 @@ impl<W: Copy> Image<W> {
         true
     }
 
-    /// Each value, with its sign.
+    /// Returns each value, sign-extended.
     pub fn values(&self) -> impl Iterator<Item = (W, i64)> {
         let mut at = 0;
         self.fields.iter().map(move |field| {
             let unused = 64 - field.bits.clamp(1, 64);
-            // Up to the sign, and back with it.
+            // Shifts the field up to the sign bit and back, to extend the sign.
             let value = (self.bits >> at << unused).cast_signed() >> unused;
             at += field.bits;
             (field.word, value)
         })
     }
 
-    /// The frame of these values, each cut to its length.
+    /// Returns the frame with these values, each truncated to its length.
     pub fn frame(&self, value: impl Fn(W) -> i64) -> Frame {
         let (mut bits, mut at) = (0, 0);
         for field in &self.fields {
@@ -64,7 +64,7 @@ impl<W: Copy> Image<W> {
         }
         let bytes = bits.to_le_bytes();
         let bytes = bytes.get(..usize::from(self.length)).unwrap_or(&bytes);
-        // 8 bytes at most.
+        // A PDO has at most 8 bytes.
         Frame::data(self.id, bytes).unwrap_or(Frame::of(self.id, bits.to_le_bytes()))
     }
 }

@@ -1,10 +1,11 @@
-//! Which objects of a device go in which PDO.
+//! Assignment of device objects to PDOs.
 //!
-//! Law      what every cycle needs goes with each SYNC; what seldom changes goes when it changes. Objects of a drive stand in the order in
-//!          which they are needed, as many in a PDO as have room, from PDO 1 on; those of modules and encoders where their profiles have them
-//! Reads    the dictionary of the drive, where there is one: an object has a place if its PDOMapping is 1, or if a PDO of the file carries it; the
-//!          mode of operation (6060h, 6061h) only if its PDOMapping is 1, else it goes by SDO
-//! Refuses  a drive that cannot map what its interface, or the cell, needs
+//! Law      process data of every cycle is sent with each SYNC, values that seldom change are sent on change. Objects of a drive are packed
+//!          in the order of their importance, as many in each PDO as fit, from PDO 1; those of modules and encoders are at the places that
+//!          their profiles define
+//! Reads    the dictionary of the drive, if there is one: an object can be mapped if its PDOMapping is 1, or if a PDO of the file carries
+//!          it; the mode of operation (6060h, 6061h) only if its PDOMapping is 1, otherwise it is exchanged by SDO
+//! Refuses  a drive that cannot map an object that its interface, or the cell, needs
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 402-2, CiA 406; MACS-CAN-18
 
 use super::mode::DriveMode;
@@ -16,71 +17,71 @@ use crate::sdo::Object;
 use crate::{Id, NodeId};
 use lineshaft_core::drive::{Interface, Terminal};
 
-/// PDOs of each direction that have an identifier by default.
+/// Number of PDOs of each direction that have an identifier by default.
 pub const MOST_PDOS: u8 = 4;
 /// Bits of a PDO.
 const ROOM: u32 = 64;
 
-/// What a device tells in a PDO.
+/// Value that a device reports in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
     /// Status word.
     Status,
-    /// Position (counts).
+    /// Position, in counts.
     Position,
     /// Modes of operation display.
     Mode,
     /// Digital inputs.
     Inputs,
-    /// Error code.
+    /// Error code (603Fh).
     Fault,
-    /// Torque (0.1 % of the rated one).
+    /// Torque, in 0.1 % of rated torque.
     Torque,
-    /// Position that a touch probe has caught (counts).
+    /// Position that a touch probe has captured, in counts.
     Captured(Slot),
-    /// How many it has caught.
+    /// Number of captures of a touch probe.
     Captures(Slot),
-    /// Eight digital inputs of a module, by their place.
+    /// Eight digital inputs of a module, by number of the byte.
     Digital(u8),
-    /// Analog input of a module, by its channel.
+    /// Analog input of a module, by channel.
     Analog(u8),
-    /// Position of an encoder (counts).
+    /// Position of an encoder, in counts.
     Encoder,
-    /// What nobody reads.
+    /// Unused bits.
     Nothing,
 }
 
-/// What a device is asked for in a PDO.
+/// Value that is commanded in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
     /// Control word.
     Control,
-    /// Target position (counts).
+    /// Target position, in counts.
     Position,
     /// Target velocity.
     Velocity,
-    /// Target torque (0.1 % of the rated one).
+    /// Target torque, in 0.1 % of rated torque.
     Torque,
     /// Modes of operation.
     Mode,
     /// Digital outputs of a drive.
     Outputs,
-    /// Eight digital outputs of a module, by their place.
+    /// Eight digital outputs of a module, by number of the byte.
     Digital(u8),
-    /// Analog output of a module, by its channel.
+    /// Analog output of a module, by channel.
     Analog(u8),
-    /// What nobody asks for: 0.
+    /// Unused bits, sent as 0.
     Nothing,
 }
 
-/// A value in a PDO.
+/// Value in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field<W> {
-    /// What it means.
+    /// Meaning of the value.
     pub word: W,
-    /// Its object.
+    /// Mapped object.
     pub object: Object,
-    /// Its length.
+    /// Length, in bits.
     pub bits: u32,
 }
 
@@ -89,13 +90,13 @@ impl Field<Told> {
         Self { word, object, bits }
     }
 
-    /// Whether an object of the dictionary has the type and the access of this field: an integer of its length that can be read.
+    /// Returns true if an object of the dictionary has the type and the access of this field: a readable integer of its length.
     pub(crate) fn suits(&self, entry: &Entry) -> bool {
         entry.data_type.may_be_integer(self.bits) && entry.access.is_readable()
     }
 }
 
-/// Objects that a drive sends on change if it can: no cell needs them.
+/// Objects that a drive sends on change if it can, although no cell needs them.
 pub(crate) const OPTIONAL: [Field<Told>; 2] =
     [Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(Told::Fault, objects::ERROR_CODE, 16)];
 
@@ -105,17 +106,17 @@ impl Field<Asked> {
     }
 }
 
-/// When a PDO goes.
+/// Transmission of a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transmission {
     /// With each SYNC (type 1).
     EachSync,
-    /// When it changes (type 255).
+    /// On change (type 255).
     OnChange,
 }
 
 impl Transmission {
-    /// Its transmission type.
+    /// Returns the transmission type.
     pub fn number(self) -> u8 {
         match self {
             Self::EachSync => 1,
@@ -124,56 +125,56 @@ impl Transmission {
     }
 }
 
-/// A PDO.
+/// PDO with its mapping.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pdo<W> {
-    /// Its number, from 1.
+    /// PDO number, from 1.
     pub number: u8,
-    /// Its identifier.
+    /// Identifier.
     pub id: Id,
-    /// When it goes.
+    /// Transmission.
     pub transmission: Transmission,
-    /// The master maps it; else whoever has set the device up.
+    /// Whether the master writes the mapping; otherwise the user has to map the PDO in the device.
     pub is_mapped: bool,
-    /// What it carries, from bit 0 on.
+    /// Mapped values, from bit 0.
     pub fields: Vec<Field<W>>,
 }
 
 impl<W> Pdo<W> {
-    /// Its length in bits.
+    /// Returns the length in bits.
     pub fn bits(&self) -> u32 {
         self.fields.iter().map(|field| field.bits).sum()
     }
 
-    /// Its length in bytes.
+    /// Returns the length in bytes.
     pub fn bytes(&self) -> u8 {
-        // At most 64 bits.
+        // A PDO has at most 64 bits.
         self.bits().div_ceil(8) as u8
     }
 }
 
-/// The PDOs of a device.
+/// PDOs of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// Those that the device receives.
+    /// PDOs that the device receives.
     pub asked: Vec<Pdo<Asked>>,
-    /// Those that the device sends.
+    /// PDOs that the device sends.
     pub told: Vec<Pdo<Told>>,
-    /// Objects of the mode of operation that go by SDO instead.
+    /// Objects of the mode of operation that are exchanged by SDO instead.
     pub mode_by_sdo: ModeBySdo,
 }
 
-/// Objects of the mode of operation that no PDO can carry, and that go by SDO.
+/// Objects of the mode of operation that no PDO can carry, so that they are exchanged by SDO.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ModeBySdo {
-    /// 6060h is written.
+    /// Whether 6060h is written by SDO.
     pub writes: bool,
-    /// 6061h is read.
+    /// Whether 6061h is read by SDO.
     pub reads: bool,
 }
 
 impl ModeBySdo {
-    /// A sentence about the objects that go by SDO; none if PDOs carry both.
+    /// Returns a message about the objects that are exchanged by SDO; `None` if PDOs carry both.
     pub fn sentence(self) -> Option<&'static str> {
         match (self.writes, self.reads) {
             (true, true) => Some("6060h and 6061h are in no PDO: the mode goes by SDO"),
@@ -184,19 +185,19 @@ impl ModeBySdo {
     }
 }
 
-/// What a drive tells beside what its mode needs.
+/// Values that a drive reports in addition to those of its mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extras {
-    /// What its touch probes catch.
+    /// Captures of the touch probes.
     pub probes: Probes,
-    /// Its torque.
+    /// Whether the torque is reported.
     pub torque: bool,
 }
 
-/// Why an object has no place in a PDO.
+/// Reason why an object cannot be mapped to a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unmapped {
-    /// The file lacks it.
+    /// The file lacks the object.
     #[error("is missing in the eds")]
     Missing,
     /// Its PDOMapping is not 1, and no PDO of the file carries it.
@@ -205,7 +206,7 @@ pub enum Unmapped {
 }
 
 impl Unmapped {
-    /// Why a PDO cannot carry an object; none if it can, or if there is no dictionary.
+    /// Returns the reason why a PDO cannot carry an object; `None` if it can, or if there is no dictionary.
     fn of(dictionary: Option<&Dictionary>, direction: Direction, object: Object) -> Option<Self> {
         let known = dictionary?;
         match known.entry(object) {
@@ -216,53 +217,53 @@ impl Unmapped {
     }
 }
 
-/// Why a drive has no layout.
+/// Reason why a layout is not possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
-    /// An object that is needed.
+    /// An object that the interface needs cannot be mapped.
     #[error("{0} {1}; mode {2} needs it in each cycle")]
     NotMappable(Object, Unmapped, &'static str),
-    /// What entries of `io` need.
+    /// An object that entries of `io` need cannot be mapped.
     #[error("{0} {1}; entries of io need it")]
     NoTerminal(Object, Unmapped),
-    /// What the effort of the axis needs.
+    /// The torque that the effort of the axis needs cannot be mapped.
     #[error("{object} {0}; rated_effort needs it", object = objects::TORQUE)]
     NoTorque(Unmapped),
-    /// What touch probes need, and no dictionary is there.
+    /// Touch probes need an object, but there is no dictionary.
     #[error("probes need {0} in a PDO; the drive has no dictionary (key eds) that maps it")]
     NoProbe(Object),
-    /// What a touch probe needs, and the dictionary lacks.
+    /// The dictionary lacks an object that a touch probe needs.
     #[error("the eds lacks {index:04X}h ({what}), which {key} needs")]
     ProbeLacks {
-        /// Its index.
+        /// Index of the object.
         index: u16,
-        /// What it is.
+        /// Name of the object.
         what: &'static str,
-        /// The key that needs it.
+        /// Key that needs the object.
         key: &'static str,
     },
-    /// What a touch probe needs, by its key, and no PDO can carry.
+    /// No PDO can carry an object that a touch probe needs; with the key that needs it.
     #[error("{0} {why}; {1} needs it", why = Unmapped::NotMappable)]
     ProbeNotMappable(Object, &'static str),
-    /// Too many objects.
+    /// The objects do not fit in the PDOs.
     #[error("what is mapped needs more than {MOST_PDOS} PDOs")]
     TooMany,
 }
 
 impl Layout {
-    /// All objects that its PDOs carry, and 6060h if it goes by SDO: the objects that are commanded or read while cycles run.
+    /// Returns all objects that the PDOs carry, and 6060h if it is written by SDO: the objects that are commanded or read cyclically.
     pub fn mapped(&self) -> impl Iterator<Item = Object> {
         let asked = self.asked.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object);
         let mode = self.mode_by_sdo.writes.then_some(objects::MODE);
         asked.chain(self.told.iter().flat_map(|pdo| &pdo.fields).map(|field| field.object)).chain(mode)
     }
 
-    /// The PDOs of a drive that is commanded so; without a dictionary those objects alone that the interface and the terminals need. 6060h and
-    /// 6061h have no place if the drive cannot map them, which is optional in CiA 402. 60FDh and 603Fh that the cell does not need have none if the
-    /// dictionary gives them another type, or does not let them be read.
+    /// Returns the PDOs of a drive. Without a dictionary they carry only the objects that interface and terminals need. 6060h and 6061h are
+    /// left out if the drive cannot map them, which is optional in CiA 402. 60FDh and 603Fh, if the cell does not need them, are left out
+    /// if the dictionary gives them another type or does not allow reading.
     ///
     /// # Errors
-    /// What the drive cannot map.
+    /// The drive cannot map a required object.
     pub fn plan(
         node: NodeId,
         mode: DriveMode,
@@ -315,10 +316,10 @@ impl Layout {
             each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
         }
         if has_inputs {
-            // What the machine reads is of each cycle.
+            // Inputs of the machine are read in each cycle.
             seldom.retain(|field| *field != inputs);
         }
-        // An optional object of another type or access is left out; `check` warns of it.
+        // An optional object of another type or access is left out, and `check` reports a warning.
         let is_sent = |field: &Field<Told>| {
             let entry = dictionary.and_then(|known| known.entry(field.object));
             entry.is_some_and(|entry| entry.is_mappable && field.suits(entry))
@@ -327,11 +328,11 @@ impl Layout {
         for slot in probe::slots(extras.probes) {
             let [position, count] = probe::objects_of(slot);
             check_probe(slot, dictionary)?;
-            // 6 bytes after 2, 6, 7 or 8: both in one PDO, so of one moment.
+            // 6 bytes after 2, 6, 7 or 8 bytes: both fields are in one PDO and belong to the same capture.
             each_sync.push(Field::told(Told::Captured(slot), position, 32));
             each_sync.push(Field::told(Told::Captures(slot), count, 16));
         }
-        // Last: after 4 bytes a PDO would have room for a position, and none for its count.
+        // Added last: after 4 bytes, a PDO would have room for a position but not for its count.
         if has_inputs {
             each_sync.push(inputs);
         }
@@ -342,11 +343,11 @@ impl Layout {
         Ok(Self { asked, told, mode_by_sdo })
     }
 
-    /// The PDOs of a module: digital ones in PDO 1, analog ones from PDO 2 on, from the first one to the last one that is used, as its
-    /// profile has them.
+    /// Returns the PDOs of a module: digital channels in PDO 1, analog channels from PDO 2, from the first channel to the last one that is
+    /// used, as the profile defines.
     ///
     /// # Errors
-    /// More than there is room for.
+    /// The channels do not fit in the PDOs.
     pub fn module(node: NodeId, terminals: &Terminals) -> Result<Self, LayoutError> {
         let Terminals { digital_inputs, digital_outputs, analog_inputs, analog_outputs, .. } = terminals;
         let digital = |used: &[Terminal]| used.iter().map(|terminal| terminal.address / 8).max();
@@ -369,10 +370,10 @@ impl Layout {
         Ok(layout)
     }
 
-    /// The PDO of an encoder: its position, in PDO 2.
+    /// Returns the PDO of an encoder: its position, in PDO 2.
     ///
     /// # Errors
-    /// None: it has room.
+    /// Cannot fail: the position fits.
     pub fn encoder(node: NodeId) -> Result<Self, LayoutError> {
         let position = [Field::told(Told::Encoder, objects::ENCODER_POSITION, 32)];
         let told = packed(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
@@ -380,7 +381,7 @@ impl Layout {
     }
 }
 
-/// Checks that a PDO can carry what a touch probe fills.
+/// Checks that a PDO can carry the objects of a touch probe.
 fn check_probe(slot: Slot, dictionary: Option<&Dictionary>) -> Result<(), LayoutError> {
     let [position, count] = probe::objects_of(slot);
     let key = if slot < 2 { "probe_1" } else { "probe_2" };
@@ -397,7 +398,7 @@ fn check_probe(slot: Slot, dictionary: Option<&Dictionary>) -> Result<(), Layout
     Ok(())
 }
 
-/// Fields of a list of objects, from its first one to the one at place `last`.
+/// Returns the fields of consecutive subindices, from the first object to the one at place `last`.
 fn fields<W>(last: Option<u16>, word: fn(u8) -> W, first: Object, bits: u32) -> Vec<Field<W>> {
     let last = last.map(|last| u8::try_from(last).unwrap_or(u8::MAX));
     let of =
@@ -405,7 +406,7 @@ fn fields<W>(last: Option<u16>, word: fn(u8) -> W, first: Object, bits: u32) -> 
     last.into_iter().flat_map(|last| (0..=last).map(of)).collect()
 }
 
-/// As many fields in each PDO as have room, in their order.
+/// Packs fields in their order, as many in each PDO as fit.
 fn packed<W: Copy>(
     fields: &[Field<W>],
     transmission: Transmission,
@@ -443,7 +444,7 @@ mod tests {
         layout.told.iter().map(of).collect()
     }
 
-    /// What each cycle needs is 7 bytes each way.
+    /// Process data of each cycle has 7 bytes in each direction.
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), None).unwrap();
@@ -456,7 +457,7 @@ mod tests {
         assert_eq!(velocity.asked[0].fields[1].object.index, 0x60FF);
     }
 
-    /// Digital inputs and error code go when they change, where the drive has them.
+    /// Digital inputs and error code are sent on change if the drive has them.
     #[test]
     fn what_the_dictionary_maps_has_a_place() {
         let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
@@ -467,7 +468,7 @@ mod tests {
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
     }
 
-    /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of io 60FDh is needed: `check` refuses its type.
+    /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of `io`, 60FDh is required, and `check` refuses its type.
     #[test]
     fn optional_object_of_another_type_or_access_has_no_place() {
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
@@ -492,7 +493,7 @@ mod tests {
         }
     }
 
-    /// A drive of torques tells its torque in each cycle, whatever else is asked for.
+    /// A drive with torque interface reports its torque in each cycle, whatever extras are selected.
     #[test]
     fn a_drive_of_torques_is_asked_for_one_and_tells_it() {
         for mode in [DriveMode::Cst, DriveMode::Tq] {
@@ -508,7 +509,7 @@ mod tests {
         }
     }
 
-    /// 64 bits are a PDO; one more bit is another one.
+    /// 64 bits fit in a PDO; one more bit needs a second PDO.
     #[test]
     fn a_pdo_is_filled_to_its_last_bit() {
         let lengths = |bits: &[u32]| {
@@ -534,7 +535,7 @@ mod tests {
         assert!(Layout::plan(node(), DriveMode::Csv, Extras::default(), &Terminals::default(), Some(&known)).is_ok());
     }
 
-    /// The file of the simulated drive with PDOMapping=0 of these objects.
+    /// Returns the file of the simulated drive with PDOMapping=0 for the given objects.
     fn without_mapping(objects: &[&str]) -> String {
         let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
         for object in objects {
@@ -544,7 +545,7 @@ mod tests {
         text
     }
 
-    /// The dictionary of the simulated drive, as if it could not map these objects: its PDOs do not carry them either.
+    /// Returns the dictionary of the simulated drive with objects that cannot be mapped and that no default PDO carries.
     fn dictionary_without(objects: &[&str]) -> Dictionary {
         let mut text = without_mapping(objects);
         for object in objects {
@@ -555,7 +556,8 @@ mod tests {
         eds::parse(text.as_bytes(), Some(3)).unwrap()
     }
 
-    /// By default RPDO 3 carries 607Ah, RPDO 2 carries 6060h, TPDO 3 carries 6064h (CiA 402-3). A PDO of the other direction does not count.
+    /// By default RPDO 3 carries 607Ah, RPDO 2 carries 6060h, TPDO 3 carries 6064h (CiA 402-3). A PDO of the other direction does not
+    /// count.
     #[test]
     fn object_that_a_pdo_of_the_file_carries_needs_no_pdo_mapping() {
         let plan = |text: &str| {
@@ -565,19 +567,19 @@ mod tests {
         let text = without_mapping(&["607A", "6060", "6064"]);
         let layout = plan(&text).unwrap();
         let objects: Vec<_> = layout.asked[0].fields.iter().map(|field| field.object).collect();
-        // The mode goes by SDO: that needs no mapping at all.
+        // The mode is exchanged by SDO, which needs no mapping.
         assert_eq!(objects, [objects::CONTROL_WORD, objects::TARGET_POSITION]);
         assert_eq!(layout.mode_by_sdo, ModeBySdo { writes: true, reads: false });
         let other = text.replace("DefaultValue=0x606C0020\n", "DefaultValue=0x607A0020\n");
         let other = other.replacen("DefaultValue=0x607A0020\n", "DefaultValue=0\n", 1);
         let refused = LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp");
         assert_eq!(plan(&other), Err(refused));
-        // ParameterValue goes before DefaultValue.
+        // ParameterValue has precedence over DefaultValue.
         let configured = other.replacen("[1600sub1]\n", "[1600sub1]\nParameterValue=0x607A0020\n", 1);
         assert!(plan(&configured).is_ok());
     }
 
-    /// The dictionary of the simulated drive without an object.
+    /// Returns the dictionary of the simulated drive without an object.
     fn dictionary_lacking(object: &str) -> Dictionary {
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let (from, to) = (format!("[{object}"), format!("[2F{}", &object[2..]));
@@ -633,7 +635,8 @@ mod tests {
         assert_eq!(refused.to_string(), sentence);
     }
 
-    /// Mapping of 6060h and 6061h is optional (CiA 402): they go by SDO then. What each cycle needs is refused as before.
+    /// Mapping of 6060h and 6061h is optional (CiA 402): they are then exchanged by SDO. Missing process data of each cycle is still
+    /// refused.
     #[test]
     fn mode_that_a_drive_cannot_map_has_no_place_in_a_pdo() {
         let plan = |unmappable: &[&str]| {
@@ -647,14 +650,14 @@ mod tests {
             assert_eq!(layout.mode_by_sdo, ModeBySdo { writes, reads }, "{unmappable:?}");
             let lengths = (layout.asked[0].bytes(), layout.told[0].bytes());
             assert_eq!(lengths, (if writes { 6 } else { 7 }, if reads { 6 } else { 7 }), "{unmappable:?}");
-            // Another client that writes 6060h changes the commanded mode, in a PDO or not.
+            // Another client that writes 6060h changes the commanded mode, whether it is in a PDO or not.
             assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
         }
         let refused = plan(&["6060", "607A"]).unwrap_err();
         assert_eq!(refused, LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp"));
     }
 
-    /// A position that is caught, and its count, are of one moment only if they are in one PDO.
+    /// A captured position and its count belong to the same capture only if they are in one PDO.
     #[test]
     fn what_a_probe_catches_is_in_one_pdo() {
         let rising = Extras { probes: [Some(probe::Probe::Rising), None], torque: false };
@@ -686,7 +689,8 @@ mod tests {
         Terminal { place: 0, address }
     }
 
-    /// Bits of 60FDh and 60FEh that entries of io use go in each cycle, behind what the interface needs: 11 bytes are two PDOs.
+    /// Bits of 60FDh and 60FEh that entries of `io` use are sent in each cycle, after the values that the interface needs: 11 bytes are two
+    /// PDOs.
     #[test]
     fn inputs_and_outputs_of_a_drive_go_in_each_cycle() {
         let terminals = Terminals {
@@ -709,7 +713,7 @@ mod tests {
         assert_eq!(error.to_string(), sentence);
     }
 
-    /// Digital inputs and outputs in PDO 1, analog ones from PDO 2 on, four in each (CiA 401).
+    /// Digital inputs and outputs are in PDO 1, analog ones from PDO 2, four in each (CiA 401).
     #[test]
     fn a_module_has_its_default_pdos() {
         let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };

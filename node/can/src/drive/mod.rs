@@ -1,4 +1,4 @@
-//! Drives of CiA 402: their objects, their PDOs, and what a cycle of the machine makes of them.
+//! CiA 402 drives: objects, PDOs, and their conversion to the signals of a machine cycle.
 
 mod counter;
 pub mod drive_type;

@@ -1,9 +1,9 @@
-//! Modes of operation of a drive behind the interfaces of an axis.
+//! Modes of operation of a drive, and their mapping to the interfaces of an axis.
 //!
-//! Law      an axis knows its drive in cyclic modes alone (csp, csv, cst, vl); a drive that offers others is commanded through them: what the axis
-//!          asks for and sees is the number of the cyclic one
+//! Law      an axis commands its drive in cyclic modes only (csp, csv, cst, vl). A drive with another mode is commanded through that mode,
+//!          while the axis commands and sees the number of the cyclic one
 //! Reads    control words and setpoints of a cycle, the status word
-//! Writes   the control word with the bits that the mode needs
+//! Writes   the control word with the bits of the mode
 //! Source   CiA 402-2 (modes pp, vl, pv, tq, ip, csp, csv, cst)
 
 use super::layout::{Asked, Field};
@@ -12,23 +12,23 @@ use lineshaft_core::drive::{DriveState, Interface, control, level_cycles};
 
 /// Status word bit 12 in mode pp: the setpoint is acknowledged.
 const STATUS_ACKNOWLEDGED: u16 = 0x1000;
-/// Control word bit 4: a new setpoint (pp), interpolation (ip).
+/// Control word bit 4: new setpoint (pp), enable interpolation (ip).
 const BIT_4: u16 = 0x10;
-/// Control word bit 5 in mode pp: a new setpoint replaces the one before at once.
+/// Control word bit 5 in mode pp: change set immediately, a new setpoint replaces the previous one at once.
 const AT_ONCE: u16 = 0x20;
-/// Control word bits 4 to 6 in mode vl: the ramp runs, with its input.
+/// Control word bits 4 to 6 in mode vl: the ramp runs and follows its input.
 const RAMP: u16 = 0x70;
 
-/// A mode of operation.
+/// Mode of operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveMode {
-    /// Profile position: each setpoint is handed over, and reached by the drive's own profile.
+    /// Profile position: the drive moves to each setpoint with its own profile.
     Pp,
-    /// Velocity of frequency converters.
+    /// Velocity mode of frequency converters.
     Vl,
-    /// Profile velocity: the drive has ramps of its own.
+    /// Profile velocity: the drive uses its own ramps.
     Pv,
-    /// Profile torque: the drive has a slope of its own.
+    /// Profile torque: the drive uses its own slope.
     Tq,
     /// Interpolated position.
     Ip,
@@ -41,7 +41,7 @@ pub enum DriveMode {
 }
 
 impl DriveMode {
-    /// All, with the name of each.
+    /// All modes with their names.
     pub const NAMES: [(&'static str, Self); 8] = [
         ("pp", Self::Pp),
         ("vl", Self::Vl),
@@ -53,7 +53,7 @@ impl DriveMode {
         ("cst", Self::Cst),
     ];
 
-    /// The mode of an interface where nothing else is said; none where CAN has none.
+    /// Returns the default mode of an interface; `None` if CAN does not support the interface.
     pub fn usual(interface: Interface) -> Option<Self> {
         match interface {
             Interface::Position => Some(Self::Csp),
@@ -64,7 +64,7 @@ impl DriveMode {
         }
     }
 
-    /// The interface of the axis that it serves.
+    /// Returns the interface of the axis for which the mode is used.
     pub fn interface(self) -> Interface {
         match self {
             Self::Pp | Self::Ip | Self::Csp => Interface::Position,
@@ -74,7 +74,7 @@ impl DriveMode {
         }
     }
 
-    /// Its number (6060h).
+    /// Returns the mode number (6060h).
     pub fn number(self) -> i8 {
         match self {
             Self::Pp => 1,
@@ -88,12 +88,12 @@ impl DriveMode {
         }
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, mode)| *mode == self).map_or("", |(name, _)| name)
     }
 
-    /// The other number of the same mode: that of the axis for that of the drive, and the other way round.
+    /// Converts between the mode number of the drive and that of the axis, in both directions.
     pub fn across(self, number: i8) -> i8 {
         let (own, cyclic) = (self.number(), self.interface().mode().number());
         match number {
@@ -103,7 +103,7 @@ impl DriveMode {
         }
     }
 
-    /// What it is asked for.
+    /// Returns the target field of the PDO.
     pub(super) fn target(self) -> Field<Asked> {
         let (word, object, bits) = match self {
             Self::Pp | Self::Csp => (Asked::Position, objects::TARGET_POSITION, 32),
@@ -116,7 +116,7 @@ impl DriveMode {
     }
 }
 
-/// What a mode makes of the setpoints of the cycles.
+/// Converts the setpoints of the cycles to the commands of a mode.
 #[derive(Clone, Copy, Debug)]
 pub struct Commander {
     mode: DriveMode,
@@ -124,22 +124,22 @@ pub struct Commander {
 }
 
 impl Commander {
-    /// Before the first cycle.
+    /// Creates the state before the first cycle.
     pub fn new(mode: DriveMode, cycle_ns: u64) -> Self {
         Self { mode, handshake: Handshake::new(cycle_ns) }
     }
 
-    /// Its mode.
+    /// Returns the mode.
     pub fn mode(&self) -> DriveMode {
         self.mode
     }
 
-    /// Whether the drive has not acknowledged a setpoint in time; until the operation is enabled again.
+    /// Returns true if the drive has not acknowledged a setpoint in time; until the operation is enabled again.
     pub fn is_unacknowledged(&self) -> bool {
         self.handshake.is_late()
     }
 
-    /// Control word and position for what a cycle asks for; `is_in_mode`: it asks for this mode, and the drive shows it.
+    /// Returns control word and position for the commands of a cycle. `is_in_mode`: this mode is commanded, and the drive reports it.
     pub fn command(&mut self, asked: u16, position: i64, status: u16, is_in_mode: bool) -> (u16, i64) {
         let is_enabled = is_in_mode && asked == control::ENABLE;
         let runs = is_enabled && DriveState::from_status(status) == DriveState::Enabled;
@@ -156,7 +156,7 @@ impl Commander {
     }
 }
 
-/// How long a drive may take to acknowledge a setpoint: at least so long (ns), and so many cycles.
+/// Minimum time for the acknowledgement of a setpoint, in ns, and minimum number of cycles.
 const ACKNOWLEDGE_NS: u64 = 500_000_000;
 const ACKNOWLEDGE_CYCLES: u64 = 25;
 
@@ -164,27 +164,27 @@ fn cycles_of(ns: u64, cycle_ns: u64, least: u64) -> u32 {
     u32::try_from(ns.div_ceil(cycle_ns.max(1)).max(least)).unwrap_or(u32::MAX)
 }
 
-/// The handshake of mode pp: bit 4 hands a setpoint over, bit 12 acknowledges it.
+/// Handshake of mode pp: bit 4 transfers a setpoint, bit 12 acknowledges it.
 ///
-/// A setpoint is handed over once bit 12 is 0, and stays until bit 12 rises. Bit 12 that is 1 from before acknowledges nothing: bit 4
-/// then rises after 50 ms all the same, with the newest setpoint, and falls and rises every 50 ms until bit 12 has been 0.
+/// A setpoint is transferred once bit 12 is 0, and stays until bit 12 rises. If bit 12 is still 1 from before, it acknowledges nothing. Bit
+/// 4 then rises after 50 ms with the newest setpoint, and toggles every 50 ms until bit 12 has been 0.
 #[derive(Clone, Copy, Debug)]
 struct Handshake {
-    /// Cycles in which bit 4 keeps its level.
+    /// Cycles for which bit 4 keeps its level.
     level_cycles: u32,
-    /// Cycles within which a setpoint is acknowledged.
+    /// Cycles within which a setpoint must be acknowledged.
     most_cycles: u32,
-    /// The setpoint that was handed over last.
+    /// Last transferred setpoint.
     setpoint: i64,
-    /// Bit 4.
+    /// Whether bit 4 is set.
     is_given: bool,
-    /// The setpoint was handed over since the operation was enabled.
+    /// Whether the setpoint was transferred after the operation was enabled.
     has_begun: bool,
-    /// Bit 12 is 1 since before bit 4 was set.
+    /// Whether bit 12 was already 1 before bit 4 was set.
     is_old: bool,
-    /// Cycles for which bit 4 has its level while bit 12 is 1 from before.
+    /// Cycles for which bit 4 has had its level while bit 12 was 1 from before.
     level: u32,
-    /// Cycles for which a setpoint waits for its acknowledgement.
+    /// Cycles for which the present setpoint has waited for its acknowledgement.
     waits: u32,
 }
 
@@ -206,7 +206,7 @@ impl Handshake {
         self.waits > self.most_cycles
     }
 
-    /// One cycle with the newest setpoint and bit 12; `runs`: operation is enabled, in this mode.
+    /// Advances by one cycle with the newest setpoint and bit 12. `runs`: operation is enabled in this mode.
     fn advance(&mut self, position: i64, is_acknowledged: bool, runs: bool) {
         if !runs {
             (self.setpoint, self.is_given, self.has_begun) = (position, false, false);
@@ -214,7 +214,7 @@ impl Handshake {
             return;
         }
         if self.is_old && !is_acknowledged {
-            // From here on it is the setpoint that waits.
+            // From here on the wait for the acknowledgement of the setpoint counts.
             (self.is_old, self.waits) = (false, 0);
         }
         let is_wanted = position != self.setpoint || !self.has_begun;
@@ -224,7 +224,7 @@ impl Handshake {
                 self.waits = self.waits.saturating_add(1);
                 self.level = if self.is_old { self.level.saturating_add(1) } else { 0 };
                 if self.level >= self.level_cycles {
-                    // Nothing says that the drive has taken it: it is handed over again.
+                    // It is unknown whether the drive has accepted the setpoint, so it is transferred again.
                     (self.is_given, self.has_begun, self.level) = (false, false, 0);
                 }
             }
@@ -258,7 +258,7 @@ mod tests {
     const ACKNOWLEDGED: u16 = ENABLED | 0x1000;
     const CYCLE_NS: u64 = 1_000_000;
 
-    /// Numbers of 6060h; the axis sees 8, 9, 10 and 2.
+    /// Numbers of 6060h; the axis uses 8, 9, 10 and 2.
     #[test]
     fn each_mode_has_its_number_and_that_of_the_axis() {
         let numbers = DriveMode::NAMES.map(|(name, mode)| (name, mode.number(), mode.across(mode.number())));
@@ -273,7 +273,7 @@ mod tests {
             ("cst", 10, 10),
         ];
         assert_eq!(numbers, expected);
-        // One that is in csp where pp is meant is not in its mode; homing is the same in all.
+        // A drive in csp instead of pp is not in its mode; homing has the same number in all.
         assert_eq!([DriveMode::Pp.across(8), DriveMode::Pp.across(6), DriveMode::Pp.across(0)], [1, 6, 0]);
         for (name, mode) in DriveMode::NAMES {
             assert_eq!(
@@ -302,7 +302,8 @@ mod tests {
         }
     }
 
-    /// Bit 4 with the setpoint, until bit 12 acknowledges it; away until the acknowledgement is; then the newest.
+    /// Bit 4 is set with the setpoint until bit 12 acknowledges it. It is reset until the acknowledgement is reset. Then the newest
+    /// setpoint follows.
     #[test]
     fn setpoints_are_handed_over() {
         let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
@@ -317,8 +318,8 @@ mod tests {
         assert_eq!(pp.command(control::QUICK_STOP, 20, ENABLED, true), (0x02, 20));
     }
 
-    /// Bit 4 in each of so many cycles with setpoint 7, and whether the setpoint is late behind it; bit 12 is what `drive` makes of the
-    /// bit 4 of the cycle before and of its number.
+    /// Returns for each cycle with setpoint 7 bit 4, and whether the setpoint is late after the cycle. `drive` returns bit 12 from bit 4 of
+    /// the previous cycle and from the cycle number.
     fn handed_over(cycles: usize, mut drive: impl FnMut(bool, usize) -> bool) -> Vec<(bool, bool)> {
         let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
         pp.command(control::SWITCH_ON, 7, 0x0233, true);
@@ -333,8 +334,8 @@ mod tests {
         all
     }
 
-    /// Bit 12 is 1 when the operation is enabled, and falls with the next falling edge of bit 4: a rising edge after 50 ms, a falling one
-    /// after 50 more, then the handshake as ever.
+    /// Bit 12 is 1 when the operation is enabled, and is reset at the next falling edge of bit 4. Bit 4 rises after 50 ms and falls after
+    /// another 50 ms; then the normal handshake follows.
     #[test]
     fn first_setpoint_is_handed_over_although_bit_12_stands() {
         let (mut bit_12, mut before) = (true, false);
@@ -348,12 +349,12 @@ mod tests {
             bit_12
         });
         let given: Vec<_> = (0..).zip(&all).filter(|(_, (given, _))| *given).map(|(cycle, _)| cycle).collect();
-        // From cycle 49 to 98; bit 12 falls in cycle 100, is 1 in cycle 101.
+        // Bit 4 is set in cycles 49 to 98; bit 12 falls in cycle 100 and is 1 in cycle 101.
         assert_eq!(given, (49..99).chain([100]).collect::<Vec<_>>());
         assert!(all.iter().all(|(_, late)| !late));
     }
 
-    /// A drive that withdraws its old acknowledgement within 50 ms sees one edge alone, with bit 12 at 0.
+    /// A drive that resets its old acknowledgement within 50 ms sees only one edge, with bit 12 at 0.
     #[test]
     fn bit_12_that_falls_by_itself_is_waited_for() {
         let all = handed_over(40, |bit_4, cycle| cycle < 30 || bit_4);
@@ -361,16 +362,16 @@ mod tests {
         assert_eq!(given, [30], "it is acknowledged in cycle 31");
     }
 
-    /// 500 cycles of 1 ms, whether bit 12 is never there or always.
+    /// 500 cycles of 1 ms, for bit 12 always 0 and always 1.
     #[test]
     fn setpoint_that_is_not_acknowledged_is_late_after_500_ms() {
         let first_late = |all: Vec<(bool, bool)>| all.iter().position(|(_, late)| *late);
-        // Handed over in cycle 0, and 500 cycles without an answer.
+        // Transferred in cycle 0, followed by 500 cycles without an acknowledgement.
         assert_eq!(first_late(handed_over(600, |_, _| false)), Some(501));
         assert_eq!(first_late(handed_over(600, |_, _| true)), Some(500));
-        // One that is given and acknowledged, however late, is not; nor is one that has no new one to wait for.
+        // A setpoint that was acknowledged in time is not late, nor is a drive without a new setpoint.
         assert_eq!(first_late(handed_over(2_000, |_, cycle| cycle > 499)), None);
-        // Bit 12 falls after 300 cycles, and the setpoint that is given then is acknowledged 250 cycles later.
+        // Bit 12 falls after 300 cycles; the setpoint that is transferred then is acknowledged 250 cycles later.
         assert_eq!(first_late(handed_over(900, |_, cycle| !(300..550).contains(&cycle))), None);
         let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
         for _ in 0..600 {
@@ -381,7 +382,7 @@ mod tests {
         assert!(!pp.is_unacknowledged(), "it is commanded no longer");
     }
 
-    /// 5 and 25 cycles at least: 100 ms and 500 ms of 20 ms, 500 ms and 2.5 s of 100 ms.
+    /// At least 5 and 25 cycles: 100 ms and 500 ms with cycles of 20 ms, 500 ms and 2.5 s with cycles of 100 ms.
     #[test]
     fn slow_cycles_have_levels_and_answers_as_well() {
         for (cycle_ns, cycles) in [(125_000, (400, 4_000)), (20_000_000, (5, 25)), (100_000_000, (5, 25))] {
@@ -391,7 +392,8 @@ mod tests {
     }
 
     proptest! {
-        /// With any drive that acknowledges late, the last setpoint is given in the end, and each but when the drive takes it.
+        /// With any delay of the acknowledgement, the last setpoint is transferred in the end. Each setpoint is transferred only while bit
+        /// 12 is 0.
         #[test]
         fn the_last_setpoint_is_given(positions in prop::collection::vec(-9_i64..9, 1..30), late in 0_usize..4) {
             let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);

@@ -1,9 +1,9 @@
-//! Mode of operation of a drive that maps 6060h or 6061h to no PDO: written and read by SDO.
+//! Mode of operation by SDO, for a drive that cannot map 6060h or 6061h to a PDO.
 //!
-//! Law      6060h is written when another mode is commanded; then 6061h is read until it shows that mode, one request at a time. A mode is
-//!          known once it was read after the last write and two status words have followed: both are of one state of the drive then.
-//!          An answer that may be the late one of an earlier read is not used
-//! Reads    answers of SDO requests, and that status words have come
+//! Law      6060h is written when another mode is commanded. Then 6061h is read until it reports that mode, one request at a time. A mode
+//!          is valid once it was read after the last write and two status words have followed: mode and status word then belong to the same
+//!          state of the drive. An answer that may belong to an earlier, timed-out read is not used
+//! Reads    answers of SDO requests, and whether status words were received
 //! Writes   SDO requests
 //! Refuses  a mode that the drive refuses: it is not written again before another one is commanded, the drive is enabled, or it is started
 //! Source   CiA 402-2 (6060h and 6061h: PDO mapping is optional), CiA 301 (SDO)
@@ -12,67 +12,67 @@ use super::layout::ModeBySdo;
 use super::objects;
 use crate::sdo::{Object, SdoError, Transfer};
 
-/// Bytes that an answer has room for.
+/// Buffer size for an answer, in bytes.
 const ROOM: usize = 16;
-/// From an answer that does not show the mode to the next request (ns): other SDO requests have their turn meanwhile.
+/// Time from an answer with another mode to the next request, in ns. It leaves time for other SDO requests.
 const POLL_NS: u64 = 10_000_000;
-/// Status words between a mode that was read and its use: the first one may be older than the answer.
+/// Number of status words between the read of a mode and its use: the first one may be older than the answer.
 const STATUS_WORDS: u8 = 2;
-/// Late answers that are expected at most.
+/// Maximum number of late answers that are expected.
 const MOST_OWED: u8 = 8;
 
-/// The request under way.
+/// Pending request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Stage {
-    /// None.
+    /// There is no request.
     #[default]
     Idle,
-    /// 6060h is written with this mode.
+    /// Write of 6060h with this mode.
     Writes(i8),
-    /// 6061h is read.
+    /// Read of 6061h.
     Reads,
 }
 
-/// An SDO request.
+/// SDO request for the mode of operation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModeRequest {
     /// 6060h or 6061h.
     pub object: Object,
-    /// The bytes to be written, or room for those that are read.
+    /// Bytes to be written, or the buffer for those that are read.
     pub data: Vec<u8>,
-    /// Whether it writes.
+    /// Whether the request is a write.
     pub writes: bool,
 }
 
-/// The exchange of the mode by SDO. Modes are numbers of 6060h of the drive.
+/// Exchange of the mode by SDO. Modes are numbers of 6060h of the drive.
 #[derive(Clone, Debug)]
 pub struct ModeExchange {
     by_sdo: ModeBySdo,
-    /// The commanded mode; 0: none.
+    /// Commanded mode; 0: none.
     commanded: i8,
-    /// The mode that the drive has confirmed as written last.
+    /// Mode of the last write that the drive has confirmed.
     written: Option<i8>,
-    /// The mode that the drive is in.
+    /// Present mode of the drive.
     known: Option<i8>,
-    /// A mode that was read, and the status words that have to follow before it is known.
+    /// Mode that was read, and the number of status words that must follow before it is valid.
     heard: Option<(i8, u8)>,
-    /// The mode that the drive has refused.
+    /// Mode that the drive has refused.
     refused: Option<i8>,
     stage: Stage,
-    /// Whether the answer of the request under way is still of use.
+    /// Whether the answer to the pending request may still be used.
     counts: bool,
-    /// Answers of 6061h that may still come, of requests that have timed out.
+    /// Number of outstanding answers for 6061h, of requests that have timed out.
     owed: u8,
-    /// The last request was not answered.
+    /// Whether the last request was not answered.
     is_silent: bool,
-    /// When the next request may go (ns).
+    /// Time of the next request, in ns.
     due_ns: u64,
-    /// Goes with each request and comes back with its answer.
+    /// Data buffer. It is passed along with each request and returned with its answer.
     room: Option<Vec<u8>>,
 }
 
 impl ModeExchange {
-    /// Nothing is commanded or known.
+    /// Creates an exchange without a commanded or known mode.
     pub fn new(by_sdo: ModeBySdo) -> Self {
         Self {
             by_sdo,
@@ -90,22 +90,22 @@ impl ModeExchange {
         }
     }
 
-    /// The objects that go by SDO.
+    /// Returns the objects that are exchanged by SDO.
     pub fn by_sdo(&self) -> ModeBySdo {
         self.by_sdo
     }
 
-    /// Whether an object of the mode goes by SDO.
+    /// Returns true if an object of the mode is exchanged by SDO.
     pub fn is_used(&self) -> bool {
         self.by_sdo.writes || self.by_sdo.reads
     }
 
-    /// The mode that was read by SDO; none while it is not known, and where a PDO reports it.
+    /// Returns the mode that was read by SDO; `None` while it is unknown, and if a PDO reports it.
     pub fn known(&self) -> Option<i8> {
         self.known
     }
 
-    /// Forgets all that was written and read: the drive is started.
+    /// Clears all that was written and read, because the drive is started.
     pub fn begin_anew(&mut self) {
         (self.written, self.known, self.heard, self.refused) = (None, None, None, None);
         (self.counts, self.is_silent, self.due_ns) = (false, false, 0);
@@ -123,7 +123,8 @@ impl ModeExchange {
         }
     }
 
-    /// Has the mode written and read again: another client may have changed it, and what the drive has refused without power it may take now.
+    /// Has the mode written and read again: another client may have changed it, and the drive may accept a mode after enabling that it
+    /// refused before.
     pub fn distrust(&mut self) {
         (self.written, self.known, self.heard, self.refused, self.due_ns) = (None, None, None, None, 0);
         if self.stage == Stage::Reads {
@@ -131,19 +132,19 @@ impl ModeExchange {
         }
     }
 
-    /// Whether the drive is in the commanded mode; `shown`: the one that its PDO reports, if 6061h is mapped.
+    /// Returns true if the drive is in the commanded mode. `shown`: mode that the PDO reports, if 6061h is mapped.
     pub fn is_settled(&self, shown: i8) -> bool {
         let is_written = !self.by_sdo.writes || self.written == Some(self.commanded);
         let mode = if self.by_sdo.reads { self.known } else { Some(shown) };
         is_written && mode == Some(self.commanded)
     }
 
-    /// Whether the drive has refused the commanded mode.
+    /// Returns true if the drive has refused the commanded mode.
     pub fn is_refused(&self) -> bool {
         self.refused == Some(self.commanded)
     }
 
-    /// The next request, if one is due. From a write on the mode is not known.
+    /// Returns the next request, if one is due. The mode is unknown from a write on.
     pub fn next_request(&mut self, now_ns: u64) -> Option<ModeRequest> {
         let is_due = self.stage == Stage::Idle && self.commanded != 0 && now_ns >= self.due_ns && !self.is_refused();
         let writes = self.by_sdo.writes && self.written != Some(self.commanded);
@@ -166,12 +167,12 @@ impl ModeExchange {
         Some(ModeRequest { object, data, writes })
     }
 
-    /// The request could not be sent; it is made again.
+    /// Returns the data of a request that could not be sent; it is repeated.
     pub fn give_back(&mut self, data: Vec<u8>) {
         (self.room, self.stage) = (Some(data), Stage::Idle);
     }
 
-    /// Whether an answer of this object is that of its own request.
+    /// Returns true if an answer for this object belongs to the pending request.
     pub fn awaits(&self, object: Object) -> bool {
         match self.stage {
             Stage::Idle => false,
@@ -180,8 +181,8 @@ impl ModeExchange {
         }
     }
 
-    /// Takes the answer of its own request. Returns an error that is to be reported: each refusal, and the first of several requests without an
-    /// answer.
+    /// Handles the answer to the pending request. Returns an error that is to be reported: each refusal, and the first of several requests
+    /// without an answer.
     pub fn take(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
         let Transfer { object, data, result } = done;
         let (stage, counts) = (std::mem::take(&mut self.stage), self.counts);
@@ -209,25 +210,25 @@ impl ModeExchange {
         (is_refused || !was_silent).then_some(error)
     }
 
-    /// A mode was read.
+    /// Stores a mode that was read.
     fn hear(&mut self, mode: i8, counts: bool, now_ns: u64) {
         self.due_ns = now_ns.saturating_add(POLL_NS);
         if let Some(owed) = self.owed.checked_sub(1) {
-            // It may be that of an earlier request.
+            // The answer may belong to an earlier request.
             self.owed = owed;
         } else if counts {
             self.heard = Some((mode, STATUS_WORDS));
         }
     }
 
-    /// Notes the failure of any request to the drive: the answer of one that has timed out may still come.
+    /// Records the failure of any request to the drive: the answer to one that has timed out may still arrive.
     pub fn note_failed(&mut self, object: Object, error: &SdoError) {
         if object == objects::MODE_DISPLAY && matches!(error, SdoError::Silent(..)) {
             self.owed = self.owed.saturating_add(1).min(MOST_OWED);
         }
     }
 
-    /// A status word has come. Returns the mode that is known from now on.
+    /// Records a received status word. Returns the mode that is valid from now on, if any.
     pub fn hear_status(&mut self) -> Option<i8> {
         let (mode, left) = self.heard?;
         let left = left.saturating_sub(1);
@@ -247,7 +248,7 @@ mod tests {
 
     const BOTH: ModeBySdo = ModeBySdo { writes: true, reads: true };
 
-    /// The request that is due.
+    /// Returns the request that is due.
     fn request(exchange: &mut ModeExchange, now_ns: u64) -> (Object, Vec<u8>) {
         let ModeRequest { object, data, writes } = exchange.next_request(now_ns).expect("a request is due");
         assert_eq!(writes, object == objects::MODE);
@@ -278,7 +279,7 @@ mod tests {
         SdoError::Refused(object, Abort(0x0609_0030))
     }
 
-    /// 6060h is written with 8, then 6061h is read until it is 8; a read every 10 ms.
+    /// 6060h is written with 8, then 6061h is read every 10 ms until it is 8.
     #[test]
     fn mode_is_known_once_it_was_read_and_two_status_words_have_come() {
         let mut exchange = ModeExchange::new(BOTH);
@@ -298,7 +299,7 @@ mod tests {
         assert_eq!(exchange.next_request(u64::MAX), None);
     }
 
-    /// From 8 to 6 and back before 6 is confirmed: 8 was read before, and is not known any more.
+    /// From 8 to 6 and back before 6 is confirmed: the 8 that was read before is no longer valid.
     #[test]
     fn mode_that_was_read_before_a_write_is_not_known() {
         let mut exchange = ModeExchange::new(BOTH);
@@ -317,7 +318,7 @@ mod tests {
         assert_eq!(request(&mut exchange, 0), (objects::MODE, vec![8]), "6 was written last");
     }
 
-    /// A read has timed out while the drive was in mode 8: its answer comes as that of the next one.
+    /// A read has timed out while the drive was in mode 8. Its answer arrives as that of the next read.
     #[test]
     fn late_answer_of_an_earlier_read_is_not_used() {
         let mut exchange = ModeExchange::new(BOTH);
@@ -325,7 +326,7 @@ mod tests {
         answer(&mut exchange, 0, 8);
         assert_eq!(fail(&mut exchange, 0, silent), Some(silent(objects::MODE_DISPLAY)));
         assert_eq!(fail(&mut exchange, POLL_NS, silent), None, "reported once");
-        // Of somebody else, at the same drive.
+        // Requests of another client to the same drive.
         exchange.note_failed(objects::MODE_DISPLAY, &silent(objects::MODE_DISPLAY));
         exchange.note_failed(objects::POSITION, &silent(objects::POSITION));
         for at in 2..5 {
@@ -336,7 +337,7 @@ mod tests {
         assert_eq!((0..2).find_map(|_| exchange.hear_status()), Some(8));
     }
 
-    /// What comes of a read under way says nothing of a mode that a PDO, or another client, may have changed meanwhile.
+    /// A PDO or another client may have changed the mode during a pending read, so its result is not used.
     #[test]
     fn read_under_way_is_not_used_once_the_mode_is_distrusted() {
         let mut exchange = ModeExchange::new(ModeBySdo { writes: false, reads: true });
@@ -370,7 +371,7 @@ mod tests {
         assert_eq!(request(&mut exchange, 0).1, [6]);
     }
 
-    /// 6061h in a PDO: only the write goes by SDO.
+    /// 6061h is in a PDO: only the write uses SDO.
     #[test]
     fn mode_that_a_pdo_reports_is_not_read() {
         let mut exchange = ModeExchange::new(ModeBySdo { writes: true, reads: false });

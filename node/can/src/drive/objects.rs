@@ -1,4 +1,4 @@
-//! Objects that the master reads and writes, by the names of the standards.
+//! Objects that the master reads and writes, with their names from the standards.
 
 use crate::sdo::Object;
 
@@ -10,17 +10,17 @@ const fn of(index: u16, sub: u8) -> Object {
 pub const DEVICE_TYPE: Object = of(0x1000, 0);
 /// COB-ID of SYNC; bit 30: the device produces it (CiA 301).
 pub const SYNC_COB_ID: Object = of(0x1005, 0);
-/// Communication cycle period (us; CiA 301).
+/// Communication cycle period, in us (CiA 301).
 pub const CYCLE_PERIOD: Object = of(0x1006, 0);
-/// Guard time (ms; CiA 301).
+/// Guard time, in ms (CiA 301).
 pub const GUARD_TIME: Object = of(0x100C, 0);
 /// Life time factor (CiA 301).
 pub const LIFE_TIME_FACTOR: Object = of(0x100D, 0);
 /// First consumer heartbeat time: node << 16 | ms (CiA 301).
 pub const CONSUMER_HEARTBEAT: Object = of(0x1016, 1);
-/// Producer heartbeat time (ms; CiA 301).
+/// Producer heartbeat time, in ms (CiA 301).
 pub const PRODUCER_HEARTBEAT: Object = of(0x1017, 0);
-/// Vendor (CiA 301).
+/// Vendor ID (CiA 301).
 pub const VENDOR: Object = of(0x1018, 1);
 /// Product code (CiA 301).
 pub const PRODUCT: Object = of(0x1018, 2);
@@ -30,9 +30,9 @@ pub const REVISION: Object = of(0x1018, 3);
 pub const SERIAL: Object = of(0x1018, 4);
 /// Synchronous counter overflow value (CiA 301).
 pub const SYNC_OVERFLOW: Object = of(0x1019, 0);
-/// Verify configuration: date, which here is half of what tells configurations apart (CiA 301).
+/// Verify configuration: date; here one half of the digest of the configuration (CiA 301).
 pub const CONFIGURATION_DATE: Object = of(0x1020, 1);
-/// Verify configuration: time, the other half (CiA 301).
+/// Verify configuration: time; here the other half of the digest (CiA 301).
 pub const CONFIGURATION_TIME: Object = of(0x1020, 2);
 
 /// First 8 digital inputs of a module; the next ones follow (CiA 401).
@@ -58,47 +58,47 @@ pub const VL_TARGET_VELOCITY: Object = of(0x6042, 0);
 pub const MODE: Object = of(0x6060, 0);
 /// Modes of operation display (CiA 402).
 pub const MODE_DISPLAY: Object = of(0x6061, 0);
-/// Position actual value (counts; CiA 402).
+/// Position actual value, in counts (CiA 402).
 pub const POSITION: Object = of(0x6064, 0);
 /// Velocity actual value (CiA 402).
 pub const VELOCITY: Object = of(0x606C, 0);
-/// Target torque (0.1 % of the rated torque; CiA 402).
+/// Target torque, in 0.1 % of rated torque (CiA 402).
 pub const TARGET_TORQUE: Object = of(0x6071, 0);
-/// Torque actual value (0.1 % of the rated torque; CiA 402).
+/// Torque actual value, in 0.1 % of rated torque (CiA 402).
 pub const TORQUE: Object = of(0x6077, 0);
-/// Target position (counts; CiA 402).
+/// Target position, in counts (CiA 402).
 pub const TARGET_POSITION: Object = of(0x607A, 0);
-/// Position encoder resolution: increments per revolutions of the motor (CiA 402).
+/// Position encoder resolution: encoder increments per motor revolutions (CiA 402).
 pub const ENCODER_RESOLUTION: [Object; 2] = [of(0x608F, 1), of(0x608F, 2)];
-/// Gear ratio: revolutions of the motor per revolutions of the driving shaft (CiA 402).
+/// Gear ratio: motor shaft revolutions per driving shaft revolutions (CiA 402).
 pub const GEAR_RATIO: [Object; 2] = [of(0x6091, 1), of(0x6091, 2)];
-/// Feed constant: position units per revolutions of the driving shaft (CiA 402).
+/// Feed constant: feed in position units per driving shaft revolutions (CiA 402).
 pub const FEED_CONSTANT: [Object; 2] = [of(0x6092, 1), of(0x6092, 2)];
 /// Homing method (CiA 402).
 pub const HOMING_METHOD: Object = of(0x6098, 0);
-/// Homing speed towards the switch (CiA 402).
+/// Homing speed during search for switch (CiA 402).
 pub const HOMING_SEARCH: Object = of(0x6099, 1);
-/// Homing speed towards the zero (CiA 402).
+/// Homing speed during search for zero (CiA 402).
 pub const HOMING_ZERO: Object = of(0x6099, 2);
 /// Homing acceleration (CiA 402).
 pub const HOMING_ACCELERATION: Object = of(0x609A, 0);
 /// Touch probe function (CiA 402).
 pub const TOUCH_PROBE_FUNCTION: Object = of(0x60B8, 0);
-/// Position at the rising edge of probe 1; those of the other edges follow (counts; CiA 402).
+/// Position at the rising edge of probe 1, in counts; those of the other edges follow (CiA 402).
 pub const TOUCH_PROBE_POSITION: Object = of(0x60BA, 0);
-/// Count of rising edges of probe 1; those of the other edges follow (CiA 402).
+/// Number of rising edges of probe 1; those of the other edges follow (CiA 402).
 pub const TOUCH_PROBE_COUNT: Object = of(0x60D5, 0);
-/// Interpolation data record, its position (counts; CiA 402).
+/// Interpolation data record: position, in counts (CiA 402).
 pub const INTERPOLATION_POSITION: Object = of(0x60C1, 1);
-/// Interpolation time period, its value (CiA 402).
+/// Interpolation time period: value (CiA 402).
 pub const INTERPOLATION_VALUE: Object = of(0x60C2, 1);
-/// Interpolation time period, its power of ten of seconds (CiA 402).
+/// Interpolation time period: index, the power of ten of seconds (CiA 402).
 pub const INTERPOLATION_INDEX: Object = of(0x60C2, 2);
 /// Digital inputs (CiA 402).
 pub const DIGITAL_INPUTS: Object = of(0x60FD, 0);
 /// Digital outputs of a drive (CiA 402).
 pub const DIGITAL_OUTPUTS: Object = of(0x60FE, 1);
-/// Which of its digital outputs follow 60FEh:01 (CiA 402).
+/// Mask of the digital outputs that follow 60FEh:01 (CiA 402).
 pub const DIGITAL_OUTPUT_MASK: Object = of(0x60FE, 2);
 /// Target velocity (CiA 402).
 pub const TARGET_VELOCITY: Object = of(0x60FF, 0);

@@ -1,7 +1,7 @@
-//! Touch probes of a drive: what they catch, and what of it is new.
+//! Touch probes of a drive: captured edges and positions.
 //!
-//! Law      a probe catches without end (60B8h, continuous); the drive counts what it has caught. A count that has grown is a new position,
-//!          the last one; those before it are counted as lost
+//! Law      a probe captures continuously (60B8h), and the drive counts the captures. A count that has increased reports a new position,
+//!          that of the last capture; the captures before it are counted as lost
 //! Reads    60BAh to 60BDh, 60D5h to 60D8h
 //! Source   CiA 402-2, touch probe functionality
 
@@ -9,27 +9,27 @@ use super::objects;
 use crate::sdo::Object;
 use lineshaft_core::drive::Edge;
 
-/// What a probe catches.
+/// Source that triggers a probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Probe {
     /// Rising edges of its input.
     Rising,
     /// Falling edges of its input.
     Falling,
-    /// Both.
+    /// Both edges of its input.
     Both,
     /// The zero pulse of the encoder.
     Index,
 }
 
-/// Both probes of a drive.
+/// Configuration of both probes of a drive.
 pub type Probes = [Option<Probe>; 2];
 
-/// A place for what is caught: probe 1 rising and falling, probe 2 rising and falling.
+/// Place of a captured value: 0 and 1 are probe 1 rising and falling, 2 and 3 are probe 2 rising and falling.
 pub type Slot = u8;
 
 impl Probe {
-    /// Bits of 60B8h, of probe 1: enabled, continuous, zero pulse, rising, falling.
+    /// Returns the bits of 60B8h for probe 1: enabled, continuous, zero pulse, rising, falling.
     fn bits(self) -> u16 {
         match self {
             Self::Rising => 0x13,
@@ -40,35 +40,35 @@ impl Probe {
     }
 }
 
-/// The word for 60B8h.
+/// Returns the value of 60B8h.
 pub fn function(probes: Probes) -> u16 {
     let bits = probes.map(|probe| probe.map_or(0, Probe::bits));
     bits[0] | bits[1] << 8
 }
 
-/// The slots that probes fill.
+/// Returns the slots that the probes use.
 pub fn slots(probes: Probes) -> impl Iterator<Item = Slot> {
     let fills = [0x10, 0x20, 0x1000, 0x2000].map(|bit| function(probes) & bit != 0);
     (0..4).filter(move |slot| fills[usize::from(*slot)])
 }
 
-/// The position that is caught in a slot, and the count of what was.
+/// Returns the objects of a slot: captured position and number of captures.
 pub fn objects_of(slot: Slot) -> [Object; 2] {
     let slot = u16::from(slot.min(3));
     [objects::TOUCH_PROBE_POSITION, objects::TOUCH_PROBE_COUNT]
         .map(|first| Object { index: first.index + slot, ..first })
 }
 
-/// What a slot means.
+/// Meaning of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Caught {
-    /// The zero pulse.
+    /// Zero pulse of the encoder.
     Index,
-    /// An edge.
+    /// Edge of the probe input.
     Edge(Edge),
 }
 
-/// The meaning of a slot.
+/// Returns the meaning of a slot.
 pub fn meaning(probes: Probes, slot: Slot) -> Caught {
     let edge = if slot.is_multiple_of(2) { Edge::Rising } else { Edge::Falling };
     match probes.get(usize::from(slot / 2)) {
@@ -77,25 +77,25 @@ pub fn meaning(probes: Probes, slot: Slot) -> Caught {
     }
 }
 
-/// What has come of a slot.
+/// Captures of a slot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Catch {
     count: Option<u16>,
-    /// New ones since they were taken.
+    /// Number of captures since the last [`drain`](Self::drain).
     new: u16,
     position: i32,
 }
 
 impl Catch {
-    /// A word of the drive came.
+    /// Updates the slot with position and count of the drive.
     pub fn take(&mut self, position: i32, count: u16) {
-        // What was caught before anybody looked is nobody's.
+        // Captures before the first update are ignored.
         let new = self.count.replace(count).map_or(0, |before| count.wrapping_sub(before));
         self.new = self.new.saturating_add(new);
         self.position = position;
     }
 
-    /// The last position that is new, and how many before it were lost.
+    /// Returns the last new position and the number of captures before it that were lost.
     pub fn drain(&mut self) -> Option<(i32, u16)> {
         let new = std::mem::take(&mut self.new);
         new.checked_sub(1).map(|lost| (self.position, lost))
@@ -106,7 +106,7 @@ impl Catch {
 mod tests {
     use super::*;
 
-    /// The bits of CiA 402: 0 enable, 1 continuous, 2 zero pulse, 4 rising, 5 falling; those of probe 2 are 8 higher.
+    /// Bits of CiA 402: 0 enable, 1 continuous, 2 zero pulse, 4 rising, 5 falling; those of probe 2 are 8 higher.
     #[test]
     fn the_function_says_what_is_caught() {
         assert_eq!(function([Some(Probe::Both), None]), 0x0033);

@@ -1,42 +1,42 @@
-//! The concise form of a device configuration, as object 1F22h keeps it.
+//! Concise DCF, the form of a device configuration in object 1F22h.
 //!
-//! Law      number of entries (u32), then for each: index (u16), subindex (u8), number of bytes (u32), the bytes; all little-endian
-//! Refuses  bytes that end too early, bytes behind the last entry, entries that are too many or too long for their numbers
+//! Law      number of entries (u32), then for each entry: index (u16), subindex (u8), number of bytes (u32), the bytes; all little-endian
+//! Refuses  bytes that end too early, bytes after the last entry, numbers of entries or bytes above 32 bits
 //! Source   CiA 302-3, object 1F22h
 
 use crate::sdo::Object;
 
-/// Why bytes are no concise configuration, or a configuration has no concise form.
+/// Reason why decoding or encoding failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConciseError {
     /// The bytes end within an entry.
     #[error("the concise DCF ends within entry {entry} of {entries}")]
     Short {
-        /// Which one, from 1; 0 for the number of entries itself.
+        /// Number of the entry, from 1; 0 for the number of entries itself.
         entry: u32,
-        /// How many are said to follow.
+        /// Number of entries according to the first number.
         entries: u32,
     },
-    /// Bytes stand behind the last entry.
+    /// There are bytes after the last entry.
     #[error("{bytes} bytes stand behind the {entries} entries of the concise DCF")]
     Long {
-        /// How many bytes.
+        /// Number of extra bytes.
         bytes: usize,
-        /// How many entries there are.
+        /// Number of entries.
         entries: u32,
     },
-    /// An object has more bytes than a number of 32 bits says.
+    /// The size of an object exceeds 32 bits.
     #[error("{0}: its data are longer than 4294967295 bytes")]
     Data(Object),
-    /// More entries than a number of 32 bits says.
+    /// The number of entries exceeds 32 bits.
     #[error("a concise DCF has at most 4294967295 entries")]
     Entries,
 }
 
-/// Bytes of the entries.
+/// Returns the bytes of the entries.
 ///
 /// # Errors
-/// Entries that are too many or too long.
+/// There are too many entries, or one is too long.
 pub fn encode(entries: &[(Object, Vec<u8>)]) -> Result<Vec<u8>, ConciseError> {
     let mut bytes = u32::try_from(entries.len()).map_err(|_| ConciseError::Entries)?.to_le_bytes().to_vec();
     for (object, data) in entries {
@@ -49,10 +49,10 @@ pub fn encode(entries: &[(Object, Vec<u8>)]) -> Result<Vec<u8>, ConciseError> {
     Ok(bytes)
 }
 
-/// Entries of the bytes. The numbers in them are not trusted: memory is taken for what is there.
+/// Returns the entries of the bytes. Memory is allocated only for bytes that are present, not by the numbers in them.
 ///
 /// # Errors
-/// Bytes that are too few or too many.
+/// There are too few or too many bytes.
 pub fn decode(bytes: &[u8]) -> Result<Vec<(Object, Vec<u8>)>, ConciseError> {
     let (count, mut rest) = bytes.split_first_chunk::<4>().ok_or(ConciseError::Short { entry: 0, entries: 0 })?;
     let entries = u32::from_le_bytes(*count);

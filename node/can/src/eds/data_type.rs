@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What the bytes of an object are.
+/// Data type of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs, reason = "the names are those of CiA 301, table 44")]
 pub enum DataType {
@@ -31,23 +31,23 @@ pub enum DataType {
     Unsigned48,
     Unsigned56,
     Unsigned64,
-    /// A record of the standard, or a type of a profile or of the device; its values are not known here.
+    /// A record of the standard, or a type of a profile or of the device, whose encoding is not known here.
     Other(u16),
 }
 
-/// What a type has in common with others.
+/// Encoding that several data types share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Boolean,
-    /// Two's complement of so many bytes.
+    /// Two's complement, with its number of bytes.
     Integer(u32),
-    /// So many bytes.
+    /// Unsigned, with its number of bytes.
     Unsigned(u32),
     Real32,
     Real64,
-    /// One byte per character.
+    /// Text with one byte per character.
     Visible,
-    /// Two bytes per character.
+    /// Text with two bytes per character.
     Unicode,
     Bytes,
     Time,
@@ -84,12 +84,12 @@ const TYPES: [(u16, DataType, &str); 25] = [
 ];
 
 impl DataType {
-    /// The type with a number in the dictionary.
+    /// Returns the type with a number in the dictionary.
     pub fn of(number: u16) -> Self {
         TYPES.iter().find(|row| row.0 == number).map_or(Self::Other(number), |row| row.1)
     }
 
-    /// Its number in the dictionary.
+    /// Returns the number in the dictionary.
     pub fn number(self) -> u16 {
         match self {
             Self::Other(number) => number,
@@ -97,7 +97,7 @@ impl DataType {
         }
     }
 
-    /// Bits in a PDO; none where values differ in length.
+    /// Returns the number of bits in a PDO; `None` if values differ in length.
     pub fn bits(self) -> Option<u32> {
         match self.kind() {
             Kind::Boolean => Some(1),
@@ -109,7 +109,7 @@ impl DataType {
         }
     }
 
-    /// Whether values of this type are integers of that many bits, signed or unsigned; true for a type that is not known.
+    /// Returns true if values of this type are integers of that many bits, signed or unsigned; also for a type that is not known.
     pub fn may_be_integer(self, bits: u32) -> bool {
         match self {
             Self::Other(_) => true,
@@ -166,7 +166,7 @@ mod tests {
         for number in 0..=u16::MAX {
             assert_eq!(DataType::of(number).number(), number);
         }
-        // CiA 301: no type stands at 0Eh and at 17h.
+        // CiA 301 has no type 0Eh and no type 17h.
         assert_eq!(DataType::of(0x0E), DataType::Other(0x0E));
         assert_eq!(DataType::of(0x17), DataType::Other(0x17));
     }

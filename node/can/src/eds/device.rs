@@ -1,7 +1,7 @@
-//! What a file says of itself, of the device, and of its place on the bus.
+//! Sections of an EDS file about the file, the device and its commissioning.
 //!
-//! Reads    `[FileInfo]`, `[DeviceInfo]`, `[DeviceComissioning]` (so in the standard) and `[DeviceCommissioning]`
-//! Refuses  nothing: what is wrong there is passed over with a warning
+//! Reads    `[FileInfo]`, `[DeviceInfo]`, `[DeviceComissioning]` (the standard's spelling) and `[DeviceCommissioning]`
+//! Refuses  nothing: invalid entries are ignored with a warning
 //! Source   CiA 306-1
 
 use super::ini::{Section, Sections};
@@ -9,10 +9,10 @@ use super::notes::{LAST_NODE, Notes};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// A section that is a table of texts, numbers and flags.
+/// A section with texts, numbers and flags.
 trait Table {
     fn texts(&mut self) -> Vec<(&'static str, &mut String)>;
-    /// Key, number, the least and the greatest one.
+    /// Key, number, minimum and maximum.
     fn numbers(&mut self) -> Vec<(&'static str, &mut Option<u32>, u32, u32)>;
     fn flags(&mut self) -> Vec<(&'static str, &mut bool)>;
 
@@ -32,7 +32,7 @@ trait Table {
     where
         Self: Sized,
     {
-        // A String takes what is written.
+        // Writing to a String cannot fail.
         let _ = writeln!(to, "[{name}]");
         for (key, text) in self.texts() {
             if !text.is_empty() {
@@ -50,7 +50,7 @@ trait Table {
     }
 }
 
-/// `[FileInfo]`, as it is written; empty where nothing is said.
+/// `[FileInfo]` as written; empty texts if keys are missing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the names are those of the keys")]
 pub struct FileInfo {
@@ -100,37 +100,37 @@ impl Table for FileInfo {
 pub struct DeviceInfo {
     /// Name of the vendor.
     pub vendor_name: String,
-    /// Number of the vendor, that of 1018h:01.
+    /// Vendor ID, as in 1018h:01.
     pub vendor_number: Option<u32>,
     /// Name of the product.
     pub product_name: String,
-    /// Number of the product, that of 1018h:02.
+    /// Product code, as in 1018h:02.
     pub product_number: Option<u32>,
-    /// Revision, that of 1018h:03.
+    /// Revision number, as in 1018h:03.
     pub revision_number: Option<u32>,
-    /// What is ordered.
+    /// Order code.
     pub order_code: String,
-    /// Bit rates that the device knows (kbit/s).
+    /// Supported bit rates, in kbit/s.
     pub baud_rates: BTreeSet<u16>,
-    /// Bit rates that the file denies, with `BaudRate_..=0` (kbit/s).
+    /// Bit rates that the file excludes with `BaudRate_..=0`, in kbit/s.
     pub denied_baud_rates: BTreeSet<u16>,
-    /// Can it start other devices, by the simple procedure?
+    /// Whether the device is a simple boot-up master.
     pub is_boot_up_master: bool,
-    /// Is it started by that procedure?
+    /// Whether the device is a simple boot-up slave.
     pub is_boot_up_slave: bool,
-    /// Least number of bits that can be mapped.
+    /// Minimum number of bits that can be mapped.
     pub granularity: Option<u32>,
     /// `DynamicChannelsSupported`.
     pub dynamic_channels: Option<u32>,
-    /// `CompactPDO`: which PDO objects exist without a section.
+    /// `CompactPDO`: PDO objects that exist without a section.
     pub compact_pdo: Option<u32>,
-    /// Does it multiplex PDOs?
+    /// Whether the device supports multiplexed PDOs.
     pub has_group_messaging: bool,
-    /// Number of PDOs that it receives.
+    /// Number of PDOs that the device receives.
     pub receive_pdos: Option<u32>,
-    /// Number of PDOs that it sends.
+    /// Number of PDOs that the device sends.
     pub transmit_pdos: Option<u32>,
-    /// Can its node id be set over the bus?
+    /// Whether the device supports LSS.
     pub has_lss: bool,
 }
 
@@ -169,19 +169,19 @@ impl Table for DeviceInfo {
 /// `[DeviceComissioning]` of a device configuration.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Commissioning {
-    /// Node id, 1 to 127.
+    /// Node ID, 1 to 127.
     pub node_id: Option<u32>,
     /// Name of the node.
     pub node_name: String,
-    /// Bit rate (kbit/s).
+    /// Bit rate, in kbit/s.
     pub baud_rate: Option<u32>,
     /// Number of the network.
     pub net_number: Option<u32>,
     /// Name of the network.
     pub network_name: String,
-    /// Is it the manager of the network?
+    /// Whether the device is the CANopen manager.
     pub is_manager: bool,
-    /// Serial number by which LSS finds the device.
+    /// Serial number for LSS.
     pub lss_serial_number: Option<u32>,
 }
 
@@ -219,7 +219,7 @@ impl FileInfo {
 }
 
 impl DeviceInfo {
-    /// Whether the file denies a bit rate (kbit/s): with `BaudRate_..=0`, or by a list of others.
+    /// Returns true if the file excludes a bit rate, in kbit/s: with `BaudRate_..=0`, or because it lists only others.
     pub fn denies(&self, rate: u32) -> bool {
         let is_in = |rates: &BTreeSet<u16>| rates.iter().any(|listed| u32::from(*listed) == rate);
         is_in(&self.denied_baud_rates) || (!self.baud_rates.is_empty() && !is_in(&self.baud_rates))

@@ -1,7 +1,7 @@
-//! The object dictionary of a device, as its file says it.
+//! Object dictionary of a device, as its file describes it.
 //!
-//! Law      a value of the configuration goes before the default; `$NODEID` is the node that the file was read for
-//! Refuses  names that stand for no object or for several; values that the type or the access of an object does not allow
+//! Law      a configuration value has precedence over the default value; `$NODEID` is the node for which the file was read
+//! Refuses  names that match no object or several; values that the type or the access of an object does not allow
 //! Source   CiA 306-1, CiA 301
 
 use super::device::{Commissioning, DeviceInfo, FileInfo};
@@ -11,21 +11,21 @@ use super::value::{Value, ValueError};
 use crate::sdo::Object;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Bytes of a value as a text; a line has room for it and its key.
+/// Maximum size of a value as text, in bytes. A line has room for it and its key.
 const LONGEST_VALUE: usize = 60_000;
 
-/// A dictionary.
+/// Object dictionary.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dictionary {
-    /// What the file says of itself.
+    /// Information about the file.
     pub file: FileInfo,
-    /// What it says of the device.
+    /// Information about the device.
     pub device: DeviceInfo,
-    /// The place of the device on the bus, in a device configuration.
+    /// Commissioning data of a device configuration.
     pub commissioning: Option<Commissioning>,
-    /// Remarks.
+    /// Comment lines of the file.
     pub comments: Vec<String>,
-    /// Numbers of the data types that can fill a PDO.
+    /// Numbers of the data types that can be mapped as dummy entries.
     pub dummies: BTreeSet<u16>,
     pub(super) node_id: Option<u8>,
     pub(super) heads: BTreeMap<u16, Head>,
@@ -33,98 +33,98 @@ pub struct Dictionary {
     pub(super) warnings: Problems,
 }
 
-/// Why a name is not that of one object.
+/// Reason why a name does not identify an object.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FindError {
-    /// No object has it.
+    /// No object has the name.
     #[error("no object has the name {}", quoted(.0))]
     None(String),
-    /// Several objects have it.
+    /// Several objects have the name.
     #[error("the name {} is that of {first} and of {second}: write the index", quoted(.name))]
     Several {
-        /// The name.
+        /// Name.
         name: String,
-        /// One of them.
+        /// First object with the name.
         first: Object,
-        /// Another one.
+        /// Second object with the name.
         second: Object,
     },
 }
 
-/// Why an object has no value in the configuration.
+/// Reason why an object cannot have a configuration value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigureError {
-    /// The dictionary does not have it.
+    /// The dictionary lacks the object.
     #[error("{0} does not exist in the dictionary")]
     Missing(Object),
-    /// It cannot be written.
+    /// The object is not writable.
     #[error("{0} cannot be written: its access is {1}")]
     Access(Object, &'static str),
-    /// The value is not of its type.
+    /// The value is not of the data type of the object.
     #[error("{0}: {1}")]
     Value(Object, ValueError),
-    /// A value that a line of a file cannot say.
+    /// A line of a file cannot represent the value.
     #[error(
         "{0}: the value cannot stand in a file: it is empty, longer than a line, not finite, or has blanks around it or control characters"
     )]
     Line(Object),
-    /// Its value is that of a node, and the node is not known.
+    /// The value depends on the node ID, which is unknown.
     #[error("{0}: the value is $NODEID and a number, and the node id is not known")]
     NodeId(Object),
 }
 
 impl Dictionary {
-    /// The node that `$NODEID` stands for.
+    /// Returns the node ID that replaces `$NODEID`.
     pub fn node_id(&self) -> Option<u8> {
         self.node_id
     }
 
-    /// What was passed over in the file.
+    /// Returns the warnings about ignored content of the file.
     pub fn warnings(&self) -> &Problems {
         &self.warnings
     }
 
-    /// What was passed over; the dictionary forgets it.
+    /// Returns the warnings about ignored content and removes them from the dictionary.
     pub fn take_warnings(&mut self) -> Problems {
         std::mem::take(&mut self.warnings)
     }
 
-    /// An index.
+    /// Returns the description of an index.
     pub fn head(&self, index: u16) -> Option<&Head> {
         self.heads.get(&index)
     }
 
-    /// All of them, in order.
+    /// Returns all indices with their descriptions, in ascending order.
     pub fn heads(&self) -> impl Iterator<Item = (u16, &Head)> {
         self.heads.iter().map(|(index, head)| (*index, head))
     }
 
-    /// An object.
+    /// Returns an object.
     pub fn entry(&self, object: Object) -> Option<&Entry> {
         self.entries.get(&object)
     }
 
-    /// All objects with a value, in order.
+    /// Returns all objects with a value, in ascending order.
     pub fn entries(&self) -> impl Iterator<Item = (Object, &Entry)> {
         self.entries.iter().map(|(object, entry)| (*object, entry))
     }
 
-    /// The objects of one index, in order.
+    /// Returns the objects of one index, in ascending order.
     pub fn entries_of(&self, index: u16) -> impl Iterator<Item = (Object, &Entry)> {
         let all = Object { index, sub: 0 }..=Object { index, sub: u8::MAX };
         self.entries.range(all).map(|(object, entry)| (*object, entry))
     }
 
-    /// The name of an object: that of its index, and behind a point that of its subindex.
+    /// Returns the name of an object: that of its index, and for a subindex a point and its name.
     pub fn name(&self, object: Object) -> Option<String> {
         let (head, entry) = (self.heads.get(&object.index)?, self.entries.get(&object)?);
         Some(if head.object_type.is_single() { head.name.clone() } else { format!("{}.{}", head.name, entry.name) })
     }
 
-    /// The object with a name, in large or small letters.
+    /// Returns the object with a name. Upper and lower case are not distinguished.
     ///
     /// # Errors
-    /// A name of no object, or of several.
+    /// No object has the name, or several have it.
     pub fn find(&self, name: &str) -> Result<Object, FindError> {
         let wanted = name.trim().to_lowercase();
         let is_it = |object: &Object| self.name(*object).is_some_and(|name| name.to_lowercase() == wanted);
@@ -141,35 +141,35 @@ impl Dictionary {
         which(entry)?.resolved(entry.data_type, self.node_id)
     }
 
-    /// The value that the device has by itself.
+    /// Returns the default value.
     pub fn default_value(&self, object: Object) -> Option<Value> {
         self.resolved(object, |entry| entry.default.as_ref())
     }
 
-    /// The value that the configuration gives it.
+    /// Returns the configuration value.
     pub fn parameter_value(&self, object: Object) -> Option<Value> {
         self.resolved(object, |entry| entry.parameter.as_ref())
     }
 
-    /// The value that holds: that of the configuration, or else the default.
+    /// Returns the effective value: that of the configuration, otherwise the default.
     pub fn value(&self, object: Object) -> Option<Value> {
         self.resolved(object, |entry| entry.parameter.as_ref().or(entry.default.as_ref()))
     }
 
-    /// The least value.
+    /// Returns the minimum value.
     pub fn low_limit(&self, object: Object) -> Option<Value> {
         self.resolved(object, |entry| entry.low.as_ref())
     }
 
-    /// The greatest value.
+    /// Returns the maximum value.
     pub fn high_limit(&self, object: Object) -> Option<Value> {
         self.resolved(object, |entry| entry.high.as_ref())
     }
 
-    /// Gives an object a value in the configuration, or takes it away.
+    /// Sets or removes the configuration value of an object.
     ///
     /// # Errors
-    /// An object that does not exist or cannot be written, a value that is not of its type or no line of a file.
+    /// The object does not exist or is not writable; the value is not of its type, or a line of a file cannot represent it.
     pub fn set_parameter(&mut self, object: Object, value: Option<Value>) -> Result<(), ConfigureError> {
         let entry = self.entries.get_mut(&object).ok_or(ConfigureError::Missing(object))?;
         let Some(value) = value else {
@@ -181,7 +181,7 @@ impl Dictionary {
         }
         value.to_bytes(entry.data_type).map_err(|error| ConfigureError::Value(object, error))?;
         let text = value.to_string();
-        // An empty value says nothing in a file.
+        // An empty value means a missing value in a file.
         let is_line = !text.is_empty() && text.len() < LONGEST_VALUE && !text.chars().any(char::is_control);
         if !is_line || Value::parse(entry.data_type, &text).as_ref() != Ok(&value) {
             return Err(ConfigureError::Line(object));
@@ -190,11 +190,11 @@ impl Dictionary {
         Ok(())
     }
 
-    /// What the configuration writes, in the order of the objects; objects that cannot be written and those whose `ObjFlags` keep tools
-    /// from it are left out. The order is not that in which a PDO is mapped: who writes this disables the PDOs first.
+    /// Returns the objects that the configuration writes, in ascending order. Objects that are not writable and objects that `ObjFlags`
+    /// excludes from configuration are left out. PDOs cannot be mapped in this order: the caller must disable them first.
     ///
     /// # Errors
-    /// A value that needs a node id, where none is known.
+    /// A value needs a node ID, which is unknown.
     pub fn written(&self) -> Result<Vec<(Object, Vec<u8>)>, ConfigureError> {
         let mut written = Vec::new();
         for (object, entry) in self.entries().filter(|(_, entry)| entry.is_configurable()) {

@@ -1,10 +1,10 @@
-//! From the sections of an index to its objects.
+//! Reads objects from the sections of an index.
 //!
-//! Law      a key that is missing has the value that harms least: no access but reading, no mapping, no limit
-//! Reads    sections of one object, and `CompactSubObj`, one section for many of them with their names and values beside it
-//! Refuses  a value of the configuration that cannot be read or belongs to no object; one of an object whose data type is no number, or whose
-//!          access is no word of the standard; with a warning: such an object without a value, no data type at all, a value that is in a file
-//!          of its own (`DownloadFile`)
+//! Law      a missing key has the value that is safest: read access only, not mappable, no limits
+//! Reads    sections of one object, and `CompactSubObj`, where one section describes many objects whose names and values are in separate
+//!          sections
+//! Refuses  a configuration value that cannot be read or belongs to no object, or whose object has an invalid data type or access. With a
+//!          warning: such an object without a configuration value, a missing data type, a value in a separate file (`DownloadFile`)
 //! Source   CiA 306-1
 
 use super::data_type::DataType;
@@ -13,16 +13,16 @@ use super::notes::{Notes, given, said, without_remark};
 use super::object::{Access, Entry, Given, ObjectType};
 use super::value::Value;
 
-/// Characters of a name; CiA 306 allows 241.
+/// Maximum length of a name, in characters; CiA 306 allows 241.
 const LONGEST_NAME: usize = 255;
-/// Greatest subindex of an array.
+/// Maximum subindex of an array.
 const LAST_SUB: u32 = 254;
-/// Bytes of a value that is repeated for each subindex.
+/// Maximum size of a value that is repeated for each subindex, in bytes.
 const LONGEST_REPEATED: usize = 255;
 /// First number of a data type that a profile or a device defines.
 const FIRST_DEFINED: u16 = 0x40;
 
-/// The name of an index or of an object.
+/// Returns the name of an index or of an object.
 pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Notes) -> String {
     let Some(item) = section.get("parametername") else {
         let section_name = super::problem::quoted(section.name);
@@ -37,11 +37,12 @@ pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Notes) ->
 }
 
 fn shortened(name: &str) -> String {
-    // The blanks before the cut would not come back out of a file.
+    // Blanks before the cut would be lost when the name is written to a file.
     name.chars().take(LONGEST_NAME).collect::<String>().trim_end().to_owned()
 }
 
-/// An object without its name; none where it cannot be understood, which is noted: as an error if the configuration gives it a value.
+/// Returns an object without its name. If the section is invalid, returns `None` and adds a note: an error if the configuration gives the
+/// object a value.
 pub(super) fn read(
     section: &Section<'_>,
     object_type: ObjectType,
@@ -49,7 +50,7 @@ pub(super) fn read(
     sections: &Sections<'_>,
     notes: &mut Notes,
 ) -> Option<Entry> {
-    // A subindex may be a DOMAIN of its own; of VAR and DOMAIN only the missing keys differ.
+    // A subindex may be a DOMAIN of its own. For VAR and DOMAIN only the required keys differ.
     let own = section.get("objecttype").and_then(|item| Notes::checked(item, 0, 9).ok()).and_then(ObjectType::of);
     let is_domain = own.unwrap_or(object_type) == ObjectType::Domain;
     let data_type = data_type(section, is_domain, is_configured, sections, notes);
@@ -81,8 +82,8 @@ pub(super) fn read(
     Some(entry)
 }
 
-/// The value that the configuration gives an object. One that would be written and cannot be read is an error: the device would keep
-/// another one.
+/// Returns the configuration value of an object. An unreadable value of a configurable object is an error, as the device would keep another
+/// value.
 fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut Notes) -> Option<Given> {
     match given(item.value, entry.data_type) {
         Ok(given) => given,
@@ -97,8 +98,8 @@ fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut N
     }
 }
 
-/// Notes a key without which an object is not understood. A configuration that gives the object a value makes it an error: the value would be
-/// lost. Without one the object is left out.
+/// Adds a note about a key without which an object is unusable. It is an error if the configuration gives the object a value, which would
+/// be lost. Otherwise the object is left out with a warning.
 pub(super) fn leave_out(section: &Section<'_>, item: Item<'_>, is_configured: bool, why: &str, notes: &mut Notes) {
     if is_configured {
         notes.error(section, item, why);
@@ -108,12 +109,12 @@ pub(super) fn leave_out(section: &Section<'_>, item: Item<'_>, is_configured: bo
     }
 }
 
-/// Whether a section gives its object a value of the configuration.
+/// Returns true if a section gives its object a configuration value.
 pub(super) fn is_configured(section: &Section<'_>) -> bool {
     section.get("parametervalue").is_some()
 }
 
-/// Whether a section `[xxxxValue]` has a value.
+/// Returns true if a section `[xxxxValue]` has a value.
 pub(super) fn has_values(values: &Section<'_>) -> bool {
     values.items.iter().any(|(key, item)| key != "nrofentries" && !item.value.is_empty())
 }
@@ -150,7 +151,8 @@ fn data_type(
     }
 }
 
-/// The type behind a definition. CANFestival gives limits a type of their own, in sections like `[A0]`, whose subindex 1 names the true type.
+/// Returns the base type of a type definition. CANFestival defines its own types for objects with limits, in sections such as `[A0]`, whose
+/// subindex 1 contains the base type.
 fn defined(number: u16, sections: &Sections<'_>) -> Option<DataType> {
     if number < FIRST_DEFINED {
         return None;
@@ -184,7 +186,7 @@ fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &m
     access
 }
 
-/// The objects of `CompactSubObj`: a number of entries, and so many objects that differ in their name and value.
+/// Returns the objects of `CompactSubObj`: the number of entries, and that many objects that differ only in name and value.
 pub(super) fn compact(
     section: &Section<'_>,
     parent: &str,
@@ -203,7 +205,7 @@ pub(super) fn compact(
         notes.warning(section, item, &format!("a value for many objects has at most {LONGEST_REPEATED} bytes"));
         one.default = None;
     }
-    // That it has a value of its own is an error of the caller's.
+    // The caller reports an own value of the section as an error.
     one.parameter = None;
     let number_of_entries = Entry {
         name: "NrOfObjects".to_owned(),
@@ -230,7 +232,7 @@ pub(super) fn compact(
     entries
 }
 
-/// Values of `[xxxxValue]` that no object takes; `compact` are the objects that have taken theirs.
+/// Reports values of `[xxxxValue]` that belong to no object. `compact` are the objects that have used their values.
 pub(super) fn refuse_lost(values: &Section<'_>, compact: &[u8], notes: &mut Notes) {
     let of_object = |key: &str| key.parse().is_ok_and(|sub: u8| compact.contains(&sub) && sub.to_string() == key);
     let taken = |key: &str| key == "nrofentries" || of_object(key);

@@ -1,50 +1,50 @@
-//! Sections and keys of an EDS file.
+//! Parses sections and keys of an EDS file.
 //!
-//! Law      `[section]`, `key=value`, `;` at the beginning of a line for a comment; blanks around all of them do not count; letters of
-//!          sections and keys are large or small; of two sections or keys with the same name the later one holds
-//! Reads    UTF-8, with or without its mark, or else Latin-1; lines end in LF or CR LF
-//! Refuses  a section without its bracket, a line beyond 64 KiB; with a warning: a line that is none of these, a key before all sections
-//! Source   CiA 306-1, "file structure"; files of devices
+//! Law      `[section]`, `key=value`, `;` at the beginning of a line for a comment. Blanks around each of them are ignored. Upper and lower
+//!          case of section names and keys are not distinguished. Of two sections or keys with the same name, the later one is used
+//! Reads    UTF-8, with or without byte order mark, otherwise Latin-1; lines end in LF or CR LF
+//! Refuses  a section without closing bracket, a line above 64 KiB; with a warning: any other line, a key before the first section
+//! Source   CiA 306-1, "file structure"; files of vendors
 
 use super::problem::{Problems, quoted};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Bytes of a line.
+/// Maximum length of a line, in bytes.
 const LONGEST_LINE: usize = 64 << 10;
-/// Lines of a file: a section of each two of them takes some 200 MB, which is the most that a file can ask for.
+/// Maximum number of lines. If every second line starts a section, they need about 200 MB, which is the upper bound for a file.
 const MOST_LINES: usize = 400_000;
 
-/// A value and where it stands.
+/// Value with its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Item<'a> {
-    /// The key as it is written.
+    /// Key as written.
     pub(super) key: &'a str,
     pub(super) value: &'a str,
     pub(super) line: usize,
 }
 
-/// A section.
+/// Section with its keys.
 #[derive(Clone, Debug)]
 pub(super) struct Section<'a> {
-    /// The name as it is written.
+    /// Name as written.
     pub(super) name: &'a str,
     pub(super) line: usize,
-    /// By key in small letters.
+    /// Items by key in lower case.
     pub(super) items: BTreeMap<String, Item<'a>>,
 }
 
 impl<'a> Section<'a> {
-    /// What a key (in small letters) says; none where it says nothing.
+    /// Returns the value of a key (in lower case); `None` if the value is empty.
     pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
         self.items.get(key).copied().filter(|item| !item.value.is_empty())
     }
 }
 
-/// Sections by their name in small letters.
+/// Sections by name in lower case.
 pub(super) type Sections<'a> = BTreeMap<String, Section<'a>>;
 
-/// The text of a file.
+/// Decodes the text of a file.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     match std::str::from_utf8(bytes) {
@@ -53,7 +53,7 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// The sections of a text.
+/// Parses the sections of a text.
 pub(super) fn sections<'a>(text: &'a str, errors: &mut Problems, warnings: &mut Problems) -> Sections<'a> {
     let mut sections = Sections::new();
     let mut present: Option<Section<'a>> = None;
@@ -67,12 +67,12 @@ pub(super) fn sections<'a>(text: &'a str, errors: &mut Problems, warnings: &mut 
             continue;
         }
         if line.len() > LONGEST_LINE {
-            // It may be a value of the configuration.
+            // The line could contain a configuration value.
             errors.add(Some(number), format!("the line is longer than {LONGEST_LINE} bytes"));
             continue;
         }
         if let Some(header) = line.strip_prefix('[') {
-            // What stands behind the bracket is a remark of somebody.
+            // Text after the bracket is a comment.
             let Some((name, _)) = header.split_once(']') else {
                 errors.add(Some(number), format!("the section {} does not end in ]", quoted(line)));
                 end(&mut sections, present.take(), warnings);

@@ -1,9 +1,8 @@
-//! Electronic data sheets and device configurations of CANopen devices (EDS and DCF files): what objects a device has, what they are, and
-//! what a configuration gives them.
+//! EDS and DCF files of CANopen devices: objects of a device, their properties, and their configuration values.
 //!
-//! Law      a file becomes a dictionary, or all that is wrong with it in sentences; nothing in a file makes this room fail, wait, or take
-//!          more memory than its bounds
-//! Refuses  files of other devices' standards: XDD, and the modules of CiA 306 (`[M1...]` sections are passed over)
+//! Law      a file is parsed to a dictionary, or to a list of all its errors. No content of a file causes a panic, a long delay, or memory
+//!          use above the bounds
+//! Refuses  other standards: XDD, and modules of CiA 306 (`[M1...]` sections are ignored)
 //! Source   CiA 306-1, CiA 301, CiA 302-3
 
 pub mod concise;

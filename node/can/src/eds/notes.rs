@@ -1,4 +1,4 @@
-//! Keys of a section as numbers, words and values; what is wrong is noted with its line.
+//! Reads keys of a section as numbers, flags and values, and collects errors and warnings with line numbers.
 
 use super::data_type::{DataType, Kind};
 use super::ini::{Item, Section};
@@ -7,29 +7,29 @@ use super::object::Given;
 use super::problem::{PassedKey, PassedOver, Problems, cut};
 use super::value::Value;
 
-/// The end of the sentence of a key that is passed over.
+/// End of the message about a key that is ignored.
 const PASSED_OVER: &str = "; passed over";
-/// Greatest node id.
+/// Maximum node ID.
 pub(super) const LAST_NODE: u8 = 127;
 
-/// What is noticed while a file is read.
+/// Errors and warnings of a file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Notes {
     pub(super) errors: Problems,
     pub(super) warnings: Problems,
 }
 
-/// `[section] key=value`, as the file says it.
+/// Returns `[section] key=value` as written in the file.
 pub(super) fn said(section: &Section<'_>, item: Item<'_>) -> String {
     format!("[{}] {}={}", cut(section.name), cut(item.key), cut(item.value))
 }
 
-/// The value without the remark that some files put behind it. No number and no hexadecimal digit is a semicolon.
+/// Returns the value without the comment that some files append. Numbers and hexadecimal digits contain no semicolon.
 pub(super) fn without_remark(value: &str) -> &str {
     value.split(';').next().unwrap_or_default().trim()
 }
 
-/// The value or limit that a key gives an object; none if it gives something else.
+/// Returns the value or limit that an ignored key gives an object; `None` for any other key.
 fn passed_over(section: &Section<'_>, item: Item<'_>) -> Option<PassedOver> {
     let (digits, rest) = section.name.split_at_checked(4)?;
     let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
@@ -53,14 +53,14 @@ impl Notes {
         self.warnings.add_of(Some(item.line), text, passed_over(section, item));
     }
 
-    /// A number within bounds, or why it is none.
+    /// Returns a number within bounds, or the reason why it is invalid.
     pub(super) fn checked(item: Item<'_>, least: u32, most: u32) -> Result<u32, String> {
         let value = number(without_remark(item.value))?.value;
         let within = u32::try_from(value).ok().filter(|value| (least..=most).contains(value));
         within.ok_or_else(|| format!("{value} is not within {least} and {most}"))
     }
 
-    /// A number within bounds; none where the key is missing, and with a warning where it is wrong.
+    /// Returns a number within bounds; `None` if the key is missing, and with a warning if it is invalid.
     pub(super) fn number(&mut self, section: &Section<'_>, key: &str, least: u32, most: u32) -> Option<u32> {
         let item = section.get(key)?;
         match Self::checked(item, least, most) {
@@ -72,12 +72,12 @@ impl Notes {
         }
     }
 
-    /// 0 or 1; `false` where the key is missing or wrong.
+    /// Returns a flag, 0 or 1; `false` if the key is missing or invalid.
     pub(super) fn flag(&mut self, section: &Section<'_>, key: &str) -> bool {
         self.number(section, key, 0, 1) == Some(1)
     }
 
-    /// A value of a type; none where the key is missing, and with a warning where it is wrong.
+    /// Returns a value of a type; `None` if the key is missing, and with a warning if it is invalid.
     pub(super) fn given(&mut self, section: &Section<'_>, key: &str, data_type: DataType) -> Option<Given> {
         let item = section.get(key)?;
         match given(item.value, data_type) {
@@ -90,7 +90,7 @@ impl Notes {
     }
 }
 
-/// A value as a file gives it; none where only a remark stands there.
+/// Parses a value; `None` if there is only a comment.
 pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, String> {
     let kind = data_type.kind();
     let text = if matches!(kind, Kind::Visible | Kind::Unicode) { text } else { without_remark(text) };
@@ -101,7 +101,7 @@ pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, St
         && let Some(plus) = plus_node_id(text)
     {
         let plus = plus?;
-        // What fits for the greatest node id fits for all of them.
+        // A value that fits for the maximum node ID fits for all node IDs.
         Value::of_number(data_type, i128::from(plus) + i128::from(LAST_NODE)).map_err(|error| error.to_string())?;
         return Ok(Some(Given::NodeId { plus }));
     }

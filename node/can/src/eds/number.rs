@@ -1,23 +1,23 @@
-//! Numbers as EDS files write them.
+//! Parses numbers of EDS files.
 //!
-//! Law      decimal, `0x` and hexadecimal, a leading `0` and octal; a sign before it; `$NODEID` alone, or a sum with it in either order
+//! Law      decimal; hexadecimal with `0x`; octal with a leading `0`; an optional sign; `$NODEID` alone, or a sum with it in either order
 //! Reads    also `0x-80`, which the exporter of python-canopen writes for -128
-//! Refuses  anything else, and what is beyond 64 bits
+//! Refuses  any other text, and numbers above 64 bits
 //! Source   CiA 306-1, "number notation"
 
 use super::problem::quoted;
 
-/// A number, and how it is written: the bits of a negative number may be given in hexadecimal.
+/// Number with its notation: hexadecimal digits may be the bits of a negative number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Number {
     pub(super) value: i128,
     pub(super) is_hex: bool,
 }
 
-/// Reads a number.
+/// Parses a number.
 ///
 /// # Errors
-/// A sentence without a subject: "is no number".
+/// A message without subject: "is no number".
 pub(super) fn number(text: &str) -> Result<Number, String> {
     let text = text.trim();
     let (is_negative, body) = match text.strip_prefix('-') {
@@ -35,7 +35,7 @@ pub(super) fn number(text: &str) -> Result<Number, String> {
             _ => (is_negative, 10, body),
         },
     };
-    // `from_str_radix` would take a sign here.
+    // `from_str_radix` would accept a sign here.
     if digits.is_empty() || !digits.chars().all(|digit| digit.is_digit(radix)) {
         return Err(no_number());
     }
@@ -47,7 +47,7 @@ pub(super) fn number(text: &str) -> Result<Number, String> {
     Ok(Number { value: if is_negative { -value } else { value }, is_hex: radix == 16 })
 }
 
-/// What a text adds to the node id; none where it does not speak of it.
+/// Returns the number that is added to the node ID; `None` if the text does not contain `$NODEID`.
 pub(super) fn plus_node_id(text: &str) -> Option<Result<u64, String>> {
     const NODE_ID: &str = "$NODEID";
     let text = text.trim();
@@ -60,7 +60,7 @@ pub(super) fn plus_node_id(text: &str) -> Option<Result<u64, String>> {
         (false, true) => before.strip_suffix('+'),
         (false, false) => None,
     };
-    // The capital X of the copy is no matter: both are taken.
+    // The copy in upper case has `0X`, which is accepted like `0x`.
     let value = summand.and_then(|summand| number(summand).ok()).and_then(|number| u64::try_from(number.value).ok());
     Some(value.ok_or_else(|| format!("{} is neither $NODEID, $NODEID+number nor number+$NODEID", quoted(text))))
 }

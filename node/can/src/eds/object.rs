@@ -1,25 +1,25 @@
-//! What a dictionary says of one object.
+//! Properties of one object of a dictionary.
 
 use super::data_type::DataType;
 use super::value::Value;
 use std::cmp::Ordering;
 
-/// What an index is (CiA 301, table 42).
+/// Object type of an index (CiA 301, table 42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectType {
-    /// An index that exists without an object.
+    /// An index without an object.
     Null,
     /// A large amount of data.
     Domain,
-    /// The definition of a simple type.
+    /// Definition of a simple type.
     DefType,
-    /// The definition of a record.
+    /// Definition of a record.
     DefStruct,
-    /// One value.
+    /// A single value.
     Var,
-    /// Values of one type.
+    /// Values of the same type.
     Array,
-    /// Values of several types.
+    /// Values of different types.
     Record,
 }
 
@@ -34,23 +34,23 @@ impl ObjectType {
         (9, Self::Record),
     ];
 
-    /// The type with a number.
+    /// Returns the type with a number.
     pub(super) fn of(number: u32) -> Option<Self> {
         Self::ALL.iter().find(|row| row.0 == number).map(|row| row.1)
     }
 
-    /// Its number.
+    /// Returns the number of the type.
     pub(super) fn number(self) -> u32 {
         Self::ALL.iter().find(|row| row.1 == self).map_or(0, |row| row.0)
     }
 
-    /// Does the index itself have a value, at subindex 0?
+    /// Returns true if the index itself has a value, at subindex 0.
     pub fn is_single(self) -> bool {
         matches!(self, Self::Domain | Self::DefType | Self::Var)
     }
 }
 
-/// Who may do what with an object.
+/// Access type of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
     /// Read only.
@@ -59,11 +59,11 @@ pub enum Access {
     Wo,
     /// Read and write.
     Rw,
-    /// Read and write; in a PDO only sent.
+    /// Read and write; in a PDO it can only be sent.
     Rwr,
-    /// Read and write; in a PDO only received.
+    /// Read and write; in a PDO it can only be received.
     Rww,
-    /// Read only, and the value never changes.
+    /// Read only, with a constant value.
     Const,
 }
 
@@ -77,41 +77,41 @@ impl Access {
         ("const", Self::Const),
     ];
 
-    /// The access with a name, in large or small letters.
+    /// Returns the access type with a name. Upper and lower case are not distinguished.
     pub(super) fn of(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|row| row.0.eq_ignore_ascii_case(name)).map(|row| row.1)
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|row| row.1 == self).map_or("", |row| row.0)
     }
 
-    /// May the object be written?
+    /// Returns true if the object can be written.
     pub fn is_writable(self) -> bool {
         !matches!(self, Self::Ro | Self::Const)
     }
 
-    /// May the object be read?
+    /// Returns true if the object can be read.
     pub fn is_readable(self) -> bool {
         self != Self::Wo
     }
 }
 
-/// A value as the file gives it.
+/// Value as the file gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
-    /// The value.
+    /// A fixed value.
     Value(Value),
-    /// `$NODEID` and what is added to it; fits its type for every node id.
+    /// `$NODEID` plus a number; fits the data type for every node ID.
     NodeId {
-        /// What is added.
+        /// Number that is added.
         plus: u64,
     },
 }
 
 impl Given {
-    /// The value for a node; none where the node is not known.
+    /// Returns the value for a node; `None` if it depends on the node and the node is unknown.
     pub fn resolved(&self, data_type: DataType, node_id: Option<u8>) -> Option<Value> {
         match self {
             Self::Value(value) => Some(value.clone()),
@@ -120,45 +120,45 @@ impl Given {
     }
 }
 
-/// An index.
+/// Description of an index.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Head {
-    /// Its name.
+    /// Name of the index.
     pub name: String,
-    /// What it is.
+    /// Object type.
     pub object_type: ObjectType,
 }
 
-/// An object with a value: index and subindex.
+/// Object with a value: index and subindex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Its name, without that of the index.
+    /// Name, without that of the index.
     pub name: String,
-    /// What its bytes are.
+    /// Data type.
     pub data_type: DataType,
-    /// Who may do what with it.
+    /// Access type.
     pub access: Access,
-    /// May a PDO carry it?
+    /// Whether the object can be mapped to a PDO.
     pub is_mappable: bool,
-    /// `ObjFlags`: bit 0, tools shall not write it with a configuration; bit 1, tools shall not read it with a scan.
+    /// `ObjFlags`: bit 0, tools must not write the object with a configuration; bit 1, tools must not read it with a scan.
     pub flags: u32,
-    /// The least value.
+    /// Minimum value.
     pub low: Option<Given>,
-    /// The greatest value.
+    /// Maximum value.
     pub high: Option<Given>,
-    /// The value that the device has before anybody writes it.
+    /// Default value, before any write.
     pub default: Option<Given>,
-    /// The value that a device configuration gives it.
+    /// Value of the device configuration.
     pub parameter: Option<Given>,
 }
 
 impl Entry {
-    /// Does a configuration write it?
+    /// Returns true if a configuration writes the object.
     pub fn is_configurable(&self) -> bool {
         self.access.is_writable() && self.flags & 1 == 0
     }
 
-    /// Is the least value above the greatest one?
+    /// Returns true if the minimum value exceeds the maximum value.
     pub(super) fn has_no_room(&self) -> bool {
         let (Some(Given::Value(low)), Some(Given::Value(high))) = (&self.low, &self.high) else { return false };
         let order = match (low, high) {

@@ -1,20 +1,20 @@
-//! What PDOs carry, by the dictionary.
+//! PDO mappings of a dictionary.
 //!
-//! Law      PDO n is sent with the COB-ID of 1400h + n - 1 (received by the device) or 1800h + n - 1 (sent by it), and carries what 1600h or
-//!          1A00h + n - 1 list: index, subindex and length in bits of each object
-//! Reads    the value of the configuration, or else the default
-//! Refuses  a PDO that the dictionary does not have, values that are missing, more than 64 objects or 64 bits
+//! Law      PDO n has the COB-ID of 1400h + n - 1 (received by the device) or 1800h + n - 1 (sent by it), and carries the objects that
+//!          1600h or 1A00h + n - 1 list: index, subindex and length in bits of each object
+//! Reads    the configuration value, otherwise the default value
+//! Refuses  a PDO that the dictionary lacks, missing values, more than 64 objects or 64 bits
 //! Source   CiA 301, objects 1400h to 1BFFh
 
 use super::dictionary::Dictionary;
 use crate::sdo::Object;
 
-/// PDOs of each direction.
+/// Maximum number of PDOs of each direction.
 const MOST_PDOS: u16 = 512;
-/// Objects of a PDO, and its bits.
+/// Maximum number of objects, and of bits, of a PDO.
 const MOST: u32 = 64;
 
-/// Which way a PDO goes, seen from the device.
+/// Direction of a PDO, from the view of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// The device receives it.
@@ -24,7 +24,7 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// First index of the communication parameters and of the mapping.
+    /// Returns the first index of the communication parameters and of the mapping.
     fn first(self) -> (u16, u16) {
         match self {
             Self::Receive => (0x1400, 0x1600),
@@ -32,88 +32,88 @@ impl Direction {
         }
     }
 
-    /// Index of the communication parameters of a PDO, from 1.
+    /// Returns the index of the communication parameters of a PDO, `number` from 1.
     pub fn communication(self, number: u8) -> u16 {
         self.first().0 + u16::from(number.max(1)) - 1
     }
 
-    /// Index of its mapping.
+    /// Returns the index of the mapping of a PDO, `number` from 1.
     pub fn mapping(self, number: u8) -> u16 {
         self.first().1 + u16::from(number.max(1)) - 1
     }
 }
 
-/// The identifier of a PDO and what stands beside it.
+/// COB-ID of a PDO: identifier and flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CobId(pub u32);
 
 impl CobId {
-    /// Does the PDO exist? (Bit 31 is 0.)
+    /// Returns true if the PDO exists (bit 31 is 0).
     pub fn is_valid(self) -> bool {
         self.0 & 0x8000_0000 == 0
     }
 
-    /// May it be asked for with a remote frame? (Bit 30 is 0.)
+    /// Returns true if a remote frame may request the PDO (bit 30 is 0).
     pub fn allows_remote(self) -> bool {
         self.0 & 0x4000_0000 == 0
     }
 
-    /// Has the identifier 29 bits? (Bit 29.)
+    /// Returns true if the identifier has 29 bits (bit 29 is 1).
     pub fn is_extended(self) -> bool {
         self.0 & 0x2000_0000 != 0
     }
 
-    /// The identifier.
+    /// Returns the identifier.
     pub fn id(self) -> u32 {
         self.0 & if self.is_extended() { 0x1FFF_FFFF } else { 0x7FF }
     }
 }
 
-/// An object in a PDO.
+/// Object in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mapped {
-    /// Which one.
+    /// Object.
     pub object: Object,
-    /// Its length.
+    /// Length, in bits.
     pub bits: u8,
 }
 
-/// A PDO.
+/// PDO with its mapping.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PdoMapping {
-    /// Its identifier.
+    /// COB-ID.
     pub cob_id: CobId,
-    /// When it goes; none where the file does not say.
+    /// Transmission type; `None` if the file does not give it.
     pub transmission_type: Option<u8>,
-    /// What it carries, in order.
+    /// Mapped objects, in their order.
     pub mapped: Vec<Mapped>,
 }
 
-/// Why the dictionary does not say what a PDO is.
+/// Reason why the dictionary does not describe a PDO completely.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PdoError {
-    /// There is no such number.
+    /// The PDO number is out of range.
     #[error("PDO {0} does not exist: PDOs have the numbers 1 to 512")]
     Number(u16),
     /// An object is missing.
     #[error("{0} does not exist in the dictionary")]
     Missing(Object),
-    /// An object has no value there, or one that is not known without the node id.
+    /// An object has no value, or (flag) only one that depends on the unknown node ID.
     #[error("{0} has no value in the dictionary{because}", because = if *.1 { ", as the node id is not known" } else { "" })]
     NoValue(Object, bool),
-    /// A value does not mean anything here.
+    /// A value is invalid.
     #[error("{0} is {1}, which is no value of this object")]
     Wrong(Object, i128),
-    /// The objects are too long.
+    /// The objects are longer than a PDO.
     #[error("the objects that {0} lists have {1} bits together; a PDO has 64")]
     Long(Object, u32),
 }
 
 impl Dictionary {
-    /// What a PDO of the device is, `number` from 1.
+    /// Returns a PDO of the device, `number` from 1.
     ///
     /// # Errors
-    /// A PDO that the dictionary does not have or does not say enough of.
+    /// The dictionary lacks the PDO, or describes it incompletely.
     pub fn pdo_mapping(&self, direction: Direction, number: u16) -> Result<PdoMapping, PdoError> {
         let offset = number.checked_sub(1).filter(|offset| *offset < MOST_PDOS).ok_or(PdoError::Number(number))?;
         let (communication, mapping) = direction.first();
@@ -138,11 +138,11 @@ impl Dictionary {
         (1..=MOST_PDOS).find(carries)
     }
 
-    /// Returns the objects that a mapping lists, by its index.
+    /// Returns the objects that the mapping with this index lists.
     fn mapped(&self, mapping: u16) -> Result<Vec<Mapped>, PdoError> {
         let count = Object { index: mapping, sub: 0 };
         let most = self.number_of(count)?;
-        // 254 and 255 say that the PDO is multiplexed, which needs another form.
+        // 254 and 255 mean a multiplexed PDO, which is not supported.
         let last = u8::try_from(most).ok().filter(|last| u32::from(*last) <= MOST);
         let last = last.ok_or(PdoError::Wrong(count, i128::from(most)))?;
         let (mut mapped, mut bits) = (Vec::new(), 0_u32);

@@ -1,13 +1,13 @@
-//! What is wrong with a file, in sentences with line numbers.
+//! Errors and warnings about a file, as messages with line numbers.
 
 use std::fmt;
 
-/// Problems that are kept of each kind; the others are only counted. A file of noise would fill the memory with them.
+/// Maximum number of stored problems of each kind; further ones are only counted, as an invalid file could have millions of them.
 pub(super) const MOST_PROBLEMS: usize = 200;
-/// Characters of the file that a sentence quotes.
+/// Maximum number of characters of the file that a message quotes.
 const MOST_QUOTED: usize = 60;
 
-/// Which key of an object a warning passes over.
+/// Kind of an ignored key of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PassedKey {
     /// DefaultValue, ParameterValue, or a value of `[xxxxValue]`.
@@ -16,23 +16,23 @@ pub enum PassedKey {
     Limit,
 }
 
-/// A value or a limit of an object that a warning passes over.
+/// Value or limit of an object that was ignored with a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PassedOver {
-    /// The index of the object.
+    /// Index of the object.
     pub index: u16,
-    /// Which key.
+    /// Kind of the key.
     pub key: PassedKey,
 }
 
-/// One problem.
+/// Error or warning.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
-    /// Line of the file, from 1; none for the file as a whole.
+    /// Line of the file, from 1; `None` for the file as a whole.
     pub line: Option<usize>,
-    /// The sentence.
+    /// Message.
     pub text: String,
-    /// The value or limit that is passed over, if the problem is that.
+    /// Value or limit that was ignored, if that is the problem.
     pub passed_over: Option<PassedOver>,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Problems of one kind, in the order of their lines.
+/// Problems of one kind, ordered by line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems {
     kept: Vec<Problem>,
@@ -58,7 +58,8 @@ impl Problems {
     }
 
     pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<PassedOver>) {
-        // Half of the room is for what is no value: an object that is left out must not get lost among defaults.
+        // Half of the room is reserved for problems other than ignored values: a message about a left out object must not get lost among
+        // those about defaults.
         let most = if passed_over.is_some() { MOST_PROBLEMS / 2 } else { MOST_PROBLEMS };
         if self.kept.len() < most {
             self.kept.push(Problem { line, text: text.into(), passed_over });
@@ -71,17 +72,17 @@ impl Problems {
         self.kept.sort();
     }
 
-    /// The first ones.
+    /// Returns the stored problems.
     pub fn kept(&self) -> &[Problem] {
         &self.kept
     }
 
-    /// How many more there are.
+    /// Returns the number of problems that were only counted.
     pub fn dropped(&self) -> usize {
         self.dropped
     }
 
-    /// Is there none?
+    /// Returns true if there are no problems.
     pub fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
@@ -99,12 +100,12 @@ impl fmt::Display for Problems {
     }
 }
 
-/// Why a file gives no dictionary, and what else was noticed.
+/// Errors that prevented reading a file, and its warnings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdsErrors {
-    /// What makes the file unusable.
+    /// Problems that make the file unusable.
     pub errors: Problems,
-    /// What could have been passed over.
+    /// Problems that would only have been reported as warnings.
     pub warnings: Problems,
 }
 
@@ -116,14 +117,14 @@ impl fmt::Display for EdsErrors {
 
 impl std::error::Error for EdsErrors {}
 
-/// The text in quotation marks, cut where it is long.
+/// Returns the text in quotation marks, shortened if it is long.
 pub(super) fn quoted(text: &str) -> String {
     let cut: String = text.chars().take(MOST_QUOTED).collect();
     let more = if cut.len() < text.len() { ".." } else { "" };
     format!("{cut:?}{more}")
 }
 
-/// The text without quotation marks, cut where it is long; what would tear a line stands as ?.
+/// Returns the text without quotation marks, shortened if it is long; control characters are replaced by `?`.
 pub(super) fn cut(text: &str) -> String {
     text.chars().take(MOST_QUOTED).map(|character| if character.is_control() { '?' } else { character }).collect()
 }

@@ -1,9 +1,9 @@
-//! From the bytes of a file to a dictionary.
+//! Reads an EDS or DCF file to a dictionary.
 //!
-//! Law      a wrong default, a list that lies, a missing name cost a warning and themselves, and so does an object whose type or access cannot
-//!          be understood; a value of the configuration that cannot be read, or that is for such an object, is an error, and all errors are
-//!          reported at once
-//! Refuses  a file beyond 16 MiB, a node id that is none, more than 100000 objects, a file without objects
+//! Law      an invalid default value, an invalid list or a missing name is ignored with a warning, and so is an object whose type or access
+//!          is invalid. A configuration value that cannot be read, or that belongs to such an object, is an error. All errors are reported
+//!          together
+//! Refuses  a file above 16 MiB, an invalid node ID, more than 100000 objects, a file without objects
 //! Source   CiA 306-1
 
 use super::device::{Commissioning, DeviceInfo, FileInfo};
@@ -16,16 +16,16 @@ use super::problem::{EdsErrors, quoted};
 use crate::sdo::Object;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Bytes of a file.
+/// Maximum size of a file, in bytes.
 const LARGEST_FILE: usize = 16 << 20;
-/// Objects with a value; a few lines of a file can stand for 254 of them.
+/// Maximum number of objects with a value. A few lines of a file can describe 254 objects.
 const MOST_ENTRIES: usize = 100_000;
-/// Indices that a warning names.
+/// Maximum number of indices that a warning lists.
 const MOST_NAMED: usize = 8;
-/// The lists of indices.
+/// Sections that list indices.
 const LISTS: [&str; 3] = ["mandatoryobjects", "optionalobjects", "manufacturerobjects"];
 
-/// The sections of one index.
+/// Sections of one index.
 #[derive(Default)]
 struct Parts<'a> {
     head: Option<&'a Section<'a>>,
@@ -34,10 +34,10 @@ struct Parts<'a> {
     values: Option<&'a Section<'a>>,
 }
 
-/// The dictionary of an EDS or DCF file. `$NODEID` stands for `node_id`, or else for the node id that the file itself gives.
+/// Reads an EDS or DCF file. `$NODEID` is replaced by `node_id`, otherwise by the node ID that the file gives.
 ///
 /// # Errors
-/// All that makes the file unusable, and what else was noticed.
+/// All problems that make the file unusable, together with the warnings.
 pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors> {
     let mut notes = Notes::default();
     let mut dictionary = Dictionary::default();
@@ -106,7 +106,7 @@ fn dummies(sections: &Sections<'_>, notes: &mut Notes) -> BTreeSet<u16> {
     types.filter(|(key, _)| notes.flag(section, key)).map(|(_, number)| number).collect()
 }
 
-/// Sections of objects, by index. Other sections belong to tools.
+/// Returns the sections of objects, by index. Other sections belong to tools.
 fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Parts<'a>> {
     let mut all: BTreeMap<u16, Parts<'a>> = BTreeMap::new();
     for (name, section) in sections {
@@ -136,7 +136,7 @@ fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Par
             "" => all.entry(index).or_default().head = Some(section),
             "name" => all.entry(index).or_default().names = Some(section),
             "value" => all.entry(index).or_default().values = Some(section),
-            // ObjectLinks say what belongs together on a screen, Denotation what somebody calls an object.
+            // ObjectLinks group objects for display, Denotation contains names that users gave to objects.
             _ => refuse_stray(section, notes),
         }
     }
@@ -147,7 +147,7 @@ fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Par
     all
 }
 
-/// A value of the configuration in a section of no object would be lost. Objects of modules (`[M1SubExt6000]`) are no part of this room.
+/// Reports a configuration value in a section of no object, which would be lost. Objects of modules (`[M1SubExt6000]`) are not supported.
 fn refuse_stray(section: &Section<'_>, notes: &mut Notes) {
     let Some(item) = section.get("parametervalue") else { return };
     let mut letters = section.name.chars();
@@ -160,13 +160,13 @@ fn refuse_stray(section: &Section<'_>, notes: &mut Notes) {
     }
 }
 
-/// Hexadecimal digits, and nothing else.
+/// Parses a text of hexadecimal digits only.
 fn hex(digits: &str) -> Option<u32> {
     let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     if is_hex { u32::from_str_radix(digits, 16).ok() } else { None }
 }
 
-/// Compares the lists with what is there: they are not needed for anything else.
+/// Compares the lists of indices with the objects. The lists have no other use.
 fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, Parts<'_>>, notes: &mut Notes) {
     let mut listed = BTreeSet::new();
     for section in LISTS.iter().filter_map(|name| sections.get(*name)) {
@@ -225,7 +225,7 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
             if let Some(values) = parts.values {
                 entry::refuse_lost(values, &[], notes);
             }
-            // Without its only object an index says nothing.
+            // An index without its only object has no content.
             let is_configured = entry::is_configured(section);
             let read = entry::read(section, head.object_type, is_configured, sections, notes);
             let Some(mut read) = read else { return };
@@ -234,7 +234,7 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
         }
         Some(section) if section.get("compactsubobj").is_some() => {
             for (sub, read) in entry::compact(section, &head.name, parts.names, parts.values, sections, notes) {
-                // What a section of its own says goes before, and takes nothing of [xxxxValue].
+                // A separate section has precedence and does not use [xxxxValue].
                 if sub > 0 && !parts.subs.contains_key(&sub) {
                     compact.push(sub);
                 }
@@ -257,7 +257,7 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
         let found = dictionary.entries.len() - before;
         let said = notes.number(section, "subnumber", 0, 256);
         let is_compact = section.get("compactsubobj").is_some();
-        // The list is not wrong where nothing but its own object was left out.
+        // The list is correct if only its object was left out.
         if said.map_or(found == 0, |said| said as usize != parts.subs.len()) && !is_compact {
             let said = said.map_or_else(|| "no SubNumber".to_owned(), |said| format!("SubNumber={said}"));
             let (name, found) = (quoted(section.name), parts.subs.len());
@@ -267,16 +267,16 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
     dictionary.heads.insert(index, head);
 }
 
-/// Whether a section of an index gives a value of the configuration.
+/// Returns true if a section of an index has a configuration value.
 fn is_configured(parts: &Parts<'_>) -> bool {
     let mut sections = parts.head.into_iter().chain(parts.subs.values().copied());
     sections.any(entry::is_configured) || parts.values.is_some_and(entry::has_values)
 }
 
-/// What an index is; none, with an error or a warning, where that cannot be understood.
+/// Returns the object type of an index; `None`, with an error or a warning, if it is invalid.
 fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> Option<ObjectType> {
     let Some(item) = section.get("objecttype") else {
-        // CiA 306: without the key it is a VAR; what has subindices is none.
+        // CiA 306: without the key the object is a VAR, which an index with subindices cannot be.
         return Some(match (section.get("compactsubobj").is_some(), parts.subs.is_empty()) {
             (true, _) => ObjectType::Array,
             (false, true) => ObjectType::Var,

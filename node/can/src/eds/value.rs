@@ -1,9 +1,9 @@
-//! Values of objects: as texts and as bytes of a bus.
+//! Values of objects, as text and as bytes on the bus.
 //!
-//! Law      bytes are little-endian, as many as the type has; a text and its value, and a value and its bytes, say the same
-//! Reads    integers as EDS files write them, octal ones only of a file; hexadecimal bits of a negative number too, where they fill its type; REAL as decimal;
-//!          OCTET_STRING, DOMAIN and times as pairs of hexadecimal digits
-//! Refuses  what is beyond the type, what is not finite, a value of another kind, bytes of another length
+//! Law      bytes are little-endian, as many as the type has; conversion to text or bytes and back returns the same value
+//! Reads    integers as EDS files write them, octal ones only from a file; also hexadecimal bits of a negative number if they fill its
+//!          type; REAL as decimal; OCTET_STRING, DOMAIN and times as pairs of hexadecimal digits
+//! Refuses  numbers beyond the type, numbers that are not finite, a value of another kind, bytes of another length
 //! Source   CiA 301, "data types and encoding rules"; CiA 306-1
 
 use super::data_type::{DataType, Kind};
@@ -11,7 +11,7 @@ use super::number::number;
 use super::problem::quoted;
 use std::fmt;
 
-/// The value of an object. Which type it is of, the object says.
+/// Value of an object. The object defines its data type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// BOOLEAN.
@@ -26,64 +26,64 @@ pub enum Value {
     Real64(f64),
     /// VISIBLE_STRING and UNICODE_STRING.
     Text(String),
-    /// OCTET_STRING, DOMAIN and types that are not known.
+    /// OCTET_STRING, DOMAIN and unknown types.
     Bytes(Vec<u8>),
     /// TIME_OF_DAY (since 1984-01-01) and TIME_DIFFERENCE.
     Time {
-        /// Milliseconds of the day, of 28 bits.
+        /// Milliseconds of the day, 28 bits.
         milliseconds: u32,
         /// Days.
         days: u16,
     },
 }
 
-/// Why a value, a text or bytes are not of a type.
+/// Reason why a value, a text or bytes do not fit a data type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ValueError {
     /// The text is no value of the type.
     #[error("{0}")]
     Text(String),
-    /// A number beyond the type.
+    /// The number is beyond the range of the type.
     #[error("{number} is not within {least} and {most}, as {data_type} is")]
     Range {
-        /// The number.
+        /// Given number.
         number: i128,
-        /// The least one that is allowed.
+        /// Minimum.
         least: i128,
-        /// The greatest one that is allowed.
+        /// Maximum.
         most: i128,
-        /// The type.
+        /// Data type.
         data_type: DataType,
     },
-    /// Bytes of another length.
+    /// The number of bytes does not match the type.
     #[error("{data_type} has {allowed} bytes, not {found}")]
     Length {
-        /// The type.
+        /// Data type.
         data_type: DataType,
-        /// The length of the type.
+        /// Length of the type.
         allowed: &'static str,
-        /// What was given.
+        /// Given length.
         found: usize,
     },
     /// The value is of another kind.
     #[error("{value} is no value of {data_type}")]
     Kind {
-        /// The value as a text, cut where it is long.
+        /// Value as text, shortened if it is long.
         value: String,
-        /// The type.
+        /// Data type.
         data_type: DataType,
     },
-    /// A character that the type does not have.
+    /// The type does not support a character.
     #[error("the character {character:?} does not exist in {data_type}")]
     Character {
-        /// The character.
+        /// Character.
         character: char,
-        /// The type.
+        /// Data type.
         data_type: DataType,
     },
 }
 
-/// Least and greatest number of an integer type.
+/// Returns minimum and maximum of an integer type.
 fn range(kind: Kind) -> Option<(i128, i128)> {
     match kind {
         Kind::Boolean => Some((0, 1)),
@@ -96,7 +96,7 @@ fn range(kind: Kind) -> Option<(i128, i128)> {
     }
 }
 
-/// Eight bytes, of which a type has the first ones.
+/// Extends bytes to eight, with `fill` for the upper ones.
 fn widened(bytes: &[u8], fill: u8) -> [u8; 8] {
     let mut wide = [fill; 8];
     for (to, from) in wide.iter_mut().zip(bytes) {
@@ -106,10 +106,10 @@ fn widened(bytes: &[u8], fill: u8) -> [u8; 8] {
 }
 
 impl Value {
-    /// The value of an integer type.
+    /// Returns a value of an integer type.
     ///
     /// # Errors
-    /// A number beyond the type; a type that has no integers.
+    /// The number is beyond the type, or the type is not an integer type.
     pub fn of_number(data_type: DataType, number: i128) -> Result<Self, ValueError> {
         let kind = data_type.kind();
         let Some((least, most)) = range(kind) else {
@@ -126,10 +126,11 @@ impl Value {
         }
     }
 
-    /// What the text of a person says. Zeros before an integer are refused: a file would mean octal by them, a person hardly.
+    /// Parses a value that a user has written. Integers with leading zeros are refused: a file means octal numbers by them, a user probably
+    /// does not.
     ///
     /// # Errors
-    /// What is no value of the type, in a sentence.
+    /// The text is no value of the type; with a message.
     pub fn parse(data_type: DataType, text: &str) -> Result<Self, ValueError> {
         let digits = text.trim().trim_start_matches(['-', '+']);
         let is_octal =
@@ -141,7 +142,7 @@ impl Value {
         Self::read(data_type, text)
     }
 
-    /// What the text of a file says.
+    /// Parses a value of a file.
     pub(super) fn read(data_type: DataType, text: &str) -> Result<Self, ValueError> {
         let text = text.trim();
         let kind = data_type.kind();
@@ -166,10 +167,10 @@ impl Value {
         }
     }
 
-    /// The bytes of the bus.
+    /// Returns the bytes for the bus.
     ///
     /// # Errors
-    /// A value that is not of the type.
+    /// The value is not of the type.
     pub fn to_bytes(&self, data_type: DataType) -> Result<Vec<u8>, ValueError> {
         let kind = data_type.kind();
         let numbers = |number: i128, wide: [u8; 8], bytes: u32| {
@@ -202,10 +203,10 @@ impl Value {
         }
     }
 
-    /// The value of bytes of the bus.
+    /// Decodes bytes from the bus.
     ///
     /// # Errors
-    /// Bytes that are no value of the type.
+    /// The bytes are no value of the type.
     pub fn from_bytes(data_type: DataType, bytes: &[u8]) -> Result<Self, ValueError> {
         let kind = data_type.kind();
         let wrong = |allowed| ValueError::Length { data_type, allowed, found: bytes.len() };
@@ -253,7 +254,7 @@ impl Value {
         }
     }
 
-    /// The value as a number, where it is an integer.
+    /// Returns the value as a number if it is an integer.
     pub fn number(&self) -> Option<i128> {
         match self {
             Self::Boolean(value) => Some(i128::from(*value)),
@@ -265,7 +266,7 @@ impl Value {
 }
 
 impl fmt::Display for Value {
-    /// The text that `parse` reads.
+    /// Writes the text that [`parse`](Self::parse) reads.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Boolean(value) => write!(f, "{}", u8::from(*value)),
@@ -284,7 +285,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// A number whose hexadecimal digits are the bits of a negative one; any other as it is.
+/// Interprets hexadecimal digits as the bits of a negative number if they fill the type; returns any other number unchanged.
 fn as_bits(kind: Kind, value: i128, is_hex: bool) -> i128 {
     let Kind::Integer(bytes) = kind else { return value };
     let all = 1_i128 << (bytes * 8);

@@ -1,6 +1,6 @@
-//! From a dictionary to the text of a file.
+//! Writes a dictionary as the text of a file.
 //!
-//! Law      what is written is read back as the same dictionary, without a warning
+//! Law      the written file is read as the same dictionary, without a warning
 //! Source   CiA 306-1
 
 use super::data_type::DataType;
@@ -9,25 +9,25 @@ use super::object::{Entry, Given, ObjectType};
 use super::value::Value;
 use std::fmt::Write as _;
 
-/// Does an index stand in the list of objects that every device has?
+/// Returns true if an index belongs to the list of mandatory objects.
 fn is_mandatory(index: u16) -> bool {
     matches!(index, 0x1000 | 0x1001 | 0x1018)
 }
 
-/// Does an index belong to the device alone?
+/// Returns true if an index is in the manufacturer area.
 fn is_of_manufacturer(index: u16) -> bool {
     (0x2000..0x6000).contains(&index)
 }
 
 impl Dictionary {
-    /// The text of the file: an EDS file, or a DCF file where objects have values of a configuration.
+    /// Returns the text of the file: an EDS file, or a DCF file if objects have configuration values.
     pub fn to_eds(&self) -> String {
         let mut text = String::new();
         self.write(&mut text);
         text
     }
 
-    // A String takes what is written to it: no result is looked at.
+    // Writing to a String cannot fail, so the results are ignored.
     fn write(&self, to: &mut String) {
         self.file.write_to(to);
         to.push('\n');
@@ -97,7 +97,7 @@ fn write_entry(entry: &Entry, to: &mut String) {
 fn said(given: &Given, data_type: DataType) -> String {
     match given {
         Given::NodeId { plus } => format!("$NODEID+0x{plus:X}"),
-        // Identifiers and mapped objects are read by people in hexadecimal.
+        // COB-IDs and mapped objects are usually read in hexadecimal.
         Given::Value(Value::Unsigned(value)) if data_type.bits().is_some_and(|bits| bits > 16) => {
             format!("0x{value:X}")
         }

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// A device as CiA 305 describes it.
+/// Simulated device according to CiA 305.
 #[derive(Clone, Debug)]
 struct Slave {
     identity: Identity,
@@ -57,7 +57,7 @@ impl Slave {
     }
 }
 
-/// Asks until the search is over; how many questions that takes.
+/// Runs a search. Returns its result and the number of questions.
 fn search(slaves: &mut [Slave]) -> (Outcome, usize) {
     let mut scan = FastScan::default();
     for questions in 1.. {

@@ -1,8 +1,9 @@
-//! Objects that others than the master ask for, beside the cycles.
+//! SDO requests of other clients while cycles run.
 //!
-//! Law      requests stand in one line for each bus, and each is answered once, by the service: its turn, the transfer and nothing else
-//!          takes time. Whoever has waited for too long takes a request back, and then it is never begun
-//! Refuses  what finds no room in the line; a write that must not meet a drive under power, where the drive says that it is (6041h)
+//! Law      each bus has a queue of requests. The service handles them one after another and answers each once. A client that has waited
+//!          too long cancels its request, which is then never started
+//! Refuses  a request for which the queue has no room; a write that requires a drive without power, if the drive reports enabled, quick
+//!          stop or fault reaction (6041h)
 //! Source   CiA 301; CiA 402-2 (states)
 
 use super::port::Port;
@@ -16,33 +17,33 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Longest object (bytes): a block of 127 segments.
+/// Maximum size of an object, in bytes: a block of 127 segments.
 pub const LONGEST: usize = 889;
-/// Requests that may wait for one bus.
+/// Maximum number of waiting requests of one bus.
 pub const MOST_WAITING: usize = 16;
-/// How much time of each look at the bus they have before drives that wait have their turn; one of them always gets its.
+/// Time for requests in each turn of the service, before waiting drives are handled. At least one request is handled.
 const SHARE: Duration = Duration::from_millis(50);
 const STATUS: Object = Object { index: 0x6041, sub: 0 };
 
-/// Why an object was not read or written.
+/// Reason why an object was not read or written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Denied {
-    /// The device.
+    /// The transfer failed.
     #[error(transparent)]
     Transfer(#[from] SdoError),
-    /// More bytes than are taken.
+    /// The object is longer than the maximum.
     #[error("{0} has more than {LONGEST} bytes; `lineshaft can sdo read` takes longer ones")]
     Long(Object),
-    /// The drive is under power, and the object is in one of its PDOs.
+    /// The drive is under power (enabled, quick stop or fault reaction), and the object is in one of its PDOs.
     #[error("{0} is mapped in a PDO and the drive is under power ({state}); switch the axis off first", state = words::drive_state(*.1))]
     Power(Object, DriveState),
-    /// Nobody knows whether the drive is under power.
+    /// It is unknown whether the drive is under power.
     #[error("{0} is mapped in a PDO, and whether the drive is under power is not known: {1}")]
     NoState(Object, SdoError),
-    /// There is no bus.
+    /// The bus connection is lost.
     #[error("the way to the bus is lost: {0}")]
     Lost(String),
-    /// The line is full.
+    /// The queue is full.
     #[error("{MOST_WAITING} requests wait for the bus already; try again")]
     Full,
     /// The bus is closed.
@@ -50,21 +51,21 @@ pub enum Denied {
     Closed,
 }
 
-/// What is done with an object.
+/// Operation on an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// It is read.
+    /// The object is read.
     Read,
-    /// It is written.
+    /// The object is written.
     Write {
-        /// With these bytes.
+        /// Bytes of the value.
         data: Vec<u8>,
-        /// Only while the drive is not under power.
+        /// Whether the write requires that the drive is not under power.
         without_power: bool,
     },
 }
 
-/// Who gets the bytes that were read; none of a write.
+/// Receiver of the bytes that were read; empty after a write.
 type Answer = Box<dyn FnOnce(Result<Vec<u8>, Denied>) + Send>;
 
 struct Request {
@@ -79,12 +80,12 @@ const WAITS: u8 = 0;
 const IS_BEGUN: u8 = 1;
 const IS_TAKEN_BACK: u8 = 2;
 
-/// A request that stands in the line, or did.
+/// Handle of a request in the queue.
 #[derive(Debug)]
 pub struct Ticket(Arc<AtomicU8>);
 
 impl Ticket {
-    /// Takes the request back; false where it is begun already.
+    /// Cancels the request. Returns false if it has already been started.
     pub fn take_back(&self) -> bool {
         take_turn(&self.0, IS_TAKEN_BACK)
     }
@@ -94,7 +95,7 @@ fn take_turn(turn: &AtomicU8, next: u8) -> bool {
     turn.compare_exchange(WAITS, next, Ordering::AcqRel, Ordering::Acquire).is_ok()
 }
 
-/// Where objects of the nodes of a bus are asked for, from any thread.
+/// Queue for requests to the nodes of a bus, for use from any thread.
 #[derive(Clone)]
 pub struct Objects(SyncSender<Request>);
 
@@ -105,11 +106,10 @@ impl fmt::Debug for Objects {
 }
 
 impl Objects {
-    /// Has an object read or written once it is its turn; waits for nothing. The answer is given by the thread of the service, or is dropped
-    /// where that ends.
+    /// Queues a read or write of an object; does not block. The service thread calls `answer`. If the service ends, `answer` is dropped.
     ///
     /// # Errors
-    /// The line is full, or nobody serves it any more; nothing is done then.
+    /// The queue is full, or the service has ended; `answer` is not called then.
     pub fn ask(
         &self,
         node: NodeId,
@@ -128,17 +128,17 @@ impl Objects {
     }
 }
 
-/// The end of the line that the service has.
+/// Receiving end of the queue, which belongs to the service.
 pub(super) struct Line(Receiver<Request>);
 
-/// A line, and where one gets into it.
+/// Creates a queue with both ends.
 pub(super) fn line() -> (Objects, Line) {
     let (send, receive) = sync_channel(MOST_WAITING);
     (Objects(send), Line(receive))
 }
 
 impl Line {
-    /// Serves those who have come, for a while. `lost`: why there is no way to the bus.
+    /// Handles waiting requests for a limited time. `lost`: the reason why the bus connection is lost.
     pub(super) fn serve(&self, port: &mut Port, lost: Option<&str>) {
         let begin = Instant::now();
         while begin.elapsed() < SHARE {
@@ -150,14 +150,14 @@ impl Line {
         }
     }
 
-    /// Tells all who stand there that the bus is closed.
+    /// Answers all waiting requests with the error that the bus is closed.
     pub(super) fn turn_away(&self) {
         while let Some(request) = self.next() {
             (request.answer)(Err(Denied::Closed));
         }
     }
 
-    /// The next one that nobody has taken back.
+    /// Returns the next request that was not cancelled.
     fn next(&self) -> Option<Request> {
         std::iter::from_fn(|| self.0.try_recv().ok()).find(|request| take_turn(&request.turn, IS_BEGUN))
     }

@@ -1,4 +1,4 @@
-//! The cyclic half: the bus, in the hands of the cycle thread.
+//! Cyclic half of the master, which the cycle thread runs.
 
 use super::bus::{Bus, Order};
 use crate::config::{BusConfig, DeviceConfig};
@@ -7,23 +7,23 @@ use lineshaft_core::drive::{Backend, Capabilities, Inputs, Outputs};
 use rtrb::RingBuffer;
 use std::sync::{Arc, Mutex};
 
-/// Exchanges with the devices of a bus.
+/// Cyclic exchange with the devices of a bus.
 pub struct CanBackend {
     bus: Arc<Mutex<Bus>>,
-    /// Places of its drives, and what they offer.
+    /// Places of the drives, with their capabilities.
     drives: Vec<(usize, Capabilities)>,
 }
 
 impl CanBackend {
-    /// The cyclic half alone, over a way that is open, with all drives taken for configured and started: what an exchange costs can be measured
-    /// so. Nobody hears what it reports.
+    /// Creates only the cyclic half, on an open transport, with all drives marked as configured and started. It is used to measure an
+    /// exchange. Its reports are dropped.
     pub fn started(config: &BusConfig, transport: Box<dyn Transport>) -> Self {
         let (mut orders, taken) = RingBuffer::new(config.devices.len() + 1);
         let (told, _) = RingBuffer::new(1);
         let mut bus = Bus::new(config, taken, told);
         bus.open(transport);
         for device in 0..config.devices.len() {
-            // The ring has room for each.
+            // The ring has room for each device.
             let _ = orders.push(Order::Begin { device, fault: 0 });
         }
         Self::new(config, Arc::new(Mutex::new(bus)))
@@ -41,7 +41,7 @@ impl Backend for CanBackend {
     }
 
     fn read(&mut self, inputs: &mut Inputs) {
-        // In the cycles nobody else has it. Were it otherwise, its devices would not be there for a cycle.
+        // No other thread holds the lock during cycles. If one did, the devices would be missing for one cycle.
         if let Ok(mut bus) = self.bus.try_lock() {
             bus.read(inputs);
         }

@@ -1,10 +1,11 @@
-//! A bus: what comes is given to whom it is for, and what is due is sent.
+//! CAN bus: dispatches received frames and sends those that are due.
 //!
-//! Law      one owner at a time has it: the service while no cycles run, the cycle thread while they do. In a cycle first everything that has
-//!          come is taken; then the devices are asked, SYNC follows, and then what has time. Nothing here waits or takes memory once it is made
+//! Law      the bus has one owner at a time: the service while no cycles run, the cycle thread while they run. A cycle first handles all
+//!          received frames. Then it sends the process data of the devices, SYNC, and at last services such as SDO. It does not block, and
+//!          allocates no memory after its creation
 //! Reads    frames, the outputs of a cycle, orders of the service
 //! Writes   frames, the inputs of a cycle, reports to the service
-//! Refuses  nothing: a way that is lost leaves all its devices offline, and is reported
+//! Refuses  nothing: if the transport fails, all devices are offline and the failure is reported
 //! Source   CiA 301; contract sections 1 (delay 1) and 8
 
 use super::capture::{Frames, Tap};
@@ -23,48 +24,48 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Instant, SystemTime};
 
-/// Frames that are taken in one go: far more than a bus carries in a cycle.
+/// Maximum number of frames that are received in one cycle: far more than a bus carries in a cycle.
 const MOST_FRAMES: usize = 1024;
-/// Frames of SDO transfers that are sent in a cycle, behind what cannot wait.
+/// SDO frames that are sent in a cycle, after all cyclic frames.
 const SDO_FRAMES: usize = 4;
-/// The same while no cycle runs: a whole block.
+/// SDO frames that are sent at once while no cycle runs: a whole block.
 const SDO_FRAMES_AT_REST: usize = 128;
-/// Identifiers of 11 bits.
+/// Number of 11-bit identifiers.
 const IDS: usize = 0x800;
 
-/// What the service has the bus do.
+/// Order of the service to the bus.
 pub(crate) enum Order {
-    /// The way is open (again).
+    /// The transport was opened, or opened again.
     Open(Box<dyn Transport>),
-    /// An object of a node is read into this room, or written with these bytes.
+    /// Reads an object of a node into the buffer, or writes these bytes.
     Transfer { node: NodeId, object: Object, data: Vec<u8>, writes: bool },
-    /// A node, or all of them, are told this.
+    /// Sends an NMT command to a node, or to all.
     Nmt(NmtCommand, Option<NodeId>),
-    /// The device at this place of the bus will be configured.
+    /// Configuration of the device at this place of the bus begins.
     Prepare { device: usize },
-    /// It is configured and will be started next; digital inputs of a drive.
+    /// The device is configured and will be started next; with the digital inputs of a drive.
     Listen { device: usize, inputs: u32 },
-    /// It is configured and started; error code of a drive. One that has booted meanwhile is not.
+    /// The device is configured and started; with the error code of a drive. Does not apply to a device that has booted meanwhile.
     Begin { device: usize, fault: u16 },
 }
 
-/// What the bus tells the service.
+/// Report of the bus to the service.
 pub(crate) enum Report {
-    /// A transfer is over; answers of that node so far that nobody had asked for.
+    /// A transfer has ended; with the total number of unexpected answers of this node.
     Transfer(NodeId, Transfer, u32),
-    /// Something has happened to the device at this place of the bus, and it takes part in the cycles no longer, if it did.
+    /// Event of the device at this place of the bus. If it took part in the cycles, it no longer does.
     Happened { device: usize, what: Happened, took_part: bool },
-    /// An emergency message of a node that is none of its drives.
+    /// Emergency message of a node that is not a drive of the cell.
     Emergency(NodeId, Emergency),
-    /// A drive refuses an object of its homing.
+    /// A drive refuses an object of the homing setup.
     HomingRefused(usize, SdoError),
     /// The mode of operation of a drive can be neither written nor read by SDO.
     ModeRefused(usize, SdoError),
-    /// The way to the bus is lost; it is closed here.
+    /// The bus connection is lost; the bus has given up its transport.
     Lost(Box<dyn Transport>, TransportError),
 }
 
-/// Where a frame goes.
+/// Destination of a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Route {
     Nobody,
@@ -74,32 +75,32 @@ enum Route {
     Life(NodeId),
 }
 
-/// What had no room, counted for whoever tells it.
+/// Counters of losses, for the service to report.
 #[derive(Debug, Default)]
 pub(crate) struct Losses {
-    /// Frames that the transport did not take.
+    /// Frames that the transport did not accept.
     pub(crate) refused: AtomicU64,
     /// Reports that did not reach the service.
     pub(crate) reports: AtomicU64,
-    /// Signs of trouble that the transport has seen since it was opened.
+    /// Faults that the transport has seen since it was opened.
     pub(crate) faults: AtomicU64,
 }
 
-/// A bus.
+/// CAN bus with its devices.
 pub(crate) struct Bus {
     transport: Option<Box<dyn Transport>>,
     began: Instant,
     devices: Vec<Device>,
-    /// By identifier.
+    /// Destination by identifier.
     routes: Vec<Route>,
-    /// By node, from 1 on.
+    /// SDO clients by node ID, from 1.
     clients: Vec<Client>,
-    /// Nodes with a transfer under way.
+    /// Nodes with a transfer in progress.
     busy: Vec<NodeId>,
     sync: SyncCounter,
     time: TimeOfDay,
     master: Option<Master>,
-    /// When the heartbeat of the master went last (ns).
+    /// Time of the last heartbeat of the master, in ns.
     beat_ns: Option<u64>,
     orders: Consumer<Order>,
     reports: Producer<Report>,
@@ -134,48 +135,48 @@ impl Bus {
         }
     }
 
-    /// Counts how often somebody has run it.
+    /// Returns the counter of how often the bus was run.
     pub(crate) fn turns(&self) -> Arc<AtomicU64> {
         Arc::clone(&self.turns)
     }
 
-    /// What had no room so far.
+    /// Returns the counters of losses.
     pub(crate) fn losses(&self) -> Arc<Losses> {
         Arc::clone(&self.losses)
     }
 
-    /// What it carries.
+    /// Returns the frame counters.
     pub(crate) fn tally(&self) -> Arc<Tally> {
         Arc::clone(self.tap.tally())
     }
 
-    /// The frames that go over it from now on; before the cycles only.
+    /// Starts to record frames, and returns their receiver; only before cycles run.
     pub(crate) fn frames(&mut self) -> Frames {
         self.tap.keep()
     }
 
-    /// Of which devices there is no sign of life any more.
+    /// Returns the flags of devices that have stopped sending signs of life.
     pub(crate) fn silent(&self) -> Arc<[AtomicBool]> {
         Arc::clone(&self.silent)
     }
 
-    /// Its devices take part in the cycles no longer: they are told so one by one from here on.
+    /// Removes all devices from the cycles. Each takes part again after its next configuration.
     pub(crate) fn rest(&mut self) {
         self.devices.iter_mut().for_each(Device::forget);
     }
 
-    /// Time since the bus was made (ns).
+    /// Returns the time since the bus was created, in ns.
     pub(crate) fn now_ns(&self) -> u64 {
         u64::try_from(self.began.elapsed().as_nanos()).unwrap_or(u64::MAX)
     }
 
-    /// Opens the way, where the service has the bus.
+    /// Sets an open transport, while the service owns the bus.
     pub(crate) fn open(&mut self, transport: Box<dyn Transport>) {
         self.transport = Some(transport);
         self.rest();
     }
 
-    /// Closes it.
+    /// Closes the transport.
     pub(crate) fn close(&mut self) {
         self.rest();
         if let Some(mut transport) = self.transport.take() {
@@ -183,12 +184,12 @@ impl Bus {
         }
     }
 
-    /// How it does.
+    /// Returns the state of the bus.
     pub(crate) fn state(&self) -> BusState {
         self.transport.as_ref().map_or(BusState::Off, |transport| transport.state())
     }
 
-    /// Everything that is due while no cycle runs.
+    /// Does all that is due while no cycle runs.
     pub(crate) fn exchange(&mut self) {
         let now_ns = self.now_ns();
         self.tap.set_time(now_ns);
@@ -196,7 +197,7 @@ impl Bus {
         self.send_services(now_ns, SDO_FRAMES_AT_REST);
     }
 
-    /// The beginning of a cycle.
+    /// Runs the begin of a cycle: reads the inputs.
     pub(crate) fn read(&mut self, inputs: &mut Inputs) {
         let now_ns = self.now_ns();
         self.tap.set_time(now_ns);
@@ -206,13 +207,13 @@ impl Bus {
         self.devices.iter_mut().for_each(|device| device.read(inputs, state));
     }
 
-    /// The end of a cycle.
+    /// Runs the end of a cycle: sends the outputs.
     pub(crate) fn write(&mut self, outputs: &Outputs) {
         let now_ns = self.now_ns();
         self.tap.set_time(now_ns);
         for device in &mut self.devices {
             for frame in device.frames(outputs) {
-                // Not `self.send`: the device is borrowed.
+                // Not `self.send`, because the device is borrowed.
                 send(&mut self.transport, &mut self.reports, (&self.losses, &mut self.tap), &frame);
             }
         }
@@ -230,7 +231,7 @@ impl Bus {
         push(&mut self.reports, &self.losses, report);
     }
 
-    /// Orders, and what has come.
+    /// Handles orders and received frames.
     fn take(&mut self, now_ns: u64) {
         self.turns.fetch_add(1, Ordering::Relaxed);
         while let Ok(order) = self.orders.pop() {
@@ -289,12 +290,12 @@ impl Bus {
         let Some(client) = self.clients.get_mut(usize::from(node.get()) - 1) else { return };
         let begun = match writes {
             true => client.download(object, data, true, now_ns),
-            // Numbers: one frame each way, which every device knows.
+            // Numbers need one frame in each direction, which every device supports.
             false => client.upload(object, data, false, now_ns),
         };
         match begun {
             Ok(()) => self.busy.push(node),
-            // One transfer at a time: whoever asks waits for the one under way.
+            // A node has one transfer at a time; the caller has to wait for the present one.
             Err(data) => {
                 let result = Err(SdoError::Busy(object));
                 self.report(Report::Transfer(node, Transfer { object, data, result }, 0));
@@ -326,7 +327,7 @@ impl Bus {
                 }
             }
             Route::Life(node) => {
-                // Of nodes that are none of its devices nobody asks.
+                // Signs of life of nodes outside the cell are ignored.
                 let Some(place) = self.devices.iter().position(|device| device.node == node) else { return };
                 let happened = self.devices.get_mut(place).and_then(|device| device.watch.hear(frame, now_ns));
                 self.happened(place, happened);
@@ -337,7 +338,7 @@ impl Bus {
     fn happened(&mut self, place: usize, happened: Option<Happened>) {
         let Some(device) = self.devices.get_mut(place) else { return };
         let takes_part = device.is_ready();
-        // One that takes part is operational, also where it has shown another state before, and shows it again.
+        // A device that takes part must be operational. Another state is reported, also if the device repeats a state from before.
         let astray = || device.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
         let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
         let stays = matches!(what, Happened::State(NmtState::Operational) | Happened::NeverHeard);
@@ -378,7 +379,7 @@ impl Bus {
         }
     }
 
-    /// What time has done.
+    /// Handles timeouts.
     fn tick(&mut self, now_ns: u64) {
         let mut at = 0;
         while let Some(node) = self.busy.get(at).copied() {
@@ -409,7 +410,7 @@ impl Bus {
         }
     }
 
-    /// Objects of a homing, and the modes of drives that map them to no PDO; one request of a drive at a time.
+    /// Starts SDO requests for homing setup, and for modes of drives that cannot map them to a PDO; one request per drive at a time.
     fn ask_by_sdo(&mut self, now_ns: u64) {
         for device in &mut self.devices {
             let Some(client) = self.clients.get_mut(usize::from(device.node.get()) - 1) else { continue };
@@ -434,7 +435,7 @@ impl Bus {
         }
     }
 
-    /// The master's heartbeat, and as many frames of transfers.
+    /// Sends the heartbeat of the master, TIME, and up to this number of SDO frames.
     fn send_services(&mut self, now_ns: u64, most: usize) {
         if let Some(Master { node, heartbeat_ns }) = self.master
             && self.beat_ns.is_none_or(|beat| now_ns.saturating_sub(beat) >= heartbeat_ns)
@@ -444,7 +445,7 @@ impl Bus {
                 self.send(&frame);
             }
         }
-        // No call of the system, as with the clock above.
+        // Like the clock above, this needs no system call.
         if let Some(frame) = self.time.due(now_ns, || SystemTime::UNIX_EPOCH.elapsed().unwrap_or_default()) {
             self.send(&frame);
         }
@@ -457,7 +458,7 @@ impl Bus {
                 left -= 1;
             }
         }
-        // The next cycle begins with the one that had to wait.
+        // The next cycle starts with the node that had to wait.
         if left == 0 && !self.busy.is_empty() {
             self.busy.rotate_left(1);
         }
@@ -467,7 +468,7 @@ impl Bus {
     }
 }
 
-/// Where frames of each identifier go.
+/// Returns the destination of each identifier.
 fn routes(devices: &[Device]) -> Vec<Route> {
     let mut routes = vec![Route::Nobody; IDS];
     let mut set = |id: crate::Id, route| {
@@ -482,7 +483,7 @@ fn routes(devices: &[Device]) -> Vec<Route> {
     }
     for (device, of) in devices.iter().enumerate() {
         for (place, id) in of.sent().enumerate() {
-            // 127 devices of 4 PDOs.
+            // There are at most 127 devices with 4 PDOs.
             set(id, Route::Pdo { device: device as u8, place: place as u8 });
         }
     }

@@ -1,22 +1,22 @@
-//! What goes over a bus, for whoever keeps it.
+//! Recording of the frames of a bus.
 //!
-//! Law      the cycle puts frames into a ring that was made before, and waits for nobody: what has no room is counted. A mark stands before
-//!          what is done in each cycle, so that a frame has its place there
-//! Reads    frames as the transport takes and gives them
-//! Writes   frames of a cycle, with their time from its beginning on
+//! Law      the cycle thread puts frames into a preallocated ring and never waits; frames without room are counted as lost. A mark at the
+//!          beginning of each cycle assigns the frames to cycles
+//! Reads    frames that the transport sends and receives
+//! Writes   frames of a cycle, with the time since its beginning
 
 use super::tally::Tally;
 use crate::Frame;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 
-/// Frames and cycles that may wait: 1.5 s of a bus of 1 Mbit/s full of the shortest frames; 1 MB.
+/// Maximum number of waiting frames and cycle marks: 1.5 s of a bus with 1 Mbit/s full of the shortest frames; 1 MB.
 const ROOM: usize = 1 << 15;
 
-/// What has happened.
+/// Recorded event.
 #[derive(Clone, Copy, Debug)]
 enum What {
-    /// A cycle begins.
+    /// Beginning of a cycle.
     Cycle(u64),
     Frame {
         frame: Frame,
@@ -26,12 +26,12 @@ enum What {
 
 #[derive(Clone, Copy, Debug)]
 struct Mark {
-    /// By the clock of the bus (ns).
+    /// Time by the clock of the bus, in ns.
     at_ns: u64,
     what: What,
 }
 
-/// What the bus has: each frame that goes over it is counted, and kept where somebody keeps them.
+/// Counts each frame of the bus, and records it if recording was started.
 #[derive(Debug)]
 pub(super) struct Tap {
     tally: Arc<Tally>,
@@ -48,24 +48,24 @@ impl Tap {
         &self.tally
     }
 
-    /// From now on somebody keeps them.
+    /// Starts to record frames.
     pub(super) fn keep(&mut self) -> Frames {
         let (ring, marks) = RingBuffer::new(ROOM);
         self.ring = Some(ring);
         Frames { marks, before: Vec::new(), begin: None }
     }
 
-    /// The time of what comes next.
+    /// Sets the time of the next events.
     pub(super) fn set_time(&mut self, now_ns: u64) {
         self.now_ns = now_ns;
     }
 
-    /// A cycle begins.
+    /// Records the beginning of a cycle.
     pub(super) fn begin(&mut self, cycle: u64) {
         self.push(What::Cycle(cycle));
     }
 
-    /// A frame goes over the bus.
+    /// Counts and records a frame.
     pub(super) fn take(&mut self, frame: &Frame, is_sent: bool) {
         self.tally.count(frame, is_sent);
         self.push(What::Frame { frame: *frame, is_sent });
@@ -80,19 +80,19 @@ impl Tap {
     }
 }
 
-/// The frames of a bus, for whoever keeps them.
+/// Receiving end of the recorded frames.
 #[derive(Debug)]
 pub struct Frames {
     marks: Consumer<Mark>,
-    /// What went before the cycle that comes.
+    /// Frames before the next cycle mark.
     before: Vec<(u64, Frame, bool)>,
-    /// The newest cycle that has begun, and when (ns).
+    /// Number of the newest cycle that has begun, and the time of its beginning, in ns.
     begin: Option<(u64, u64)>,
 }
 
 impl Frames {
-    /// The frames up to the end of this cycle that were not taken yet: how long behind its beginning they went (ns; before it: negative), and
-    /// whether they were sent. Those of a cycle whose beginning had no room in the ring went at its beginning.
+    /// Passes the frames up to the end of this cycle that were not yet fetched to `keep`: time since the beginning of the cycle (ns;
+    /// negative before it), the frame, and whether it was sent. If the mark of the cycle had no room in the ring, the time is 0.
     pub fn take(&mut self, cycle: u64, mut keep: impl FnMut(i64, &Frame, bool)) {
         while let Ok(Mark { at_ns, what }) = self.marks.peek().copied() {
             match what {
@@ -150,8 +150,8 @@ mod tests {
         assert_eq!(tap.tally().missed(), 0, "the one before was for nobody");
     }
 
-    /// A recorder that stands still costs frames, which are counted; those behind them come, at the beginning of their cycle where it is not
-    /// known.
+    /// Frames are lost and counted while the recorder is blocked. The frames after them have the beginning of their cycle as time if its
+    /// mark was lost.
     #[test]
     fn what_has_no_room_is_counted() {
         let mut tap = Tap::new(0);

@@ -1,10 +1,10 @@
-//! Bringing a device from whatever it is in to operational, a drive with its axis off.
+//! Configures a device from any state to operational, a drive with its axis off.
 //!
-//! Law      a device is looked at before it is told anything: what it is, and whether it may run. A drive that runs is stopped on its quick
-//!          stop ramp, then its voltage goes. Objects that have their values already are not written; a device whose verification
-//!          objects say that nothing has changed is not compared either
-//! Refuses  a node of another identity or profile, one that does not offer its mode, one that refuses a value: by a sentence
-//!          with the object and both values
+//! Law      identity and state of a device are read before anything is written. An enabled drive is stopped on its quick stop ramp, then
+//!          its voltage is disabled. Objects that already have their values are not written. If the verification objects (1020h) of a
+//!          device match, its values are not compared either
+//! Refuses  a node with another identity or profile, one that does not support its mode, one that refuses a value; the message gives the
+//!          object and both values
 //! Source   CiA 301 (boot-up, NMT, objects 1000h to 1A00h), CiA 302-2, CiA 402-2, MACS-CAN-04, MACS-CAN-08
 
 mod mapping;
@@ -20,23 +20,23 @@ use crate::{NmtCommand, NodeId, Watching};
 use lineshaft_core::drive::{DriveState, control};
 use std::time::{Duration, Instant};
 
-/// Pairs of requests that tell two devices with one node id from one that was late.
+/// Number of pairs of requests that distinguish two devices with one node ID from one late answer.
 const TWIN_REQUESTS: u32 = 3;
-/// How long a drive may take to stop.
+/// Time for a drive to stop.
 const STOP: Duration = Duration::from_secs(5);
-/// How long after its start a drive is listened to before the cycles begin: what it sends on change has come then.
+/// Time between the start of a drive and the begin of the cycles, for the reception of data that it sends on change.
 const SETTLE: Duration = Duration::from_millis(5);
 
-/// Why a drive is not configured.
+/// Reason why a device is not configured.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Refusal {
-    /// It does not answer.
+    /// The device does not answer.
     #[error("it is not there: {0}")]
     Absent(SdoError),
-    /// It answers, and nothing would tell whether it is still there.
+    /// The device answers, but sends no sign of life that could be monitored.
     #[error("it answers, but shows no sign of life")]
     NoLife,
-    /// It is not what the cell says, or does not take what it is told.
+    /// The device differs from the cell, or refuses a value.
     #[error("{0}")]
     Wrong(String),
 }
@@ -50,16 +50,16 @@ impl From<SdoError> for Refusal {
     }
 }
 
-/// What has come of it.
+/// Result of a configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Configured {
-    /// Objects that were written.
+    /// Number of objects that were written.
     pub(crate) written: usize,
-    /// Its error code.
+    /// Error code of the device.
     pub(crate) fault: u16,
 }
 
-/// A device under configuration.
+/// Configuration of a device in progress.
 struct Session<'a> {
     port: &'a mut Port,
     bus: &'a BusConfig,
@@ -77,7 +77,7 @@ pub(crate) fn configure(
     port.order(Order::Prepare { device: place });
     let mut session = Session { port, bus, device, written: 0 };
     session.reach()?;
-    // One that comes tells that it has booted: nothing that counts was told before.
+    // The device may have reported a boot-up since the first order. Nothing was written to it before.
     session.port.order(Order::Prepare { device: place });
     session.identify()?;
     session.refuse_twins()?;
@@ -87,7 +87,7 @@ pub(crate) fn configure(
     }
     session.port.nmt(NmtCommand::EnterPreOperational, device.node);
     session.write_all()?;
-    // What it sends on change comes but once where nothing changes, and not from every device when it starts.
+    // The device may send data on change only once if nothing changes, and not every device sends it at its start.
     let inputs = session.inputs()?;
     session.port.order(Order::Listen { device: place, inputs });
     session.port.nmt(NmtCommand::Start, device.node);
@@ -100,7 +100,7 @@ pub(crate) fn configure(
     Ok(Configured { written: session.written, fault: fault as u16 })
 }
 
-/// Sees to it that the outputs of a module are off.
+/// Switches the outputs of a module off.
 pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Result<(), Refusal> {
     let fields = device.layout.asked.iter().flat_map(|pdo| &pdo.fields);
     let mut refused = Ok(());
@@ -108,13 +108,13 @@ pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Resu
         let zero = [0; 4];
         let bytes = (bits / 8) as usize;
         let written = port.write(device.node, *object, zero.get(..bytes).unwrap_or(&zero));
-        // One that refuses leaves no other one on.
+        // If the device refuses one object, the other outputs are still switched off.
         refused = refused.and(written.map(drop).map_err(Refusal::from));
     }
     refused
 }
 
-/// Sees to it that a drive does not run.
+/// Stops and disables a drive.
 pub(crate) fn calm(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
     let state = |port: &mut Port| -> Result<DriveState, SdoError> {
         let bytes = port.read(node, objects::STATUS_WORD)?;
@@ -128,23 +128,23 @@ pub(crate) fn calm(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
     while runs(state(port)?) && begin.elapsed() < STOP {
         port.wait(Duration::from_millis(5));
     }
-    // Also where it has not come to rest: nothing else is left.
+    // Even if the drive has not stopped, as no other measure is left.
     port.write(node, objects::CONTROL_WORD, &control::DISABLE_VOLTAGE.to_le_bytes())?;
     Ok(())
 }
 
-/// A number of up to 4 bytes.
+/// Returns a number of up to 4 bytes.
 fn number_of(bytes: &[u8]) -> u32 {
     bytes.iter().take(4).rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
 }
 
-/// Does the error say that the device has no such object?
+/// Returns true if the error means that the device lacks the object.
 fn is_absent(error: &SdoError) -> bool {
     matches!(error, SdoError::Refused(_, Abort(0x0602_0000 | 0x0609_0011)))
 }
 
 impl Session<'_> {
-    /// A number, where the drive has that object.
+    /// Returns a number; `None` if the drive lacks the object.
     fn number(&mut self, object: Object) -> Result<Option<u32>, Refusal> {
         match self.port.read(self.device.node, object) {
             Ok(bytes) => Ok(Some(number_of(&bytes))),
@@ -153,12 +153,12 @@ impl Session<'_> {
         }
     }
 
-    /// One that somebody has stopped (NMT) answers nothing but NMT; and a first question may get lost.
+    /// Checks that the device answers. A stopped device (NMT) does not answer SDO, and a first request may get lost.
     fn reach(&mut self) -> Result<(), Refusal> {
         match self.port.read(self.device.node, objects::DEVICE_TYPE) {
             Err(error @ SdoError::Silent(..)) => {
                 self.port.nmt(NmtCommand::EnterPreOperational, self.device.node);
-                // In the cycles the next try comes soon, and others wait meanwhile.
+                // During cycles the next attempt follows soon, and other devices are waiting.
                 if self.port.is_in_cycles() {
                     return Err(error.into());
                 }
@@ -168,7 +168,7 @@ impl Session<'_> {
         }
     }
 
-    /// Digital inputs of a drive, where a PDO tells them later.
+    /// Returns the digital inputs of a drive whose PDO reports them later.
     fn inputs(&mut self) -> Result<u32, Refusal> {
         let tells = |pdo: &Pdo<Told>| pdo.fields.iter().any(|field| field.word == Told::Inputs);
         match self.device.layout.told.iter().any(tells) {
@@ -177,7 +177,7 @@ impl Session<'_> {
         }
     }
 
-    /// One that was silent is not watched before it shows that it is there.
+    /// Waits for a sign of life, because a silent device is not monitored before its first one.
     fn await_life(&mut self, place: usize) -> Result<(), Refusal> {
         let most = match self.device.watching {
             Watching::Heartbeat { time_ns } => time_ns,
@@ -221,13 +221,13 @@ impl Session<'_> {
         self.device.drive().map_or(Ok(()), |drive| self.check_modes(drive))
     }
 
-    /// Two devices with one node id answer each request twice, and each second answer comes unasked.
+    /// Detects two devices with one node ID: they answer each request twice, and each second answer is unexpected.
     fn refuse_twins(&mut self) -> Result<(), Refusal> {
         let node = self.device.node;
         for _ in 0..TWIN_REQUESTS {
             let before = self.port.strays();
             self.port.read(node, objects::DEVICE_TYPE)?;
-            // Another object: the second answer of the first one is none to this request.
+            // Another object, so that the second answer to the first request does not match this one.
             self.number(objects::VENDOR)?;
             if self.port.strays() == before {
                 return Ok(());
@@ -237,7 +237,7 @@ impl Session<'_> {
         Err(Refusal::Wrong(format!("each request has two answers: another device has the node id {number} as well")))
     }
 
-    /// Does the drive count a revolution of its shaft as the cell does?
+    /// Checks that the drive has the same counts per shaft revolution as the cell.
     fn check_factors(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
         let Some((counts, turns)) = drive.per_revolution else { return Ok(()) };
         let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
@@ -266,14 +266,14 @@ impl Session<'_> {
         )))
     }
 
-    /// Two numbers of 32 bits, where the drive has them.
+    /// Returns numerator and denominator of a factor, 32 bits each; `None` if the drive lacks it.
     fn fraction(&mut self, [numerator, denominator]: [Object; 2]) -> Result<Option<(u64, u64)>, Refusal> {
         let Some(numerator) = self.number(numerator)? else { return Ok(None) };
         let denominator = self.number(denominator)?.unwrap_or(1);
         Ok(Some((numerator.into(), denominator.into())))
     }
 
-    /// Does the drive offer its mode (6502h)?
+    /// Checks that the drive supports its mode (6502h).
     fn check_modes(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
         let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
         let (mode, name) = (drive.mode.number(), drive.mode.name());
@@ -304,7 +304,7 @@ impl Session<'_> {
         self.write_pdos()
     }
 
-    /// What the drive is told, apart from its PDOs; optional where a drive may lack it.
+    /// Returns the values for the drive except its PDOs. The flag marks objects that a drive may lack.
     fn writes(&self) -> Vec<(Write, bool)> {
         let mut writes: Vec<_> = self.device.startup.iter().map(|write| (write.clone(), false)).collect();
         let mut add = |object: Object, data: &[u8], is_optional| {
@@ -328,7 +328,7 @@ impl Session<'_> {
         }
         add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         let Some(drive) = self.device.drive() else { return writes };
-        // A drive without probes has none that catch: the object is left alone.
+        // Without probes the object is not written.
         if drive.probes.iter().any(Option::is_some) {
             add(objects::TOUCH_PROBE_FUNCTION, &probe::function(drive.probes).to_le_bytes(), false);
         }
@@ -349,14 +349,14 @@ impl Session<'_> {
         writes
     }
 
-    /// Writes the values that the drive does not have already.
+    /// Writes the values that differ from those of the drive.
     fn write_differing(&mut self, writes: &[(Write, bool)]) -> Result<(), Refusal> {
         for (Write { object, data }, is_optional) in writes {
             let present = match self.port.read(self.device.node, *object) {
                 Ok(present) => Some(present),
                 Err(error) if is_absent(&error) && *is_optional => continue,
                 Err(error @ SdoError::Silent(..)) => return Err(error.into()),
-                // One that can only be written.
+                // The object is write-only.
                 Err(_) => None,
             };
             if present.as_ref() != Some(data) {
@@ -366,7 +366,7 @@ impl Session<'_> {
         self.write_sync()
     }
 
-    /// Overflow value and period of SYNC; the first can be changed only while the second is 0.
+    /// Writes counter overflow value and period of SYNC. The first can be changed only while the second is 0.
     fn write_sync(&mut self) -> Result<(), Refusal> {
         let overflow = self.bus.sync_overflow.unwrap_or_default();
         let present = self.number(objects::SYNC_OVERFLOW)?;
@@ -379,7 +379,7 @@ impl Session<'_> {
             self.write(objects::SYNC_OVERFLOW, &[overflow])?;
         }
         let wanted = period_us(self.bus);
-        // A drive without the object takes its period from 60C2h.
+        // A drive without the object uses the period of 60C2h.
         if period.is_some_and(|period| period != wanted) {
             self.write(objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
         }
@@ -393,17 +393,17 @@ impl Session<'_> {
     }
 }
 
-/// The heartbeat that a drive watches (1016h): whose, and within which time (ms); 0: it does not.
+/// Returns the value of 1016h: monitored node and its heartbeat time, in ms; 0: not monitored.
 fn consumed(node: NodeId, time: u16) -> [u8; 4] {
     (u32::from(node.get()) << 16 | u32::from(time)).to_le_bytes()
 }
 
-/// From one SYNC to the next (us).
+/// Returns the SYNC period, in us.
 fn period_us(bus: &BusConfig) -> u32 {
     u32::try_from(bus.cycle_ns / 1000).unwrap_or(u32::MAX)
 }
 
-/// What tells this configuration from others: FNV-1a of all that is written, in two halves.
+/// Returns a digest of the configuration: FNV-1a of all that is written, in two halves.
 fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (u32, u32) {
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     let mut add = |bytes: &[u8]| {
@@ -434,25 +434,25 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (
         let mut fields = pdo.fields.iter().map(|field| (field.object, field.bits));
         add_pdo(pdo.number, pdo.id.get(), pdo.transmission.number(), &mut fields);
     }
-    // 0 is what a device has that was never configured.
+    // 0 is the value of a device that was never configured.
     let (low, high) = (hash as u32, (hash >> 32) as u32);
     (low | 1, high)
 }
 
-/// Devices that watch the master stop doing so: it is going.
+/// Disables monitoring of the master in the devices, because the master is about to end.
 pub(crate) fn release(port: &mut Port, bus: &BusConfig, device: &DeviceConfig) {
     let node = device.node;
     if let Watching::Guarding { .. } = device.watching {
         let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
     }
     if let Some(master) = bus.master {
-        // One that does not answer is not there; one without the object never did.
+        // The error of a device that does not answer, or that lacks the object, is irrelevant.
         let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumed(master.node, 0));
     }
     port.nmt(NmtCommand::EnterPreOperational, node);
 }
 
-/// The device takes part in the cycles.
+/// Adds the device to the cycles.
 pub(crate) fn begin(port: &mut Port, place: usize, configured: Configured) {
     port.order(Order::Begin { device: place, fault: configured.fault });
 }

@@ -1,8 +1,8 @@
 //! A device in the cycles.
 //!
-//! Law      it is online while it is configured, operational, watched and heard; only then it is told anything
+//! Law      a device is online while it is configured, operational, monitored, and its data is received; only then it receives process data
 //! Reads    its PDOs, emergency messages, signs of life
-//! Writes   its part of the inputs; the frames that ask it
+//! Writes   its part of the inputs; its command PDOs
 //! Source   CiA 301, contract section 8
 
 use super::drive::Drive;
@@ -13,29 +13,29 @@ use crate::drive::layout::{Asked, Told, Transmission};
 use crate::{Frame, Id, NodeId, Watch};
 use lineshaft_core::drive::{BusState, Inputs, Outputs};
 
-/// A PDO that the device sends.
+/// PDO that the device sends.
 #[derive(Clone, Debug)]
 struct Received {
     image: Image<Told>,
     is_each_sync: bool,
 }
 
-/// A device.
+/// Device on a bus.
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(super) node: NodeId,
     asked: Vec<Image<Asked>>,
     told: Vec<Received>,
-    /// It is configured and was started.
+    /// Whether the device is configured and started.
     is_ready: bool,
-    /// It is configured, and about to be started: what it tells counts already.
+    /// Whether the device is configured and about to be started, so that its data already counts.
     listens: bool,
-    /// It has booted since somebody began to configure it.
+    /// Whether the device has booted since its configuration began.
     has_booted: bool,
-    /// Its counts are those of the coordinate in which it was heard last.
+    /// Whether the counts belong to the same coordinate system as the last received ones.
     counts_on: bool,
     pub(super) watch: Watch,
-    /// What it is as a drive.
+    /// State of the drive, if the device is one.
     pub(super) drive: Option<Drive>,
     terminals: Terminals,
 }
@@ -62,7 +62,7 @@ impl Device {
         }
     }
 
-    /// Identifiers of the PDOs that it sends.
+    /// Returns the identifiers of the PDOs that the device sends.
     pub(super) fn sent(&self) -> impl Iterator<Item = Id> {
         self.told.iter().map(|pdo| pdo.image.id())
     }
@@ -71,12 +71,12 @@ impl Device {
         self.is_ready
     }
 
-    /// What it is told from now on holds, unless it boots.
+    /// Marks the beginning of the configuration, which is valid unless the device boots.
     pub(super) fn prepare(&mut self) {
         (self.is_ready, self.listens, self.has_booted) = (false, false, false);
     }
 
-    /// It is configured, and will be started next: what it sends on change it may send but once, when it starts. `inputs`: digital inputs
+    /// Starts reception before the device is started, because it may send data on change only once, at its start. `inputs`: digital inputs
     /// of a drive until then.
     pub(super) fn listen(&mut self, inputs: u32) {
         let counts_on = std::mem::replace(&mut self.counts_on, true);
@@ -87,7 +87,7 @@ impl Device {
         self.listens = true;
     }
 
-    /// It is configured, and has been started; `fault` is its error code. False where it has booted since it was
+    /// Adds the configured and started device to the cycles. `fault` is its error code. Returns false if it has booted since it was
     /// [prepared](Self::prepare).
     pub(super) fn begin(&mut self, fault: u16) -> bool {
         if self.has_booted {
@@ -104,24 +104,24 @@ impl Device {
         true
     }
 
-    /// It takes part no longer; it counts on meanwhile.
+    /// Removes the device from the cycles. It continues to count meanwhile.
     pub(super) fn end(&mut self) {
         (self.is_ready, self.listens) = (false, false);
     }
 
-    /// Nobody hears any more whether it boots.
+    /// Removes the device, and discards its coordinate system, because a boot-up would not be noticed from now on.
     pub(super) fn forget(&mut self) {
         self.end();
         self.counts_on = false;
     }
 
-    /// It has booted: what it was told before does not hold, and its counts may begin anew.
+    /// Handles a boot-up: the device has lost its configuration, and its counts may begin again.
     pub(super) fn boot(&mut self) {
         self.forget();
         self.has_booted = true;
     }
 
-    /// Takes the PDO at a place.
+    /// Handles the PDO at a place.
     pub(super) fn take_pdo(&mut self, place: usize, frame: &Frame) {
         let counts = self.is_ready || self.listens;
         let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| counts) else { return };
@@ -134,7 +134,7 @@ impl Device {
         self.terminals.take(place, image.values());
     }
 
-    /// What it shows in this cycle.
+    /// Writes the inputs of this cycle.
     pub(super) fn read(&mut self, inputs: &mut Inputs, bus: BusState) {
         let is_there = self.is_ready && bus != BusState::Off;
         if let Some(drive) = &mut self.drive {
@@ -143,7 +143,7 @@ impl Device {
         self.terminals.read(inputs, is_there, self.drive.as_ref());
     }
 
-    /// The frames that ask it for what a cycle wants; none while it is not ready.
+    /// Returns the command PDOs of a cycle; none while the device is not ready.
     pub(super) fn frames(&mut self, outputs: &Outputs) -> impl Iterator<Item = Frame> {
         let output = self.drive.as_ref().and_then(|drive| outputs.drive.get(drive.place));
         if let (Some(drive), Some(output)) = (&mut self.drive, output) {

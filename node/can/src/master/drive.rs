@@ -1,9 +1,9 @@
-//! What a device is as a drive, in the cycles.
+//! State of a drive in the cycles.
 //!
-//! Law      its words are fresh in the cycle behind the SYNC that they answer; else the last ones stand. Homing sets its coordinate anew
-//!          (another epoch)
-//! Reads    words of its PDOs, emergency messages
-//! Writes   its part of the inputs; the words that ask it
+//! Law      process data is fresh in the cycle after the SYNC that it answers; otherwise the last values stay. Homing starts a new
+//!          coordinate system (another epoch)
+//! Reads    PDOs of the drive, emergency messages
+//! Writes   its part of the inputs; the values of its command PDOs
 //! Source   CiA 402-2, contract section 8
 
 use crate::config::{DriveConfig, Missed, VelocityFactor};
@@ -17,28 +17,29 @@ use lineshaft_core::drive::{
 };
 use lineshaft_core::object::Object;
 
-/// How many times its velocity homing may seem to move a drive in one cycle: where its words come at other times than SYNC, and overshoot.
+/// Factor by which the apparent velocity of homing may exceed the commanded one in a cycle: process data may arrive at times other than
+/// SYNC, and the drive may overshoot.
 const HOMING_EXCESS: f64 = 4.0;
-/// How far a drive that homes may tremble besides (counts).
+/// Additional tolerance for a drive that homes, in counts.
 const HOMING_SLACK: f64 = 100.0;
-/// How long a drive whose mode is written by SDO may take to leave mode homing (s).
+/// Time for a drive whose mode is written by SDO to leave mode homing, in s.
 const RETURN_S: f64 = 5.0;
 
-/// What it tells.
+/// Values that the drive reports.
 #[derive(Clone, Copy, Debug, Default)]
 struct Words {
     status: u16,
-    /// Of a drive whose mode is read by SDO the last one that was known, or 0.
+    /// Mode of operation. If it is read by SDO: the last known one, or 0.
     mode: i8,
     inputs: u32,
     fault: u16,
-    /// Thousandths of the rated torque.
+    /// Torque, in thousandths of rated torque.
     torque: i16,
-    /// That of the counts (counts/s).
+    /// Velocity calculated from the counts, in counts/s.
     velocity: f64,
 }
 
-/// A drive.
+/// Drive in the cycles.
 #[derive(Debug)]
 pub(crate) struct Drive {
     pub(super) place: usize,
@@ -46,40 +47,40 @@ pub(crate) struct Drive {
     cycle_s: f64,
     counter: Counter,
     words: Words,
-    /// It has told where it is, since it was started.
+    /// Whether the drive has reported its position since its start.
     is_heard: bool,
     is_fresh: bool,
-    /// Cycles since its counts were fresh.
+    /// Number of cycles since the counts were fresh.
     stale: u32,
     missed: Missed,
-    /// Effort of a thousandth of its rated torque; what takes efforts has them in thousandths.
+    /// Effort per thousandth of rated torque; 1 with interface torque, whose efforts are in thousandths.
     effort_unit: f64,
     emergency: Option<Emergency>,
     object: Object,
     probes: Probes,
     catches: [Catch; 4],
-    /// The mode that was asked for last, by the number of the axis.
+    /// Last commanded mode, as the axis numbers it.
     mode: i8,
     commander: Commander,
-    /// Bits of its target.
+    /// Length of the target velocity, in bits.
     target_bits: u32,
-    /// Its mode goes in no PDO: it was set when it was configured.
+    /// Whether the mode is in no PDO, because it was set during configuration.
     is_mode_fixed: bool,
-    /// Where its voltage would go it is shut down instead.
+    /// Whether the drive is shut down where its voltage would be disabled.
     is_shut_down: bool,
     /// Control word and position of this cycle.
     asked: (u16, i64),
-    /// The faster velocity of the homing that was asked for last (counts/s); 0 before the first one.
+    /// Higher velocity of the last homing command, in counts/s; 0 before the first one.
     homing_velocity: f64,
-    /// Its coordinate was set anew since homing was started, by a jump.
+    /// Whether a jump since the start of homing has started a new coordinate system.
     has_jumped: bool,
     pub(super) homing: HomingSetup,
     homing_end: HomingEnd,
-    /// The exchange of its mode, if an object of it is in no PDO.
+    /// Exchange of the mode by SDO, if an object of it is in no PDO.
     pub(super) modes: ModeExchange,
-    /// The axis commands that the operation is enabled.
+    /// Whether the axis commands that the operation is enabled.
     is_enabling: bool,
-    /// It was to home, and may not be back in its cyclic mode yet.
+    /// Whether the drive was commanded to home, and may not be back in its cyclic mode yet.
     leaves_homing: bool,
 }
 
@@ -116,10 +117,10 @@ impl Drive {
             homing_velocity: 0.0,
             has_jumped: false,
             homing: HomingSetup::new(config.velocity),
-            // The loops of an axis with interface torque follow where the drive is: it jumps after nothing, and must not be without torque.
+            // The loops of an axis with interface torque follow the position of the drive: it cannot jump, and must not be without torque.
             homing_end: HomingEnd::new(
                 layout.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
-                // Saturates.
+                // The conversion saturates.
                 (RETURN_S * 1e9 / cycle_ns as f64) as u32,
                 u32::try_from(level_cycles(cycle_ns)).unwrap_or(u32::MAX),
             ),
@@ -129,19 +130,19 @@ impl Drive {
         }
     }
 
-    /// Has it told where it is, and is it not silent since?
+    /// Returns true if the drive has reported its position and is not silent since.
     pub(super) fn is_heard(&self) -> bool {
         self.is_heard && self.stale <= self.missed.cycles
     }
 
-    /// Its counts, and how often they were set anew.
+    /// Returns the counts, and the epoch of their coordinate system.
     pub(super) fn counts(&self) -> (i64, u32) {
         (self.counter.count(), self.counter.epoch())
     }
 
-    /// It will be started next; its digital inputs until then. `counts_on`: it was only away.
+    /// Starts reception before the drive is started, with its digital inputs. `counts_on`: the drive was only offline.
     pub(super) fn listen(&mut self, inputs: u32, counts_on: bool) {
-        // It has counted what it was moved meanwhile; one that was homing may have a new zero.
+        // The counts include motion while the drive was offline. A drive that was homing may have a new zero.
         if !counts_on || self.words.mode == MODE_HOMING {
             self.counter.begin_anew();
         }
@@ -154,14 +155,14 @@ impl Drive {
         (self.is_enabling, self.leaves_homing) = (false, false);
     }
 
-    /// It has been started; `fault` is its error code.
+    /// Records that the drive was started; `fault` is its error code.
     pub(super) fn begin(&mut self, fault: u16) {
         if self.words.fault == 0 {
             self.words.fault = fault;
         }
     }
 
-    /// Takes the words of a PDO.
+    /// Handles the values of a PDO.
     pub(super) fn take(&mut self, told: impl Iterator<Item = (Told, i64)>, is_each_sync: bool) {
         let (was, mut word, mut captured, mut has_status) = (self.words, None, 0, false);
         let words = &mut self.words;
@@ -187,7 +188,7 @@ impl Drive {
         let is_homing = now.mode == MODE_HOMING && was.mode == MODE_HOMING;
         let finds_zero = has_zero(now) && !has_zero(was);
         let is_started = self.asked.0 & control::START_HOMING != 0;
-        // One jump is the zero. A drive that goes on so is too fast, and its way counts.
+        // The first jump is the zero. If the position continues to jump, the drive is too fast, and its travel counts as motion.
         let may_jump = is_homing && is_started && !self.has_jumped;
         let jumps = may_jump && word.is_some_and(|word| self.is_beyond_homing(word));
         self.has_jumped |= jumps;
@@ -200,19 +201,19 @@ impl Drive {
         if let Some(word) = word {
             let change = self.counter.take(word);
             let cycles = f64::from(self.stale.saturating_add(1));
-            // Behind an absence nobody knows how long the way has taken.
+            // After an absence the duration of the travel is unknown.
             self.words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
             (self.is_heard, self.stale) = (true, 0);
         }
-        // The PDO with its position is one of those that go with each SYNC.
+        // The PDO with the position is sent with each SYNC.
         self.is_fresh |= is_each_sync && word.is_some();
         if has_status && let Some(mode) = self.modes.hear_status() {
             self.words.mode = mode;
         }
     }
 
-    /// Whether a position is further away than homing moves the drive: its coordinate was set anew. Bit 12 need not tell that: it may
-    /// stand from the homing before, or rise in a later cycle.
+    /// Returns true if a position is further away than homing can move the drive, which means that the coordinate system was changed. Bit
+    /// 12 does not always show that: it may still be set from the previous homing, or rise in a later cycle.
     fn is_beyond_homing(&self, word: i32) -> bool {
         let Some(count) = self.counter.locate(word) else { return false };
         let cycles = f64::from(self.stale.saturating_add(1));
@@ -220,7 +221,7 @@ impl Drive {
         self.homing_velocity > 0.0 && self.counter.count().abs_diff(count) as f64 > most
     }
 
-    /// Takes an emergency message.
+    /// Handles an emergency message.
     pub(super) fn take_emergency(&mut self, emergency: Emergency) {
         self.emergency = Some(emergency);
         if emergency.code != 0 {
@@ -228,7 +229,7 @@ impl Drive {
         }
     }
 
-    /// What it shows in this cycle; `is_there`: it takes part in the cycles.
+    /// Writes the inputs of this cycle. `is_there`: the drive takes part in the cycles.
     pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, bus: BusState) {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
@@ -246,7 +247,7 @@ impl Drive {
             effort: f64::from(torque) * self.effort_unit,
             status,
             mode,
-            // The error code stays behind the fault that it is of.
+            // Without a fault the stored error code is not reported.
             fault: if is_in_fault { fault } else { 0 },
             online: is_online,
             fresh: is_fresh,
@@ -258,14 +259,14 @@ impl Drive {
         };
     }
 
-    /// How far it has come since its words are missing, where that is extrapolated.
+    /// Returns the extrapolated travel since process data is missing; 0 without extrapolation.
     fn way_since(&self, velocity: f64) -> i64 {
         let cycles = if self.missed.extrapolates { self.stale.min(self.missed.cycles) } else { 0 };
-        // Saturates.
+        // The conversion saturates.
         (velocity * self.cycle_s * f64::from(cycles)).round() as i64
     }
 
-    /// Latches of the axis, and the last index pulse.
+    /// Adds latches of the axis, and returns the last index pulse.
     fn read_probes(&mut self, inputs: &mut Inputs) -> Option<i64> {
         let mut index = None;
         for (slot, caught) in (0..).zip(&mut self.catches) {
@@ -282,7 +283,7 @@ impl Drive {
         index
     }
 
-    /// What a cycle wants of it.
+    /// Handles the commands of a cycle.
     pub(super) fn ask(&mut self, output: &DriveOutput) {
         self.mode = self.homing.allow(output.mode, self.mode);
         if let Mode::Homing(order) = output.mode {
@@ -299,8 +300,8 @@ impl Drive {
         self.asked = self.commander.command(control, output.position, self.words.status, is_in_mode);
     }
 
-    /// Commands the mode of a drive that maps it to no PDO. Returns the control word: the drive is not enabled before it is in that mode, nor
-    /// while it returns from a homing that was ended.
+    /// Commands the mode of a drive that cannot map it to a PDO. Returns the control word: the drive is not enabled before it is in that
+    /// mode, nor while it returns from an aborted homing.
     fn command_mode(&mut self, output: &DriveOutput) -> u16 {
         if !self.modes.is_used() {
             return output.control;
@@ -317,13 +318,13 @@ impl Drive {
         let is_enabled = DriveState::from_status(self.words.status) == DriveState::Enabled;
         let was_enabling = std::mem::replace(&mut self.is_enabling, enables);
         if enables && !was_enabling && !is_enabled {
-            // Somebody else may have changed it since it was read.
+            // Another client may have changed the mode since it was read.
             self.modes.distrust();
         }
         self.forget_mode();
         let is_settled = self.modes.is_settled(self.words.mode);
         self.homing_end.note_return(is_settled, self.modes.is_refused());
-        // A homing that is ended before its zero: back in its cyclic mode the drive would jump to where the axis is by then.
+        // If a homing is aborted before its zero, a drive back in its cyclic mode would jump to the present position of the axis.
         self.leaves_homing = self.homing_end.is_used() && (method.is_some() || self.leaves_homing && !is_settled);
         let is_left = self.leaves_homing && method.is_none();
         match output.control {
@@ -333,40 +334,40 @@ impl Drive {
         }
     }
 
-    /// Forgets the mode while it is not known by SDO: its status word is of another one.
+    /// Clears the mode while it is unknown by SDO: the status word belongs to another one.
     fn forget_mode(&mut self) {
-        // A homing that is broken off may find its zero until the drive has left its mode. One that is over has it.
+        // A homing that is aborted may still find its zero until the drive has left its mode. A finished homing has it.
         let may_find_zero = self.words.mode == MODE_HOMING && self.words.status & STATUS_HOMING_ATTAINED == 0;
         if self.modes.by_sdo().reads && self.modes.known().is_none() && !may_find_zero {
             self.words.mode = 0;
         }
     }
 
-    /// The next request for its mode by SDO.
+    /// Returns the next SDO request for the mode.
     pub(super) fn next_mode_request(&mut self, now_ns: u64) -> Option<ModeRequest> {
         let request = self.modes.next_request(now_ns);
         self.forget_mode();
         request
     }
 
-    /// Takes the answer of such a request. Returns an error that is to be reported.
+    /// Handles the answer to such a request. Returns an error that is to be reported.
     pub(super) fn take_mode(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
         self.modes.take(done, now_ns)
     }
 
-    /// A word that asks it for that.
+    /// Returns the value of a field of a command PDO.
     pub(super) fn value(&self, word: Asked, output: &DriveOutput) -> i64 {
         match word {
             Asked::Control => i64::from(self.asked.0),
-            // Positions wrap, as those of the drive do.
+            // Positions wrap, like those of the drive.
             Asked::Position => self.asked.1,
-            // A drive that homes has its speeds from 6099h. Until it is in mode homing this is its target: the axis stands.
+            // A drive that homes has its speeds from 6099h. Until it is in mode homing it follows this target; the axis is at rest.
             Asked::Velocity if matches!(output.mode, Mode::Homing(_)) => 0,
             Asked::Velocity => {
                 let most = (1_i64 << (self.target_bits.clamp(2, 63) - 1)) - 1;
                 self.factor.to_drive(output.velocity).clamp(-most, most)
             }
-            // Saturates; no number is none.
+            // The conversion saturates; NaN becomes 0.
             Asked::Torque => i64::from(output.effort.round() as i16),
             Asked::Mode => i64::from(self.commander.mode().across(self.mode)),
             Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) | Asked::Nothing => 0,

@@ -1,9 +1,9 @@
-//! Devices for the tests of this room.
+//! Devices for the tests of this module.
 
 use crate::config::{DeviceConfig, DriveConfig, Role};
 use crate::eds::{self, Dictionary};
 
-/// What it is as a drive.
+/// Returns the drive configuration of a device.
 pub(super) fn as_drive(device: &mut DeviceConfig) -> &mut DriveConfig {
     match &mut device.role {
         Role::Drive(drive) => drive,
@@ -11,7 +11,7 @@ pub(super) fn as_drive(device: &mut DeviceConfig) -> &mut DriveConfig {
     }
 }
 
-/// The dictionary of the simulated drive, as if it could not map these objects.
+/// Returns the dictionary of the simulated drive with objects that cannot be mapped.
 pub(super) fn dictionary_without(objects: &[&str]) -> Dictionary {
     let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
     for object in objects {

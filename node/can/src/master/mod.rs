@@ -1,4 +1,4 @@
-//! The CANopen master of a bus, in two halves behind the backend contract.
+//! CANopen master of a bus, with a cyclic half and a service half according to the backend contract.
 
 mod asked;
 mod backend;

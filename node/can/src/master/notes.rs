@@ -1,28 +1,28 @@
-//! What happens to nodes, until somebody takes it to tell it.
+//! Events of nodes, stored until the program fetches and reports them.
 //!
-//! Law      at most 128 notes come within 10 s: a node that flaps floods no event stream. Of emergency messages of foreign nodes one a second
-//!          is reported, and the end of each that was reported
+//! Law      at most 128 notes within 10 s, so that an intermittent node does not flood the event stream. Of the emergency messages of
+//!          foreign nodes one per second is reported, and the end of each reported one
 
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::Note;
 use std::time::{Duration, Instant};
 
-/// Most notes of a bus within [`PERIOD`]; each of its drives starts once, with 127 of them.
+/// Maximum number of notes of a bus within [`PERIOD`]: each of up to 127 drives starts once.
 const MOST: usize = 128;
 const PERIOD: Duration = Duration::from_secs(10);
-/// Time between two errors of foreign nodes that are reported.
+/// Minimum time between two reported errors of foreign nodes.
 const SECOND: Duration = Duration::from_secs(1);
 
 /// Notes of a bus.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     waiting: Vec<Note>,
-    /// Since when they are counted, and how many there were since then.
+    /// Beginning of the present period, and number of notes since then.
     counted: Option<(Instant, usize)>,
 }
 
 impl Notes {
-    /// Adds one, unless there were too many.
+    /// Adds a note, unless the maximum is reached.
     pub(super) fn add(&mut self, code: Code, number: i64) {
         let now = Instant::now();
         let (since, count) = self.counted.filter(|(since, _)| now - *since < PERIOD).unwrap_or((now, 0));
@@ -32,23 +32,23 @@ impl Notes {
         }
     }
 
-    /// Those that have come since they were taken last.
+    /// Returns and removes the notes since the last call.
     pub(super) fn take(&mut self) -> Vec<Note> {
         std::mem::take(&mut self.waiting)
     }
 }
 
-/// Emergency messages of nodes that are no drives of the cell: which of them are reported.
+/// Selects the emergency messages to be reported, of nodes that are no drives of the cell.
 #[derive(Debug, Default)]
 pub(super) struct ForeignEmergencies {
-    /// When an error was reported last.
+    /// Time of the last reported error.
     told: Option<Instant>,
-    /// Nodes whose error was reported and has not ended, a bit for each.
+    /// Nodes with a reported error that has not ended, one bit each.
     open: u128,
 }
 
 impl ForeignEmergencies {
-    /// Whether a message of a node with an error code is reported: one a second, and the end (code 0) of an error that was reported.
+    /// Returns true if a message of a node with an error code is reported: one per second, and the end (code 0) of a reported error.
     pub(super) fn pass(&mut self, node: u8, code: u16, now: Instant) -> bool {
         let bit = 1_u128.checked_shl(node.into()).unwrap_or(0);
         if code == 0 && self.open & bit != 0 {
@@ -75,12 +75,12 @@ mod tests {
         let (mut foreign, begin) = (ForeignEmergencies::default(), Instant::now());
         let mut pass = |node, code, ms| foreign.pass(node, code, begin + Duration::from_millis(ms));
         assert!(pass(9, 0x8130, 0));
-        // One a second of the bus; the end of an error that was not reported is not reported either.
+        // One per second on the bus. The end of an error that was not reported is not reported either.
         assert!(!pass(9, 0x2310, 10) && !pass(127, 0xFF01, 20) && !pass(127, 0, 30));
         assert!(pass(9, 0, 40), "it has ended");
         assert!(!pass(9, 0, 50), "once");
         assert!(!pass(9, 0x8130, 999) && pass(127, 0xFF01, 1000) && pass(127, 0, 1001));
-        // An end without an error is reported as any other message.
+        // An end without an error is reported like any other message.
         assert!(pass(1, 0, 2000) && !pass(1, 0, 2001));
     }
 

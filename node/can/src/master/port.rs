@@ -1,7 +1,7 @@
-//! The service's way to the bus: orders go in, reports come out, wherever the bus is.
+//! Connection of the service to the bus: sends orders and receives reports.
 //!
-//! Law      while no cycles run, whoever waits here runs the bus meanwhile; while they do, the cycle thread does, and nobody else touches it
-//! Refuses  nothing; what does not answer in time is silent
+//! Law      while no cycles run, a waiting call of the service runs the bus; while they run, only the cycle thread does
+//! Refuses  nothing; a missing answer is reported as a timeout
 
 use super::bus::{Bus, Order, Report};
 use crate::sdo::{Object, SdoError, Transfer};
@@ -12,41 +12,41 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Orders and reports that may wait.
+/// Maximum number of waiting orders and reports.
 const ROOM: usize = 1024;
-/// Between two looks at the bus.
+/// Time between two polls of the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// Between two looks whether a transfer is done, while the cycles run the bus.
+/// Time between two checks of a transfer while the cycles run the bus.
 const LOOK_IN_CYCLES: Duration = Duration::from_millis(1);
-/// Bytes of the longest object that the master itself reads.
+/// Maximum size of an object that the master itself reads, in bytes.
 const LONGEST: usize = 249;
-/// What the last segment of an object is filled up with has room, too (bytes).
+/// Additional room for padding of the last segment, in bytes.
 const SEGMENT: usize = 7;
-/// Without a cycle for so long nobody runs the bus any more.
+/// Time without a cycle after which the cycles count as ended.
 const DEAD: Duration = Duration::from_secs(2);
 
-/// The ends of the rings that the bus has.
+/// Ends of the rings that belong to the bus.
 pub(crate) type Ends = (Consumer<Order>, Producer<Report>);
 
-/// The way.
+/// Connection to the bus.
 pub(crate) struct Port {
     bus: Arc<Mutex<Bus>>,
     is_in_cycles: bool,
     orders: Producer<Order>,
     reports: Consumer<Report>,
-    /// Reports that came while something else was waited for.
+    /// Reports that were received while waiting for another one.
     kept: VecDeque<Report>,
-    /// Answers of the node of the last transfer that nobody had asked for.
+    /// Unexpected answers of the node of the last transfer.
     strays: u32,
-    /// Counts how often the bus was run.
+    /// Counter of how often the bus was run.
     turns: Arc<AtomicU64>,
     silent: Arc<[AtomicBool]>,
-    /// Nobody runs the bus: the cycles are over.
+    /// Whether the cycles have ended, so that the bus is not run.
     is_dead: bool,
 }
 
 impl Port {
-    /// A way to the bus that `make` makes of the other ends.
+    /// Creates the connection. `make` creates the bus from the other ends of the rings.
     pub(crate) fn new(make: impl FnOnce(Ends) -> Bus) -> Self {
         let (orders, taken) = RingBuffer::new(ROOM);
         let (told, reports) = RingBuffer::new(ROOM);
@@ -65,42 +65,42 @@ impl Port {
         }
     }
 
-    /// The bus, for the cycles.
+    /// Returns the bus, for the cycles.
     pub(crate) fn bus(&self) -> Arc<Mutex<Bus>> {
         Arc::clone(&self.bus)
     }
 
-    /// The bus; only while no cycles run.
+    /// Locks the bus; only while no cycles run.
     pub(crate) fn lock(&self) -> MutexGuard<'_, Bus> {
         self.bus.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// From now on the cycles run the bus, or no longer.
+    /// Sets whether the cycles run the bus.
     pub(crate) fn set_in_cycles(&mut self, is_in_cycles: bool) {
         (self.is_in_cycles, self.is_dead) = (is_in_cycles, false);
     }
 
-    /// Do the cycles run the bus?
+    /// Returns true if the cycles run the bus.
     pub(crate) fn is_in_cycles(&self) -> bool {
         self.is_in_cycles
     }
 
-    /// Has nobody run the bus for so long that nobody will? What was waited for then says nothing of the device.
+    /// Returns true if the cycles have ended while the service waited. A timeout is then no statement about the device.
     pub(crate) fn is_dead(&self) -> bool {
         self.is_dead
     }
 
-    /// Has nobody run the bus for so long that nobody will, since it was asked last?
+    /// Returns true if the cycles have ended while the service waited, and resets the flag.
     pub(crate) fn take_dead(&mut self) -> bool {
         std::mem::take(&mut self.is_dead)
     }
 
-    /// Is there no sign of life any more of the drive at this place of the bus?
+    /// Returns true if the device at this place of the bus no longer sends signs of life.
     pub(crate) fn is_silent(&self, place: usize) -> bool {
         self.silent.get(place).is_some_and(|silent| silent.load(Ordering::Relaxed))
     }
 
-    /// Runs the bus for a moment, where the cycles do not.
+    /// Runs the bus once, or waits briefly if the cycles run it.
     pub(crate) fn step(&mut self) {
         if self.is_in_cycles {
             std::thread::sleep(LOOK_IN_CYCLES);
@@ -110,7 +110,7 @@ impl Port {
         }
     }
 
-    /// Runs the bus for so long.
+    /// Runs the bus for the given time.
     pub(crate) fn wait(&mut self, time: Duration) {
         let begin = Instant::now();
         while begin.elapsed() < time {
@@ -118,14 +118,14 @@ impl Port {
         }
     }
 
-    /// The next thing that has happened.
+    /// Returns the next report.
     pub(crate) fn report(&mut self) -> Option<Report> {
         self.kept.pop_front().or_else(|| self.reports.pop().ok())
     }
 
-    /// Gives an order.
+    /// Sends an order.
     pub(crate) fn order(&mut self, order: Order) {
-        // A full ring is one that nobody empties: no cycle runs any more, and whoever waits for an answer will tell.
+        // A full ring means that no cycle runs any more; a caller that waits for an answer detects that.
         let _ = self.orders.push(order);
     }
 
@@ -133,7 +133,7 @@ impl Port {
         self.order(Order::Nmt(command, Some(node)));
     }
 
-    /// Answers that nobody had asked for, of the node of the last transfer, since the bus was made.
+    /// Returns the number of unexpected answers of the node of the last transfer, since the bus was created.
     pub(crate) fn strays(&self) -> u32 {
         self.strays
     }
@@ -143,7 +143,7 @@ impl Port {
         self.read_long(node, object, LONGEST)
     }
 
-    /// Reads an object of at most so many bytes.
+    /// Reads an object of at most `most` bytes.
     pub(crate) fn read_long(&mut self, node: NodeId, object: Object, most: usize) -> Result<Vec<u8>, SdoError> {
         self.transfer(node, object, || (Vec::with_capacity(most.saturating_add(SEGMENT)), false))
     }
@@ -163,7 +163,7 @@ impl Port {
             let (data, writes) = data();
             self.order(Order::Transfer { node, object, data, writes });
             match self.wait_for(node, object) {
-                // The bus itself talks to the node: it sets up a homing.
+                // The bus itself has a transfer with the node for a homing setup or a mode.
                 Err(SdoError::Busy(_)) => self.step(),
                 done => return done,
             }
@@ -182,7 +182,7 @@ impl Port {
                         self.strays = strays;
                         return result.map(|()| data);
                     }
-                    // Of a transfer that was given up here.
+                    // Result of a transfer that was abandoned here.
                     Report::Transfer(..) => {}
                     other => self.kept.push_back(other),
                 }

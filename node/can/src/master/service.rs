@@ -1,8 +1,8 @@
-//! The half that takes its time: opening the way, configuring devices, bringing back what was lost.
+//! Service half of the master: opens the transport, configures devices, and recovers lost ones.
 //!
-//! Law      a device that is not there at the start, or goes, is configured when it comes (back), a drive stays off until somebody enables it;
-//!          so are all devices of a way that was lost and is open again
-//! Refuses  to start where the way does not open, or where a device is there and is not what the cell says
+//! Law      a device that is missing at the start, or is lost, is configured as soon as it answers; a drive stays off until it is enabled
+//!          again. The same applies to all devices after a lost bus connection
+//! Refuses  to start if the transport cannot be opened, or if a device is present that differs from the cell
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
 use super::asked::{Line, Objects, line};
@@ -24,47 +24,47 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Between two tries to reach a device that is not there.
+/// Time between two attempts to reach a missing device.
 const RETRY: Duration = Duration::from_secs(1);
-/// First and longest time between two tries to open a way that was lost.
+/// First and longest time between two attempts to open a lost bus connection.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(5));
 
-/// How long a bus that took no frame is told to be full.
+/// Time for which a bus that refused a frame is reported as full.
 const FULL: Duration = Duration::from_secs(5);
 
-/// What the service knows of a device.
+/// State of a device in the service.
 #[derive(Clone, Debug)]
 struct Known {
-    /// Why it takes no part in the cycles.
+    /// Reason why the device takes no part in the cycles.
     problem: Option<String>,
-    /// When it is tried next.
+    /// Time of the next attempt.
     due: Instant,
     is_configured: bool,
 }
 
-/// Opens and closes a bus and looks after it.
+/// Opens, closes and supervises a bus.
 pub struct CanService {
     config: BusConfig,
     port: Port,
     devices: Vec<Known>,
-    /// Why the way is lost, when it is tried next, and the time between two tries.
+    /// Reason why the bus connection is lost, time of the next attempt, and time between two attempts.
     lost: Option<(String, Instant, Duration)>,
-    /// When it was opened again last, and the time that was waited before.
+    /// Time when the connection was last opened again, and the time between attempts before that.
     reopened: Option<(Instant, Duration)>,
     foreign: ForeignEmergencies,
     notes: Notes,
     losses: Arc<Losses>,
     tally: Arc<Tally>,
     meter: Meter,
-    /// What each cycle carries at most, by the cell.
+    /// Maximum load of each cycle according to the cell.
     load: Option<Load>,
-    /// Objects that others ask for, and where they do.
+    /// Queue for SDO requests of other clients, with its receiving end.
     asked: (Objects, Line),
-    /// Frames that had found no room when that was looked at last, and when it was last seen to grow.
+    /// Number of refused frames at the last check, and the time when it last increased.
     refused: (u64, Option<Instant>),
 }
 
-/// A bus in two halves.
+/// Creates the two halves of a bus.
 pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let port = Port::new(|(orders, reports)| Bus::new(&config, orders, reports));
     let backend = CanBackend::new(&config, port.bus());
@@ -92,12 +92,12 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
 }
 
 impl CanService {
-    /// Where objects of its nodes are asked for while cycles run.
+    /// Returns the queue for SDO requests to the nodes while cycles run.
     pub fn objects(&self) -> Objects {
         self.asked.0.clone()
     }
 
-    /// The frames that go over the bus from now on; asked for before anything runs.
+    /// Starts to record the frames of the bus; must be called before the start.
     pub fn frames(&mut self) -> Frames {
         self.port.lock().frames()
     }
@@ -117,12 +117,12 @@ impl CanService {
         transport::open(&self.config.transport, options).map_err(|error| error.to_string())
     }
 
-    /// A device in a sentence.
+    /// Returns a device as text.
     fn device_name(&self, place: usize) -> String {
         self.config.devices.get(place).map_or_else(String::new, DeviceConfig::to_string)
     }
 
-    /// Configures a device, and lets it take part in the cycles.
+    /// Configures a device and adds it to the cycles.
     fn configure(&mut self, place: usize) -> Result<Configured, Refusal> {
         let Some(device) = self.config.devices.get(place) else { return Ok(Configured::default()) };
         let begin = Instant::now();
@@ -133,7 +133,7 @@ impl CanService {
             tracing::info!("{}: {name}: ready after {ms} ms, {} objects written", self.config.name, configured.written);
             self.note(place, NodeChange::Ready);
         }
-        // The cycles ended meanwhile: what is known of the device stays.
+        // If the cycles have ended meanwhile, the state of the device is kept.
         let is_dead = self.port.is_dead();
         if let Some(known) = self.devices.get_mut(place).filter(|_| !is_dead) {
             known.problem = done.as_ref().err().map(Refusal::to_string);
@@ -143,7 +143,7 @@ impl CanService {
         done
     }
 
-    /// Takes what the bus has told.
+    /// Handles the reports of the bus.
     fn hear(&mut self) {
         while let Some(report) = self.port.report() {
             match report {
@@ -156,22 +156,22 @@ impl CanService {
                     tracing::error!("{}: {name}: its mode of operation is not confirmed: {error}", self.config.name);
                 }
                 Report::Lost(transport, error) => {
-                    // Closing may take its time: not in the cycle.
+                    // Closing may block, so it is not done in the cycle.
                     drop(transport);
-                    // One that comes and goes is not tried anew and told of several times a second.
+                    // An intermittent connection must not be opened and reported several times a second.
                     let again = self.reopened.filter(|(since, _)| since.elapsed() < BACK_OFF.1);
                     let wait = again.map_or(BACK_OFF.0, |(_, wait)| (wait * 2).min(BACK_OFF.1));
                     self.lost = Some((error.to_string(), Instant::now() + wait, wait));
                     self.lose_all("the way to the bus is lost");
                 }
                 Report::Emergency(node, emergency) => self.tell_emergency(node, emergency),
-                // Of a transfer that was given up.
+                // Result of a transfer that was abandoned.
                 Report::Transfer(..) => {}
             }
         }
     }
 
-    /// One of a node that is no drive of the cell.
+    /// Handles an emergency message of a node that is not a drive of the cell.
     fn tell_emergency(&mut self, node: NodeId, emergency: Emergency) {
         if self.foreign.pass(node.get(), emergency.code, Instant::now()) {
             let message = ForeignEmergency::new(node.get(), emergency);
@@ -179,7 +179,7 @@ impl CanService {
         }
     }
 
-    /// Tells what has happened to a node.
+    /// Adds a note about a change of a node.
     fn note(&mut self, place: usize, change: NodeChange) {
         let Some(device) = self.config.devices.get(place) else { return };
         let axis = device.drive().map(|drive| drive.object);
@@ -209,13 +209,13 @@ impl CanService {
         if took_part {
             (known.problem, known.is_configured) = (Some(change.text().to_owned()), false);
         }
-        // Whoever shows that it is there is configured at once.
+        // A device that sends a sign of life is configured at once.
         if !known.is_configured && !matches!(what, Happened::Lost | Happened::NeverHeard) {
             known.due = Instant::now();
         }
     }
 
-    /// Tries to open a way that was lost.
+    /// Tries to open a lost bus connection.
     fn reopen(&mut self) {
         let Some((_, due, wait)) = self.lost.clone() else { return };
         if Instant::now() < due {
@@ -237,7 +237,7 @@ impl CanService {
         }
     }
 
-    /// States of the nodes of the devices.
+    /// Returns the NMT states of the devices as text.
     fn nodes(&self) -> String {
         let of = |place: usize| {
             let state = match self.tally.node(place) {
@@ -250,7 +250,7 @@ impl CanService {
         (0..self.devices.len()).map(of).collect::<Vec<_>>().join(", ")
     }
 
-    /// What is wrong, how many devices take part and how they are, what the bus carries, and what had no room.
+    /// Returns the problems, the number and state of the devices that take part, the bus load, and the losses.
     fn health(&mut self) -> Health {
         let ready = self.devices.iter().filter(|known| known.is_configured).count();
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
@@ -279,7 +279,7 @@ impl CanService {
             known.problem.as_ref().map(|problem| format!("{}: {problem}", self.device_name(place)))
         };
         let mut problems: Vec<_> = self.devices.iter().enumerate().filter_map(of).collect();
-        // For a while behind the last one: not a line of the log for each.
+        // Reported for some time after the last refused frame, instead of a log line for each.
         if self.refused.1.is_some_and(|seen| seen.elapsed() < FULL) {
             problems.push("the bus, or what is before it, takes no more frames: some were not sent".to_owned());
         }
@@ -296,7 +296,7 @@ impl Service for CanService {
         for place in 0..self.devices.len() {
             match self.configure(place) {
                 Ok(_) => {}
-                // It is configured when it comes.
+                // The device is configured when it appears.
                 Err(Refusal::Absent(_) | Refusal::NoLife) if self.lost.is_none() => {}
                 Err(refusal) => {
                     let error = self.error(format!("{}: {refusal}", self.device_name(place)));
@@ -331,14 +331,14 @@ impl Service for CanService {
         self.serve_askers();
         if self.lost.is_none() {
             for place in 0..self.devices.len() {
-                // The cycles are over: stop() comes next, and need not wait for the others. Where the program was only frozen, the next look
-                // goes on.
+                // The cycles have ended: stop() follows, and need not wait for the other devices. If the program was only suspended, the
+                // next call continues.
                 if self.port.take_dead() {
                     break;
                 }
                 let is_due = |known: &Known| !known.is_configured && Instant::now() >= known.due;
                 if self.devices.get(place).is_some_and(is_due) {
-                    // What is wrong stands with the others.
+                    // The problem is stored with those of the other devices.
                     let _ = self.configure(place);
                     self.hear();
                     self.serve_askers();

@@ -1,11 +1,11 @@
-//! SYNC, with its counter.
+//! SYNC message with its counter.
 //!
-//! Law      without an overflow value SYNC carries nothing; with one it counts from 1 to that value, and begins again
+//! Law      without an overflow value SYNC has no data; with one it counts from 1 to that value, and starts again at 1
 //! Source   CiA 301, object 1019h
 
 use crate::{Frame, Id};
 
-/// Counts SYNCs.
+/// Counter of SYNC messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SyncCounter {
     overflow: Option<u8>,
@@ -17,7 +17,7 @@ impl SyncCounter {
         Self { overflow, counter: 0 }
     }
 
-    /// The next one.
+    /// Returns the next SYNC.
     pub(super) fn next(&mut self) -> Frame {
         let Some(overflow) = self.overflow else { return sync(&[]) };
         self.counter = if self.counter >= overflow { 1 } else { self.counter + 1 };
@@ -26,7 +26,7 @@ impl SyncCounter {
 }
 
 fn sync(bytes: &[u8]) -> Frame {
-    // At most one byte.
+    // SYNC has at most one byte.
     Frame::data(Id::SYNC, bytes).unwrap_or(Frame::of(Id::SYNC, [0; 8]))
 }
 

@@ -1,8 +1,8 @@
-//! What a bus carries and how it does, for whoever tells it.
+//! Frame counters and state of a bus, for diagnostics.
 //!
-//! Law      the cycle counts, the service reads: numbers that nobody waits for. A rate is that of the last whole second
-//! Reads    frames as the transport takes and gives them, what the controller tells, states of nodes
-//! Writes   values for people
+//! Law      the cycle thread counts and the service reads, without locks. A rate is that of the last whole second
+//! Reads    frames that the transport sends and receives, the state of the controller, states of nodes
+//! Writes   text for diagnostics
 
 use crate::load::{self, Load};
 use crate::{Frame, NmtState};
@@ -10,22 +10,22 @@ use lineshaft_core::drive::BusState;
 use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// What a rate is measured over.
+/// Period over which a rate is measured.
 const SECOND: Duration = Duration::from_secs(1);
 
-/// Counters of a bus, since it was made.
+/// Counters of a bus since its creation.
 #[derive(Debug)]
 pub(crate) struct Tally {
     sent: AtomicU64,
     received: AtomicU64,
     bits: AtomicU64,
     missed: AtomicU64,
-    /// 0 to 2, as [`BusState`].
+    /// Bus state, 0 to 2, as in [`BusState`].
     state: AtomicU8,
-    /// Whether there are error counters, and they: transmit, receive.
+    /// Whether the controller has error counters; the next field contains them: transmit, receive.
     has_errors: AtomicU8,
     errors: AtomicU16,
-    /// Of each drive: 0 where it has not been heard, or is lost.
+    /// NMT state of each device; 0: none was received, or the device is lost.
     nodes: Box<[AtomicU8]>,
 }
 
@@ -50,17 +50,17 @@ impl Tally {
         self.bits.fetch_add(load::bits(frame), Ordering::Relaxed);
     }
 
-    /// Counts what found no room on its way to whoever keeps frames.
+    /// Counts a frame that had no room in the recording.
     pub(super) fn miss(&self) {
         self.missed.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// How often that was.
+    /// Returns the number of frames that had no room in the recording.
     pub(super) fn missed(&self) -> u64 {
         self.missed.load(Ordering::Relaxed)
     }
 
-    /// Notes what the controller tells.
+    /// Stores state and error counters of the controller.
     pub(super) fn note(&self, state: BusState, errors: Option<(u8, u8)>) {
         self.state.store(state as u8, Ordering::Relaxed);
         if let Some((transmit, receive)) = errors {
@@ -69,7 +69,7 @@ impl Tally {
         self.has_errors.store(errors.is_some().into(), Ordering::Relaxed);
     }
 
-    /// Notes the state of the node of the drive at this place of the bus.
+    /// Stores the NMT state of the device at this place of the bus.
     pub(super) fn note_node(&self, place: usize, state: Option<NmtState>) {
         if let Some(node) = self.nodes.get(place) {
             node.store(state.map_or(0, |state| 1 + state as u8), Ordering::Relaxed);
@@ -81,14 +81,14 @@ impl Tally {
         Counts { sent: of(&self.sent), received: of(&self.received), bits: of(&self.bits) }
     }
 
-    /// The state that a drive's node has shown last; none where it has shown none, or is lost.
+    /// Returns the last NMT state of a device; `None` if it has reported none, or is lost.
     pub(super) fn node(&self, place: usize) -> Option<NmtState> {
         let states = [NmtState::BootUp, NmtState::Stopped, NmtState::Operational, NmtState::PreOperational];
         let word = self.nodes.get(place)?.load(Ordering::Relaxed);
         states.into_iter().find(|state| 1 + *state as u8 == word)
     }
 
-    /// How the controller does, and its error counters where it tells them.
+    /// Returns the state of the controller as text, with its error counters if it has any.
     pub(super) fn controller(&self) -> String {
         let state = match self.state.load(Ordering::Relaxed) {
             state if state == BusState::Active as u8 => "active",
@@ -112,12 +112,12 @@ struct Counts {
     bits: u64,
 }
 
-/// What a bus carries at present.
+/// Measurement of the present bus load.
 #[derive(Debug)]
 pub(crate) struct Meter {
     since: Instant,
     last: Counts,
-    /// Of the last whole second, each per second: frames sent, frames received, bits.
+    /// Rates of the last whole second, each per second: frames sent, frames received, bits.
     rates: Option<[f64; 3]>,
 }
 
@@ -126,12 +126,12 @@ impl Meter {
         Self { since: Instant::now(), last: Counts::default(), rates: None }
     }
 
-    /// Begins anew: nobody has looked for a while.
+    /// Restarts the measurement after a pause.
     pub(super) fn restart(&mut self, tally: &Tally, now: Instant) {
         *self = Self { since: now, last: tally.counts(), rates: None };
     }
 
-    /// What is carried, for people, beside what was computed.
+    /// Returns the present bus load as text, next to the calculated one.
     pub(super) fn look(
         &mut self,
         tally: &Tally,
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
     use crate::Id;
 
-    /// 100 frames of 53 bits within 2 s at 10 kbit/s; then nothing.
+    /// 100 frames of 53 bits within 2 s at 10 kbit/s; then none.
     #[test]
     fn a_rate_is_that_of_the_last_whole_second() {
         let (tally, begin) = (Tally::new(0), Instant::now());

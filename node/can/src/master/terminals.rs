@@ -1,9 +1,9 @@
-//! Inputs, outputs and encoders of the machine at the terminals of a device.
+//! Inputs, outputs and encoders of the machine at a device.
 //!
-//! Law      an input has the value of its last word, for as many cycles as the axes believe a drive that is silent; then, and while its
-//!          device takes no part, it is not there: digital 0, analog 0 V, an encoder invalid. An output has its value in each cycle
-//! Reads    words of PDOs, the outputs of a cycle
-//! Writes   the inputs of a cycle, words of PDOs
+//! Law      an input keeps its last value for as many cycles as an axis tolerates missing data of a drive. After that, and while its device
+//!          takes no part, it is invalid: digital 0, analog 0 V, encoder invalid. Outputs are sent in each cycle
+//! Reads    values of PDOs, the outputs of a cycle
+//! Writes   the inputs of a cycle, values of PDOs
 //! Source   CiA 401-1 (6000h, 6200h, 6401h, 6411h), CiA 402-2 (60FDh, 60FEh), CiA 406 (6004h); contract section 8
 
 use super::drive::Drive;
@@ -12,26 +12,26 @@ use crate::drive::layout::{Asked, Told};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{EncoderInput, Inputs, Outputs, bit};
 
-/// What full scale is in words.
+/// Value of an analog channel at full scale.
 const FULL_SCALE: f64 = 0x7FFF as f64;
-/// Analog channels of a module that PDOs have room for.
+/// Number of analog channels of a module that fit in PDOs.
 pub const ANALOG_CHANNELS: usize = 12;
 
-/// The terminals.
+/// State of the terminals of a device.
 #[derive(Clone, Debug)]
 pub(crate) struct Terminals {
     config: config::Terminals,
     /// Bits of all digital inputs.
     digital: u64,
     analog: [i16; ANALOG_CHANNELS],
-    /// Word of an encoder, and how often its coordinate was set anew.
+    /// Position word of an encoder, and the epoch of its coordinate system.
     encoder: (u32, u32),
-    /// Cycles since each PDO came; none of one that has not come since the device was started.
+    /// Cycles since each PDO was received; `None` if it was not received since the start of the device.
     ages: Vec<Option<u32>>,
 }
 
 impl Terminals {
-    /// Those of a device that sends so many PDOs.
+    /// Creates the state for a device that sends `pdos` PDOs.
     pub(super) fn new(config: &config::Terminals, pdos: usize) -> Self {
         Self {
             config: config.clone(),
@@ -42,17 +42,17 @@ impl Terminals {
         }
     }
 
-    /// The device is about to be started; `counts_on`: it was only away.
+    /// Starts reception before the device is started; `counts_on`: the device was only offline.
     pub(super) fn listen(&mut self, counts_on: bool) {
         if !counts_on {
-            // An epoch that comes around differs from the one before, which is all that counts.
+            // An epoch that wraps still differs from the previous one, which is all that matters.
             self.encoder.1 = self.encoder.1.wrapping_add(1);
         }
         self.ages.fill(None);
         (self.digital, self.analog) = (0, [0; ANALOG_CHANNELS]);
     }
 
-    /// Takes the words of the PDO at a place.
+    /// Handles the values of the PDO at a place.
     pub(super) fn take(&mut self, place: usize, words: impl Iterator<Item = (Told, i64)>) {
         for (word, value) in words {
             match word {
@@ -75,9 +75,9 @@ impl Terminals {
         }
     }
 
-    /// What they show in this cycle; `drive`: what the device is as one.
+    /// Writes the inputs of this cycle; `drive`: state of the drive, if the device is one.
     pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&Drive>) {
-        // All PDOs of a module or encoder go with each SYNC.
+        // All PDOs of a module or encoder are sent with each SYNC.
         let is_late = |age: &Option<u32>| age.is_none_or(|age| age > MISSED_CYCLES);
         let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), Drive::is_heard);
         for age in self.ages.iter_mut().flatten() {
@@ -100,7 +100,7 @@ impl Terminals {
             let (count, epoch) = match drive {
                 Some(drive) => drive.counts(),
                 None if encoder.is_absolute => (self.encoder.0.into(), 0),
-                // What is counted goes both ways from 0.
+                // An incremental position counts in both directions from 0.
                 None => (self.encoder.0.cast_signed().into(), self.encoder.1),
             };
             if let Some(input) = inputs.encoder.get_mut(encoder.place) {
@@ -109,7 +109,7 @@ impl Terminals {
         }
     }
 
-    /// A word of the outputs.
+    /// Returns the value of a field of a command PDO.
     pub(super) fn value(&self, word: Asked, outputs: &Outputs) -> i64 {
         let digital = |first: u16, bits: u16| {
             let ours = self.config.digital_outputs.iter().filter(|terminal| bit(&outputs.digital, terminal.place));
@@ -124,7 +124,7 @@ impl Terminals {
                 let ours = self.config.analog_outputs.iter().find(is_it);
                 let Some(config::Analog { terminal, full_scale }) = ours else { return 0 };
                 let volts = outputs.analog.get(terminal.place).copied().unwrap_or_default();
-                // A value that is no number is 0 V; others saturate.
+                // NaN becomes 0 V; other values saturate.
                 (volts / full_scale * FULL_SCALE).round().clamp(-FULL_SCALE, FULL_SCALE) as i64
             }
             _ => 0,
@@ -154,7 +154,7 @@ mod tests {
         }
     }
 
-    /// One PDO of two groups, one of an analog channel.
+    /// One PDO with two groups of digital inputs, and one with an analog input.
     fn module() -> Terminals {
         let config = config::Terminals {
             digital_inputs: vec![terminal(70, 9), terminal(1, 0)],
@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(seen.digital, [0; 2]);
     }
 
-    /// More than 10 cycles without a word, and a device that takes no part.
+    /// More than 10 cycles without a PDO, and a device that takes no part.
     #[test]
     fn inputs_of_a_silent_module_are_not_there() {
         let mut module = module();
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(words(&outputs)[4], 0);
     }
 
-    /// One that was away may count anew, unless its words are absolute.
+    /// The coordinate system of a device that was offline may be a new one, unless its position is absolute.
     #[test]
     fn an_encoder_that_has_booted_counts_anew() {
         for (is_absolute, count, epochs) in [(false, -2, [1, 1, 2]), (true, 0xFFFF_FFFE, [0, 0, 0])] {

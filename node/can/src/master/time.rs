@@ -1,6 +1,6 @@
-//! TIME, the time of day for devices that keep one.
+//! TIME message with the time of day.
 //!
-//! Law      milliseconds after midnight and days since 1984-01-01, both in UTC; a clock before that day tells its first moment
+//! Law      milliseconds after midnight and days since 1984-01-01, both in UTC; a system clock before that day gives 0
 //! Writes   frames with identifier 100h
 //! Source   CiA 301 (TIME_OF_DAY, 1012h)
 
@@ -11,7 +11,7 @@ use std::time::Duration;
 const FIRST_DAY: u64 = 5113;
 const MS_PER_DAY: u64 = 86_400_000;
 
-/// When it went last, and how often it goes.
+/// Producer of the TIME message: period, and time of the last one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeOfDay {
     every_ns: Option<u64>,
@@ -19,12 +19,12 @@ pub(super) struct TimeOfDay {
 }
 
 impl TimeOfDay {
-    /// None: never.
+    /// `None`: TIME is never sent.
     pub(super) fn new(every_ns: Option<u64>) -> Self {
         Self { every_ns, sent_ns: None }
     }
 
-    /// The frame, where it is due; `since_1970`: what the clock shows.
+    /// Returns the frame if it is due; `since_1970`: time of the system clock.
     pub(super) fn due(&mut self, now_ns: u64, since_1970: impl FnOnce() -> Duration) -> Option<Frame> {
         let every_ns = self.every_ns?;
         if self.sent_ns.is_some_and(|sent| now_ns.saturating_sub(sent) < every_ns) {
@@ -38,7 +38,7 @@ impl TimeOfDay {
 fn of_day(since_1970: Duration) -> [u8; 6] {
     let ms = u64::try_from(since_1970.as_millis()).unwrap_or(u64::MAX).saturating_sub(FIRST_DAY * MS_PER_DAY);
     let [a, b, c, d] = ((ms % MS_PER_DAY) as u32).to_le_bytes();
-    // 16 bits last until 2163.
+    // 16 bits are sufficient until 2163.
     let [e, f] = u16::try_from(ms / MS_PER_DAY).unwrap_or(u16::MAX).to_le_bytes();
     [a, b, c, d, e, f]
 }

@@ -1,30 +1,30 @@
-//! Why one side ends an SDO transfer (CiA 301).
+//! SDO abort codes (CiA 301).
 
 use std::fmt;
 
-/// An abort code.
+/// SDO abort code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Abort(pub u32);
 
 impl Abort {
-    /// The toggle bit did not alternate.
+    /// Toggle bit not alternated.
     pub const TOGGLE: Self = Self(0x0503_0000);
-    /// The other side was silent for too long.
+    /// SDO protocol timed out.
     pub const TIMEOUT: Self = Self(0x0504_0000);
-    /// A command that means nothing here.
+    /// Command specifier not valid or unknown.
     pub const COMMAND: Self = Self(0x0504_0001);
-    /// A block of 0 or more than 127 segments.
+    /// Invalid block size: 0 or more than 127 segments.
     pub const BLOCK_SIZE: Self = Self(0x0504_0002);
-    /// A segment of a block out of its sequence.
+    /// Invalid sequence number of a segment.
     pub const SEQUENCE: Self = Self(0x0504_0003);
-    /// The check sum of a block transfer does not fit.
+    /// CRC error of a block transfer.
     pub const CRC: Self = Self(0x0504_0004);
-    /// More bytes than there is room for.
+    /// Out of memory: more bytes than there is room for.
     pub const MEMORY: Self = Self(0x0504_0005);
-    /// Other than the size that was told.
+    /// The length differs from the size that was announced.
     pub const LENGTH: Self = Self(0x0607_0010);
 
-    /// In words; none for a code of the vendor.
+    /// Returns the text of the code; `None` for a code of the vendor.
     pub fn text(self) -> Option<&'static str> {
         Some(match self.0 {
             0x0503_0000 => "the toggle bit does not alternate",

@@ -1,4 +1,4 @@
-//! The client of one device.
+//! SDO client of one device.
 
 use super::abort::Abort;
 use super::crc::crc;
@@ -7,14 +7,14 @@ use std::fmt;
 
 /// Bytes of a segment.
 const SEGMENT: usize = 7;
-/// Segments of a block that we ask for.
+/// Segments per block that this client requests.
 const BLOCK: u8 = 127;
-/// From so many bytes on a download goes in blocks, where that is allowed.
+/// Size from which a download uses block transfer if it is allowed, in bytes.
 const LEAST_FOR_BLOCKS: usize = 32;
-/// How often a block may be acknowledged without any progress.
+/// Maximum number of acknowledgements of a block without progress.
 const MOST_REPEATS: u8 = 8;
 
-/// An object of a device's dictionary.
+/// Object of a device's dictionary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Object {
     /// Index.
@@ -36,120 +36,120 @@ impl fmt::Display for Object {
     }
 }
 
-/// Why a transfer has failed.
+/// Reason why a transfer failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SdoError {
-    /// The device has ended it.
+    /// The device has aborted the transfer.
     #[error("{0}: the device refuses: {1}")]
     Refused(Object, Abort),
-    /// What the device has answered makes no sense; it was told so.
+    /// The answer of the device was invalid, and the transfer was aborted.
     #[error("{0}: the device answers wrongly: {1}")]
     Wrong(Object, Abort),
-    /// The device has not answered.
+    /// The device has not answered; timeout in ms.
     #[error("{0}: the device has not answered for {1} ms")]
     Silent(Object, u64),
-    /// Another transfer with the device is under way.
+    /// Another transfer with the device is in progress.
     #[error("{0}: another transfer with the device is under way")]
     Busy(Object),
 }
 
-/// What a transfer has come to: the object, and its bytes; whoever began it gets its memory back.
+/// Result of a transfer. It returns the buffer to the caller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transfer {
-    /// Which object.
+    /// Object.
     pub object: Object,
-    /// What was read, or what was to be written.
+    /// Bytes that were read, or that were to be written.
     pub data: Vec<u8>,
-    /// Why it has failed, if it has.
+    /// Reason of the failure, if the transfer failed.
     pub result: Result<(), SdoError>,
 }
 
-/// What comes next.
+/// Next step of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Idle,
-    /// The first frame of a download in segments, or of one that fits into it.
+    /// First frame of a segmented or expedited download.
     Download,
-    /// A segment of a download, from `at` on.
+    /// Segment of a download, starting at byte `at`.
     Segment {
         at: usize,
         toggle: bool,
     },
-    /// The first frame of a download in blocks.
+    /// First frame of a block download.
     BlockDownload,
-    /// Segments of a block that begins at `start`; `next` counts from 0, of `size` at most.
+    /// Segments of a block that starts at byte `start`; `next` counts from 0, up to `size`.
     Block {
         start: usize,
         next: u8,
         size: u8,
     },
-    /// The end of a download in blocks.
+    /// End of a block download.
     BlockEnd,
-    /// The first frame of an upload.
+    /// First frame of an upload.
     Upload,
-    /// The next segment of an upload.
+    /// Next segment of an upload.
     Fetch {
         toggle: bool,
     },
-    /// The first frame of an upload in blocks.
+    /// First frame of a block upload.
     BlockUpload,
-    /// Segments of a block come: `next` counts from 1. `is_last`: the last one of all has come.
+    /// Reception of the segments of a block: `next` counts from 1. `is_last`: the last segment of the transfer was received.
     Receive {
         next: u8,
         is_last: bool,
     },
-    /// All segments are acknowledged; the end comes.
+    /// All segments are acknowledged; the end of the transfer follows.
     ReceiveEnd,
 }
 
-/// The transfer under way.
+/// Transfer in progress.
 #[derive(Clone, Debug)]
 struct Work {
     object: Object,
     data: Vec<u8>,
-    /// The size that the device has told.
+    /// Size that the device has announced.
     told: Option<usize>,
-    /// Both sides compute the check sum.
+    /// Whether both sides calculate the checksum.
     checks: bool,
-    /// Acknowledgements of a block without progress, in a row.
+    /// Consecutive acknowledgements of a block without progress.
     repeats: u8,
-    /// When the device was heard last, or asked (ns).
+    /// Time of the last request to or answer of the device, in ns.
     since_ns: u64,
 }
 
-/// The client of one device's SDO server.
+/// Client of the SDO server of one device.
 #[derive(Clone, Debug)]
 pub struct Client {
     request: Id,
     response: Id,
     timeout_ns: u64,
     state: State,
-    /// A frame of the present state is to be sent.
+    /// Whether a frame of the present state is to be sent.
     sends: bool,
-    /// The frame that ends a transfer; it comes first.
+    /// Frame that ends a transfer; it is sent first.
     last: Option<Frame>,
     work: Option<Work>,
-    /// Answers that nobody had asked for.
+    /// Number of unexpected answers.
     strays: u32,
 }
 
 impl Client {
-    /// A client that sends by one identifier and hears by another one, and waits so long for each answer (ns).
+    /// Creates a client with the identifiers of requests and responses, and the timeout for each answer, in ns.
     pub fn new(request: Id, response: Id, timeout_ns: u64) -> Self {
         Self { request, response, timeout_ns, state: State::Idle, sends: false, last: None, work: None, strays: 0 }
     }
 
-    /// Answers that nobody had asked for: late ones, or those of a second device with the same node id.
+    /// Returns the number of unexpected answers: late ones, or those of a second device with the same node ID.
     pub fn strays(&self) -> u32 {
         self.strays
     }
 
-    /// May a transfer begin?
+    /// Returns true if no transfer is in progress.
     pub fn is_idle(&self) -> bool {
         self.work.is_none()
     }
 
-    /// Bytes of the transfer under way that have gone or come, and how many there are, where that is known.
+    /// Returns the number of transferred bytes, and the total number if it is known.
     pub fn progress(&self) -> Option<(usize, Option<usize>)> {
         let Work { data, told, .. } = self.work.as_ref()?;
         let (most, sent) = (data.len(), |at: usize| (at.min(data.len()), Some(data.len())));
@@ -162,20 +162,20 @@ impl Client {
         })
     }
 
-    /// Reads an object into `room`: as many bytes as it has room for, and 7 more for what the last segment is filled up with. Does
-    /// nothing and gives `room` back where a transfer is under way.
+    /// Starts to read an object into the buffer `room`. Its capacity must exceed the object by 7 bytes, for the padding of the last
+    /// segment.
     ///
     /// # Errors
-    /// The room.
+    /// Returns the buffer if a transfer is in progress.
     pub fn upload(&mut self, object: Object, mut room: Vec<u8>, in_blocks: bool, now_ns: u64) -> Result<(), Vec<u8>> {
         room.clear();
         self.begin(object, room, if in_blocks { State::BlockUpload } else { State::Upload }, now_ns)
     }
 
-    /// Writes an object; longer ones in blocks, where that is allowed.
+    /// Starts to write an object; a long one by block transfer if it is allowed.
     ///
     /// # Errors
-    /// The data, where a transfer is under way.
+    /// Returns the data if a transfer is in progress.
     pub fn download(&mut self, object: Object, data: Vec<u8>, in_blocks: bool, now_ns: u64) -> Result<(), Vec<u8>> {
         let blocks = in_blocks && data.len() >= LEAST_FOR_BLOCKS;
         self.begin(object, data, if blocks { State::BlockDownload } else { State::Download }, now_ns)
@@ -190,7 +190,7 @@ impl Client {
         Ok(())
     }
 
-    /// The next frame that is to be sent now, if any. A block has up to 127 of them.
+    /// Returns the next frame to be sent, if any. A block has up to 127 frames.
     pub fn next_frame(&mut self) -> Option<Frame> {
         if let Some(last) = self.last.take() {
             return Some(last);
@@ -235,13 +235,13 @@ impl Client {
             State::Upload => [0x40, low, high, sub, 0, 0, 0, 0],
             State::Fetch { toggle } => [0x60 | u8::from(toggle) << 4, 0, 0, 0, 0, 0, 0, 0],
             State::BlockUpload => [0xA4, low, high, sub, BLOCK, 0, 0, 0],
-            // Asks for the first block.
+            // Requests the first block.
             State::Receive { .. } => [0xA3, 0, 0, 0, 0, 0, 0, 0],
         };
         Some(Frame::of(self.request, bytes))
     }
 
-    /// Takes a frame of the device; what it ends.
+    /// Handles a frame of the device. Returns the result if the transfer has ended.
     pub fn receive(&mut self, frame: &Frame, now_ns: u64) -> Option<Transfer> {
         let bytes: [u8; 8] = frame.bytes().try_into().ok().filter(|_| frame.id() == self.response)?;
         let Some(work) = &mut self.work else {
@@ -251,12 +251,12 @@ impl Client {
         let is_of_object = bytes[1..4] == work.object.mux();
         let is_first =
             matches!(self.state, State::Download | State::BlockDownload | State::Upload | State::BlockUpload);
-        // No segment of a block has that number.
+        // 80h is an abort, because no segment of a block has number 0.
         if bytes[0] == 0x80 {
             let [.., a, b, c, d] = bytes;
             return self.refused(Abort(u32::from_le_bytes([a, b, c, d])), is_of_object);
         }
-        // The late answer of a transfer that has been given up.
+        // Late answer to an earlier transfer that was abandoned.
         if is_first && !is_of_object {
             self.strays = self.strays.saturating_add(1);
             return None;
@@ -269,7 +269,7 @@ impl Client {
         }
     }
 
-    /// What time has ended: a device that is silent for too long.
+    /// Handles the timeout. Returns the result if the transfer has ended.
     pub fn tick(&mut self, now_ns: u64) -> Option<Transfer> {
         let work = self.work.as_ref()?;
         if now_ns.saturating_sub(work.since_ns) < self.timeout_ns {
@@ -280,7 +280,7 @@ impl Client {
         self.end(Err(error))
     }
 
-    /// Does the answer end the transfer?
+    /// Handles an answer. Returns true if the transfer is complete.
     fn take(&mut self, bytes: [u8; 8]) -> Result<bool, Abort> {
         let Some(work) = &mut self.work else { return Ok(false) };
         let [command, _, _, _, a, b, c, d] = bytes;
@@ -336,7 +336,7 @@ impl Client {
                 }
             }
             State::BlockEnd => return if command == 0xA1 { Ok(true) } else { Err(Abort::COMMAND) },
-            // A server that knows no blocks answers as if it had been asked for segments.
+            // A server without block transfer answers as to a segmented upload.
             State::BlockUpload if command & 0xF9 == 0xC0 => {
                 work.checks = command & 4 != 0;
                 work.expect((command & 2 != 0).then_some(size))?;
@@ -396,7 +396,7 @@ impl Client {
         Ok(())
     }
 
-    /// A segment of a block that comes: what is out of its sequence is left out, and comes again.
+    /// Handles a received segment of a block. A segment out of sequence is dropped and sent again.
     fn take_segment(&mut self, bytes: [u8; 8]) -> Result<(), Abort> {
         let State::Receive { mut next, mut is_last } = self.state else { return Ok(()) };
         let Some(work) = &mut self.work else { return Ok(()) };
@@ -423,13 +423,13 @@ impl Client {
         Ok(())
     }
 
-    /// The device ends it; one that knows no blocks is asked for segments.
+    /// Handles an abort of the device. If the device does not support block transfer, the segmented transfer is used.
     fn refused(&mut self, abort: Abort, is_of_object: bool) -> Option<Transfer> {
         let knows_no_blocks = abort == Abort::COMMAND && is_of_object;
         match self.state {
             State::BlockDownload if knows_no_blocks => (self.state, self.sends) = (State::Download, true),
             State::BlockUpload if knows_no_blocks => (self.state, self.sends) = (State::Upload, true),
-            // A late answer to another transfer.
+            // Late answer to another transfer.
             State::Download | State::BlockDownload | State::Upload | State::BlockUpload if !is_of_object => {}
             _ => {
                 let object = self.work.as_ref()?.object;
@@ -458,19 +458,19 @@ impl Client {
 }
 
 impl Work {
-    /// So many bytes will come, if the device tells.
+    /// Stores the number of bytes that the device has announced, if any.
     fn expect(&mut self, told: Option<usize>) -> Result<(), Abort> {
         self.told = told;
         if told.is_some_and(|told| told > self.data.capacity()) { Err(Abort::MEMORY) } else { Ok(()) }
     }
 
-    /// Has as much come as was told?
+    /// Checks that the announced number of bytes was received.
     fn is_complete(&self) -> Result<bool, Abort> {
         if self.told.is_none_or(|told| told == self.data.len()) { Ok(true) } else { Err(Abort::LENGTH) }
     }
 }
 
-/// Takes no memory: what finds no room is too much.
+/// Appends without allocation; bytes beyond the capacity are an error.
 fn append(data: &mut Vec<u8>, bytes: &[u8]) -> Result<(), Abort> {
     if data.capacity() - data.len() < bytes.len() {
         return Err(Abort::MEMORY);
@@ -479,7 +479,7 @@ fn append(data: &mut Vec<u8>, bytes: &[u8]) -> Result<(), Abort> {
     Ok(())
 }
 
-/// The bytes of a segment from `at` on, and how many of it are not used.
+/// Returns the bytes of a segment from `at`, and the number of unused ones.
 fn segment(data: &[u8], at: usize) -> ([u8; SEGMENT], u8) {
     let rest = data.get(at..).unwrap_or_default();
     let mut bytes = [0; SEGMENT];

@@ -1,6 +1,6 @@
-//! Check sum of block transfers: CRC-16/XMODEM, polynomial 1021h, begun with 0.
+//! Checksum of block transfers: CRC-16/XMODEM, polynomial 1021h, initial value 0.
 
-/// Of bytes behind others with check sum `before`.
+/// Returns the checksum of bytes that follow bytes with checksum `before`.
 pub(super) fn crc(before: u16, bytes: &[u8]) -> u16 {
     bytes.iter().fold(before, |crc, byte| {
         (0..8).fold(crc ^ u16::from(*byte) << 8, |crc, _| {
@@ -14,7 +14,7 @@ pub(super) fn crc(before: u16, bytes: &[u8]) -> u16 {
 mod tests {
     use super::crc;
 
-    /// The check value of the catalogue of parametrised CRC algorithms.
+    /// Check value of the catalogue of parametrised CRC algorithms.
     #[test]
     fn nine_digits_have_the_check_value() {
         assert_eq!(crc(0, b"123456789"), 0x31C3);

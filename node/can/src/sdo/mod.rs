@@ -1,8 +1,8 @@
-//! Service data objects: reading and writing the objects of a device, beside its process data (CiA 301).
+//! Service data objects (SDO): read and write access to the objects of a device, next to process data (CiA 301).
 //!
-//! Law      one transfer at a time; nothing here waits, has a clock or takes memory: whoever has the bus hands over frames and the
-//!          time, and asks for what is to be sent
-//! Refuses  what the device aborts, with its code in words; what answers wrongly or not at all
+//! Law      one transfer at a time. The client neither waits nor has a clock nor allocates memory: the caller passes received frames and
+//!          the time, and fetches the frames to be sent
+//! Refuses  transfers that the device aborts, with the meaning of the code; wrong or missing answers
 //! Source   CiA 301
 
 mod abort;

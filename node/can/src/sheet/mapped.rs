@@ -1,4 +1,4 @@
-//! Objects that the PDOs of a device carry, compared with its file.
+//! Compares mapped objects of a device with its file.
 
 use super::Sheet;
 use crate::drive::layout::{Asked, Field, OPTIONAL, Told, Transmission};
@@ -7,7 +7,7 @@ use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
 
 impl Sheet<'_> {
-    /// Compares type, length and access of what its PDOs carry, where the master maps them.
+    /// Compares type, length and access of the objects in PDOs that the master maps.
     pub(super) fn mapped(&mut self) {
         let device = self.device;
         for pdo in device.layout.asked.iter().filter(|pdo| pdo.is_mapped) {
@@ -28,7 +28,7 @@ impl Sheet<'_> {
         self.left_out();
     }
 
-    /// Warns of optional objects that are in no PDO because the file gives them another type or access.
+    /// Adds warnings about optional objects that are not mapped because the file gives them another type or access.
     fn left_out(&mut self) {
         let (device, known) = (self.device, self.known);
         if device.drive().is_none_or(|drive| drive.drive_type.is_some()) {
@@ -84,7 +84,7 @@ impl Sheet<'_> {
     }
 }
 
-/// The key of the cell that has a value in a PDO; none where the value is nothing.
+/// Returns the key of the cell that requires a commanded value; `None` for unused bits.
 fn key_of_asked(word: Asked) -> Option<&'static str> {
     match word {
         Asked::Control | Asked::Position | Asked::Velocity | Asked::Torque | Asked::Mode => Some("interface"),
@@ -93,7 +93,7 @@ fn key_of_asked(word: Asked) -> Option<&'static str> {
     }
 }
 
-/// The same of what a device sends. Inputs and error code of a drive are mapped because the file has them.
+/// Returns the key of the cell that requires a reported value. Inputs and error code of a drive are mapped because the file contains them.
 fn key_of_told(word: Told, transmission: Transmission, is_for_torque: bool) -> Option<&'static str> {
     match word {
         Told::Status | Told::Position | Told::Mode => Some("interface"),

@@ -1,4 +1,4 @@
-//! Objects that a device needs, and that its file may lack.
+//! Checks that the file contains the objects that a device needs.
 //!
 //! Source   CiA 301, CiA 402-2 (6060h and 6061h, which a drive need not be able to map)
 
@@ -10,8 +10,8 @@ use crate::eds::Direction;
 use crate::sdo::Object;
 
 impl Sheet<'_> {
-    /// Notes an object that a PDO carries and the file lacks; of each index the first one, and no other. An index that says
-    /// how many subindices it has lacks the next ones for sure.
+    /// Reports a mapped object that the file lacks, only the first one of each index. It is an error if the index has fewer subindices
+    /// according to its subindex 0; otherwise a warning.
     pub(super) fn missing(&mut self, object: Object, key: &str) {
         if !self.lacking.insert(object.index) {
             return;
@@ -34,7 +34,8 @@ impl Sheet<'_> {
         }
     }
 
-    /// Notes what else the file lacks or does not allow: PDOs, and objects that are written before the device starts or for homing.
+    /// Reports other objects that the file lacks or does not allow to be written: PDO parameters, and objects that are written before the
+    /// start or for homing.
     pub(super) fn present(&mut self, homes: bool) {
         self.pdos();
         for (object, key) in self.needed(homes) {
@@ -50,7 +51,7 @@ impl Sheet<'_> {
     }
 
     fn pdos(&mut self) {
-        // What CompactPDO stands for has no sections.
+        // PDO objects that CompactPDO describes have no sections.
         let (device, known) = (self.device, self.known);
         if known.device.compact_pdo.is_some_and(|bits| bits != 0) {
             return;
@@ -67,7 +68,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Objects that must be there to be written, and the keys of the cell that need them.
+    /// Returns the objects that must be writable, with the keys of the cell that need them.
     fn needed(&self, homes: bool) -> Vec<(Object, &'static str)> {
         let mut needed = Vec::new();
         match self.device.watching {
@@ -78,10 +79,10 @@ impl Sheet<'_> {
             Watching::None => {}
         }
         let Some(drive) = self.device.drive() else { return needed };
-        // Both probes are set up by one object.
+        // One object configures both probes.
         let key = ["probe_1", "probe_2"].into_iter().zip(drive.probes).find(|(_, probe)| probe.is_some());
         needed.extend(key.map(|(key, _)| (objects::TOUCH_PROBE_FUNCTION, key)));
-        // One by number has no mode in its PDOs.
+        // A drive with DRIVETYPE has no mode in its PDOs.
         needed.extend(drive.drive_type.map(|_| (objects::MODE, "drivetype")));
         if self.device.layout.mode_by_sdo.writes {
             needed.push((objects::MODE, "interface"));
@@ -106,13 +107,13 @@ impl Sheet<'_> {
         }
     }
 
-    /// Checks the type of 6060h and 6061h, and that 6061h can be read, if they go by SDO.
+    /// Checks the types of 6060h and 6061h, and that 6061h is readable, if they are exchanged by SDO.
     fn mode_by_sdo(&mut self) {
         let (known, by_sdo) = (self.known, self.device.layout.mode_by_sdo);
         let of_mode = [(by_sdo.writes, objects::MODE, "written"), (by_sdo.reads, objects::MODE_DISPLAY, "read")];
         for (_, object, verb) in of_mode.into_iter().filter(|(goes_by_sdo, ..)| *goes_by_sdo) {
             let Some(entry) = known.entry(object) else {
-                // The other one was looked for as an object that is written.
+                // 6060h was already checked as an object that is written.
                 if object == objects::MODE_DISPLAY {
                     self.warning(&format!("{object} is missing in the file; key interface needs it"));
                 }
@@ -131,7 +132,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// Compares the bytes of a value of `startup` with the type of its object.
+    /// Compares the length of a value of `startup` with the type of its object.
     fn length(&mut self, object: Object, bytes: usize) {
         let Some(data_type) = self.known.entry(object).map(|entry| entry.data_type) else { return };
         let Some(length) = data_type.bits().map(|bits| bits.div_ceil(8)) else { return };
@@ -140,7 +141,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// What key feed is compared with.
+    /// Checks for the objects that are compared with key feed.
     fn factors(&mut self) {
         let has_feed = self.device.drive().is_some_and(|drive| drive.per_revolution.is_some());
         let [feed, resolution] = [objects::FEED_CONSTANT, objects::ENCODER_RESOLUTION].map(|[first, _]| first);

@@ -7,10 +7,10 @@ use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");
 
-/// The drive homes by itself.
+/// Homing is done in the drive.
 const HOMES: Needs = Needs { bit_rate: None, homes: true };
 
-/// The file of the simulated drive, with another value of a key in some sections.
+/// Returns the file of the simulated drive with another value of a key in some sections.
 fn changed(changes: &[(&str, &str, &str)]) -> Dictionary {
     let mut text = OWN.to_owned();
     for (section, key, value) in changes {
@@ -53,7 +53,7 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
         let sentence = format!("{said}: {missing}; {cure}");
         assert_eq!(compare(&drive(mode), Needs::default(), &known), of(&[&sentence], &[]));
     }
-    // As the cure says.
+    // As the message recommends.
     let deleted = OWN.replacen("DefaultValue=0x3EF\n", "", 1);
     assert_ne!(deleted, OWN);
     let deleted = eds::parse(deleted.as_bytes(), Some(3)).expect("a good file");
@@ -62,7 +62,7 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
     assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &with_homing), Findings::default());
 }
 
-/// Bit 5 of 6502h is homing (CiA 402-2). Files have it wrong; a ParameterValue comes from the drive itself.
+/// Bit 5 of 6502h is homing (CiA 402-2). It is wrong in some files; a ParameterValue was read from the drive itself.
 #[test]
 fn homing_that_the_file_does_not_offer_is_a_warning_if_its_method_can_be_written() {
     let modes = ("6502", "DefaultValue", "0x185");
@@ -92,8 +92,8 @@ fn supported_modes_of_0_or_none_say_nothing() {
     }
 }
 
-/// Control word 16 bits, position 32 bits (CiA 402-2). The sign of a type makes no difference on the wire; a REAL32 has as many bits and
-/// another meaning.
+/// Control word 16 bits, position 32 bits (CiA 402-2). Signedness makes no difference on the bus; REAL32 has the same length but another
+/// encoding.
 #[test]
 fn mapped_object_of_another_length_or_kind_is_an_error() {
     for (section, data_type, sentence) in [
@@ -120,7 +120,7 @@ fn mapped_object_of_another_length_or_kind_is_an_error() {
     }
 }
 
-/// What a device receives has to be writable, what it sends readable; rwr and rww name the other direction (CiA 306-1).
+/// Objects that a device receives must be writable, those that it sends readable; rwr and rww refer to the other direction (CiA 306-1).
 #[test]
 fn mapped_object_without_the_access_is_an_error() {
     let found = |section, access| {
@@ -144,7 +144,7 @@ fn terminal(address: u16) -> Terminal {
     Terminal { place: 0, address }
 }
 
-/// A module with a digital input and an analog output at these addresses.
+/// Returns a module with a digital input and an analog output at these addresses.
 fn module(input: Option<u16>, output: Option<u16>) -> DeviceConfig {
     let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };
     let terminals = Terminals {
@@ -156,12 +156,12 @@ fn module(input: Option<u16>, output: Option<u16>) -> DeviceConfig {
     DeviceConfig { layout, terminals, role: Role::Module, ..drive(DriveMode::Csp) }
 }
 
-/// A file with these sections.
+/// Returns a file with these sections.
 fn file(sections: &str) -> Dictionary {
     eds::parse(format!("[DeviceInfo]\n{sections}").as_bytes(), Some(3)).expect("a good file")
 }
 
-/// The section of an object: index or index and subindex, and its keys.
+/// Returns the section of an object: index, or index and subindex, with its keys.
 fn section(name: &str, data_type: u16, access: &str, default: &str, is_mappable: bool) -> String {
     let mapping = u8::from(is_mappable);
     format!(
@@ -169,13 +169,13 @@ fn section(name: &str, data_type: u16, access: &str, default: &str, is_mappable:
     )
 }
 
-/// 8 inputs in 6000h:01 (CiA 401-1): `mapping` is PDOMapping.
+/// Returns 8 inputs in 6000h:01 (CiA 401-1); `mapping` is PDOMapping.
 fn inputs(is_mappable: bool) -> String {
     let head = "[6000]\nParameterName=a\nObjectType=8\nSubNumber=2\n".to_owned();
     head + &section("6000sub0", 5, "ro", "1", false) + &section("6000sub1", 5, "ro", "", is_mappable)
 }
 
-/// PDO 1 that carries 6000h:01, 8 bits.
+/// Returns PDO 1 with 6000h:01, 8 bits.
 fn pdo_of_inputs() -> String {
     "[1800]\nParameterName=a\nObjectType=9\nSubNumber=1\n".to_owned()
         + &section("1800sub1", 7, "rw", "$NODEID+0x180", false)
@@ -196,14 +196,14 @@ fn object_that_cannot_be_mapped_is_an_error_unless_the_file_maps_it_itself() {
     assert_eq!(of_input(inputs(true) + &pdo), Findings::default());
 }
 
-/// The file of the simulated drive, whose object has another index: it lacks this one.
+/// Returns the file of the simulated drive in which an object has another index, so that this one is missing.
 fn without(index: &str) -> Dictionary {
     let (from, to) = (format!("[{index}"), format!("[2F{}", &index[2..]));
     assert!(OWN.contains(&from) && !OWN.contains(&to), "{index}");
     eds::parse(OWN.replace(&from, &to).as_bytes(), Some(3)).expect("a good file")
 }
 
-/// Addresses 8 to 15 are bits of 6000h:02 (CiA 401-1). A count of 0, or none, says nothing.
+/// Addresses 8 to 15 are bits of 6000h:02 (CiA 401-1). A count that is 0 or missing gives no information.
 #[test]
 fn io_beyond_the_inputs_of_the_file_is_an_error() {
     let of_input =
@@ -219,7 +219,7 @@ fn io_beyond_the_inputs_of_the_file_is_an_error() {
     assert_eq!(of_input(8, unsaid), of(&[], &[missing]));
 }
 
-/// Channels 0 to 2 of analog outputs are 6411h:01 to 03, from RPDO 2 on (CiA 401-1); the position of an encoder is in TPDO 2 (CiA 406).
+/// Channels 0 to 2 of analog outputs are 6411h:01 to 03, from RPDO 2 (CiA 401-1); the position of an encoder is in TPDO 2 (CiA 406).
 #[test]
 fn what_the_file_lacks_is_a_warning() {
     let known = file(&(inputs(true) + &pdo_of_inputs()));
@@ -270,13 +270,13 @@ fn what_is_written_for_a_key_has_to_be_there_and_writable() {
     assert_eq!(compare(&measured, Needs::default(), &changed(&[])), Findings::default());
 }
 
-/// The drive in mode csp, with the PDOs that are planned by this file.
+/// Returns the drive in mode csp, with the PDOs that are planned from this file.
 fn planned(known: &Dictionary) -> DeviceConfig {
     let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(known));
     DeviceConfig { layout: layout.expect("it maps what it needs"), ..drive(DriveMode::Csp) }
 }
 
-/// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). Without entries of io no cell needs them; with one 60FDh is needed.
+/// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). Without entries of `io` no cell needs them; with one, 60FDh is required.
 #[test]
 fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_it() {
     let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
@@ -313,7 +313,7 @@ fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_
     assert_eq!(found(&changed(&[])), Findings::default());
 }
 
-/// A drive need not be able to map 6060h and 6061h (CiA 402-2). By SDO 6060h is written and 6061h is read; both are INTEGER8.
+/// Mapping of 6060h and 6061h is optional (CiA 402-2). By SDO, 6060h is written and 6061h is read; both are INTEGER8.
 #[test]
 fn mode_that_goes_by_sdo_is_compared_with_the_file() {
     let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
@@ -355,7 +355,7 @@ fn device_of_another_profile_is_an_error() {
             "node 3 (x0): 1000h:00 is {device_type} by the file, profile {profile}; entries of axes need profile 402 (drive)"
         )
     };
-    // The file has the control word and the status word: the device itself says what it is.
+    // The file contains control word and status word, so the profile is read from the device itself.
     let asked = "; the file has 6040h and 6041h: the device is asked when it starts";
     for (value, device_type, profile) in
         [("0x00030191", "00030191h", "401"), ("0x811", "00000811h", "0811h"), ("0x190", "00000190h", "0190h")]
@@ -378,7 +378,7 @@ fn device_of_another_profile_is_an_error() {
     assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00030191")), Findings::default());
 }
 
-/// The file has 125, 250, 500, 1000 kbit/s. A Baudrate of 0 says nothing; of 83.3 kbit/s a file has the whole part.
+/// The file has 125, 250, 500, 1000 kbit/s. A Baudrate of 0 gives no information; a file contains the integer part of 83.3 kbit/s.
 #[test]
 fn bit_rate_is_compared_with_that_of_the_configuration() {
     let found = |baudrate: &str, bit_rate| {
@@ -393,7 +393,7 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
     }
     let warning = "node 3 (x0): [DeviceInfo] of the file has the bit rates 125, 250, 500, 1000 kbit/s; bitrate of the backend is 83300 bit/s";
     assert_eq!(found("83", Some(83_300)), of(&[], &[warning]));
-    // The device does not know the Baudrate that its configuration gives it.
+    // The device does not support the Baudrate of its configuration.
     let denied = |own: u16| {
         format!(
             "node 3 (x0): Baudrate is {own} kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s; \
@@ -417,7 +417,7 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
     }
 }
 
-/// 6081h is UNSIGNED32, 6041h the status word, which is read alone.
+/// 6081h is UNSIGNED32, 6041h is the read-only status word.
 #[test]
 fn startup_is_compared_with_the_objects_of_the_file() {
     let found = |index, bytes: usize| {

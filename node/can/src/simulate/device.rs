@@ -1,8 +1,9 @@
-//! One simulated drive as a device of CANopen; its mechanics are elsewhere.
+//! CANopen device of one simulated drive, without its mechanics.
 //!
-//! Law      a device boots into pre-operational; PDOs go only while it is operational. NMT reset node sets all objects to their values after
-//!          power-on, reset communication those below 2000h. A device that loses its master sends EMCY 8130h and changes its state by 1029h. The
-//!          drive of it, and one that is stopped or whose communication is reset by NMT, does what 6007h says if it is not off
+//! Law      a device boots to pre-operational; PDOs are exchanged only while it is operational. NMT reset node sets all objects to their
+//!          power-on values, reset communication those below 2000h. A device that loses its master sends EMCY 8130h and changes its state
+//!          according to 1029h. Its drive then reacts according to 6007h if it is not off; so does a drive that is stopped, or whose
+//!          communication is reset, by NMT
 //! Source   CiA 301 (NMT, EMCY, 1029h), CiA 402-2 (6007h, 6040h, 6041h)
 
 use super::CONNECTION_LOST;
@@ -21,16 +22,16 @@ use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs, control};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Status word bit 9: the drive takes what comes over the bus.
+/// Status word bit 9: remote, the drive is controlled over the bus.
 const STATUS_REMOTE: u16 = 0x0200;
-/// Bit 0 of the error register: any error.
+/// Bit 0 of the error register: generic error.
 const GENERIC_ERROR: u8 = 0x01;
-/// Bit 4 of the error register: communication.
+/// Bit 4 of the error register: communication error.
 const COMMUNICATION_ERROR: u8 = 0x10;
 /// Indices of the communication profile (CiA 301).
 const COMMUNICATION: RangeInclusive<u16> = 0x1000..=0x1FFF;
 
-/// The error register (1001h) of an error code; code 0: no error.
+/// Returns the error register (1001h) of an error code; code 0: no error.
 fn error_register(code: u16) -> u8 {
     match code {
         0 => 0,
@@ -39,7 +40,7 @@ fn error_register(code: u16) -> u8 {
     }
 }
 
-/// The state that a device shows, as one byte.
+/// Returns the NMT state as the byte of a heartbeat.
 fn number(state: NmtState) -> u8 {
     match state {
         NmtState::BootUp => 0x00,
@@ -49,19 +50,19 @@ fn number(state: NmtState) -> u8 {
     }
 }
 
-/// A drive.
+/// Simulated drive as a CANopen device.
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     node: NodeId,
-    /// Its place among the drives of the machine.
+    /// Place among the drives of the machine.
     place: usize,
     velocity: VelocityFactor,
     terminals: Terminals,
-    /// Time of a cycle of the mechanics (s).
+    /// Cycle time of the mechanics, in s.
     cycle_s: f64,
     modes: Modes,
     probes: TouchProbes,
-    /// Its objects after power-on.
+    /// Objects after power-on.
     initial: Table,
     table: Table,
     state: NmtState,
@@ -69,14 +70,15 @@ pub(super) struct Device {
     sent: Vec<Pdo>,
     server: Server,
     supervision: Supervision,
-    /// It has reported that its master is lost.
+    /// Whether the loss of the master was reported.
     misses_master: bool,
     fault: u16,
     is_lost: bool,
 }
 
 impl Device {
-    /// A drive that is switched off and waits to boot, with mechanics of that cycle; none if the device is no drive.
+    /// Creates a drive that is switched off and has not booted; `cycle` is the cycle time of its mechanics. `None` if the device is not a
+    /// drive.
     pub(super) fn new(config: &DeviceConfig, cycle: Duration) -> Option<Self> {
         let drive = config.drive()?;
         let initial = Table::new(config, drive);
@@ -101,30 +103,30 @@ impl Device {
         })
     }
 
-    /// Its place among the drives of the machine.
+    /// Returns the place among the drives of the machine.
     pub(super) fn place(&self) -> usize {
         self.place
     }
 
-    /// From one SYNC to the next (1006h); none if it is not known.
+    /// Returns the SYNC period (1006h); `None` if it is unknown.
     pub(super) fn sync_period(&self) -> Option<Duration> {
         let us = self.table.get(objects::CYCLE_PERIOD);
         (us > 0).then_some(Duration::from_micros(us.into()))
     }
 
-    /// Returns true once when the drive has to have a fault, as it has lost its master.
+    /// Returns true once when the drive has to report a fault because it has lost its master.
     pub(super) fn take_loss(&mut self) -> bool {
         std::mem::take(&mut self.is_lost)
     }
 
-    /// Boots: sends the boot-up message and is pre-operational.
+    /// Boots: sends the boot-up message and changes to pre-operational.
     pub(super) fn boot(&mut self, out: &mut Vec<Frame>) {
         self.state = NmtState::BootUp;
         self.send_state(0, out);
         self.state = NmtState::PreOperational;
     }
 
-    /// Objects of these indices have their values after power-on again, and the device boots.
+    /// Sets the objects of these indices to their power-on values, and boots.
     fn reset(&mut self, indices: &RangeInclusive<u16>, out: &mut Vec<Frame>) {
         self.table.restore(&self.initial, indices);
         self.received.clear();
@@ -136,12 +138,12 @@ impl Device {
         self.boot(out);
     }
 
-    /// One byte: the state, with the toggle bit of guarding.
+    /// Sends the state in one byte, with the toggle bit of node guarding.
     fn send_state(&self, toggle: u8, out: &mut Vec<Frame>) {
         out.extend(Frame::data(self.node.heartbeat(), &[number(self.state) | toggle]));
     }
 
-    /// Receives anything but SYNC.
+    /// Handles any frame except SYNC.
     pub(super) fn take(&mut self, frame: &Frame, now: Duration, out: &mut Vec<Frame>) {
         let id = frame.id();
         if frame.is_remote() {
@@ -209,7 +211,7 @@ impl Device {
         }
     }
 
-    /// Does what is due.
+    /// Sends heartbeats, checks timeouts, and sends changed PDOs.
     pub(super) fn tick(&mut self, now: Duration, out: &mut Vec<Frame>) {
         if self.supervision.is_due(&self.table, now) {
             self.send_state(0, out);
@@ -219,7 +221,7 @@ impl Device {
         }
     }
 
-    /// The master is silent.
+    /// Handles the loss of the master.
     fn lose_master(&mut self, out: &mut Vec<Frame>) {
         self.misses_master = true;
         self.abort_connection();
@@ -235,14 +237,14 @@ impl Device {
         }
     }
 
-    /// The master is there again.
+    /// Handles the return of the master.
     fn find_master(&mut self, out: &mut Vec<Frame>) {
         if std::mem::take(&mut self.misses_master) && self.fault == 0 {
             self.send_emergency(0, out);
         }
     }
 
-    /// Does what 6007h says, if the drive is not off: nothing, fault, disable voltage, or quick stop.
+    /// Reacts according to 6007h if the drive is not off: no action, fault, disable voltage, or quick stop.
     fn abort_connection(&mut self) {
         let state = DriveState::from_status(self.table.get(objects::STATUS_WORD) as u16);
         let on = [DriveState::Ready, DriveState::SwitchedOn, DriveState::Enabled, DriveState::QuickStop];
@@ -257,7 +259,7 @@ impl Device {
         }
     }
 
-    /// Shows what the mechanics have done.
+    /// Updates the objects from the state of the mechanics.
     pub(super) fn show(&mut self, inputs: &Inputs, out: &mut Vec<Frame>) {
         let Some(drive) = inputs.drive.get(self.place) else { return };
         let terminals = self.terminals.digital_inputs.iter().filter(|terminal| inputs.digital(terminal.place));
@@ -267,7 +269,7 @@ impl Device {
         let status = drive.status | STATUS_REMOTE | self.modes.status(drive.status);
         table.put(objects::STATUS_WORD, status.into());
         table.put(objects::MODE_DISPLAY, self.modes.shown(drive.mode).cast_unsigned().into());
-        // 32 bits, which wrap.
+        // The conversion to 32 bits wraps.
         table.put(objects::POSITION, drive.count as u32);
         table.put(objects::VELOCITY, velocity as u32);
         table.put(simulated::VL_DEMAND, self.modes.vl_demand(self.velocity).cast_unsigned().into());
@@ -282,13 +284,13 @@ impl Device {
         self.send_changes(out);
     }
 
-    /// Error code and EMCY; code 0: no error any more.
+    /// Sets the error code and sends EMCY; code 0: the error has ended.
     fn send_fault(&mut self, out: &mut Vec<Frame>) {
         self.table.put(objects::ERROR_CODE, self.fault.into());
         self.send_emergency(self.fault, out);
     }
 
-    /// Error register and EMCY; code 0: no error any more.
+    /// Sets the error register and sends EMCY; code 0: the error has ended.
     fn send_emergency(&mut self, code: u16, out: &mut Vec<Frame>) {
         let register = error_register(code);
         self.table.put(simulated::ERROR_REGISTER, register.into());
@@ -304,7 +306,7 @@ impl Device {
         }
     }
 
-    /// SYNC, after the mechanics have moved: sends its PDOs, then applies what it has received before.
+    /// Handles SYNC after the mechanics have moved: sends PDOs, then applies the PDOs received before.
     pub(super) fn synchronize(&mut self, out: &mut Vec<Frame>) {
         if self.state == NmtState::Operational {
             out.extend(self.sent.iter_mut().filter_map(|pdo| pdo.with_sync(&self.table)));
@@ -314,7 +316,7 @@ impl Device {
         }
     }
 
-    /// One cycle of its mode: writes what its objects command to the outputs of the machine.
+    /// Runs one cycle of the mode of operation: writes the commands of the objects to the outputs of the machine.
     pub(super) fn order(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
         let drive = inputs.drive.get(self.place).copied().unwrap_or_default();
         let asked = self.modes.step(&self.table, self.velocity, &drive, self.cycle_s);

@@ -1,42 +1,42 @@
-//! Positions between two setpoints of csp and ip.
+//! Interpolation between two setpoints of csp and ip.
 //!
-//! Law      a new setpoint is reached after the interpolation time of 60C2h, in equal steps, one for each cycle of the mechanics
+//! Law      a new setpoint is reached after the interpolation time of 60C2h, in equal steps, one per cycle of the mechanics
 //! Source   CiA 402-2 (60C2h)
 
 use super::table::Table;
 use crate::drive::objects;
 
-/// The position between two setpoints.
+/// Interpolator between two setpoints.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Interpolator {
-    /// The setpoint; none before the first one.
+    /// Setpoint; `None` before the first one.
     goal: Option<i64>,
     demand: i64,
     /// Cycles until the setpoint is reached.
     left: u32,
 }
 
-/// Cycles of the mechanics from one setpoint to the next (60C2h); at least 1.
+/// Returns the number of cycles of the mechanics between two setpoints (60C2h); at least 1.
 pub(super) fn cycles(table: &Table, cycle_s: f64) -> u32 {
     let units = f64::from(table.get(objects::INTERPOLATION_VALUE));
     let seconds = units * 10_f64.powi(table.signed(objects::INTERPOLATION_INDEX));
-    // Saturates.
+    // The conversion saturates.
     ((seconds / cycle_s).round() as u32).max(1)
 }
 
 impl Interpolator {
-    /// Not in use: the drive is at `count`.
+    /// Resets the interpolator to position `count`.
     pub(super) fn rest_at(&mut self, count: i64) {
         *self = Self { goal: None, demand: count, left: 0 };
     }
 
-    /// Keeps the present position.
+    /// Holds the present position.
     pub(super) fn hold(&mut self) -> i64 {
         self.rest_at(self.demand);
         self.demand
     }
 
-    /// One cycle towards a setpoint that is reached `cycles` after it is new. Returns the position.
+    /// Advances by one cycle towards a setpoint, which is reached in `cycles` cycles. Returns the position.
     pub(super) fn step(&mut self, goal: i64, cycles: u32) -> i64 {
         if self.goal != Some(goal) {
             (self.goal, self.left) = (Some(goal), cycles.max(1));
@@ -62,7 +62,7 @@ mod tests {
         interpolator.rest_at(10);
         let way: Vec<_> = (0..5).map(|_| interpolator.step(-30, 4)).collect();
         assert_eq!(way, [0, -10, -20, -30, -30]);
-        // A new one before the last one is reached begins where the drive is.
+        // If the setpoint changes before it is reached, the interpolation starts at the present position.
         assert_eq!([interpolator.step(-10, 4), interpolator.step(0, 5)], [-25, -20]);
         assert_eq!(interpolator.hold(), -20);
         assert_eq!(interpolator.step(7, 1), 7);

@@ -1,11 +1,11 @@
-//! Simulated drives of CiA 402 on a bus: devices of CANopen whose mechanics are those of the simulation.
+//! Simulated CiA 402 drives on a bus: CANopen devices with the mechanics of the simulation.
 //!
-//! Law      in each SYNC the drives move by the period of 1006h, or by one cycle, with what was applied at the SYNC before, send their PDOs, and
-//!          apply what they have received since: a setpoint sent between SYNC n - 1 and n is reached at SYNC n + 1. Without SYNC they move by
-//!          the clock
+//! Law      at each SYNC the drives first move by the period of 1006h, or by one cycle, with the commands applied at the previous SYNC.
+//!          Then they send their PDOs and apply the PDOs received since. A setpoint sent between SYNC n - 1 and n is therefore reached at
+//!          SYNC n + 1. Without SYNC the drives move by the clock
 //! Reads    NMT, SYNC, SDO, receive PDOs, the heartbeat of 1016h, guarding
 //! Writes   boot-up, heartbeat, SDO answers, transmit PDOs, EMCY
-//! Refuses  modules, encoders, drives by number: see [`unsupported`]
+//! Refuses  modules, encoders, drives with DRIVETYPE: see [`unsupported`]
 //! Source   CiA 301, CiA 402-2
 
 mod device;
@@ -28,18 +28,18 @@ use lineshaft_core::sim::Plant;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Error code of a device that no longer hears its master (CiA 301: life guard error or heartbeat error).
+/// Error code of a device that has lost its master (CiA 301: life guard error or heartbeat error).
 const CONNECTION_LOST: u16 = 0x8130;
-/// Time without SYNC after which the drives move by the clock; two periods of SYNC if they are longer.
+/// Time without SYNC after which the drives move by the clock; at least two SYNC periods.
 const SILENCE: Duration = Duration::from_millis(100);
-/// Between two looks at the bus.
+/// Time between two polls of the bus.
 const LOOK: Duration = Duration::from_micros(200);
-/// Longest time that is made up for after the process was stopped, and longest motion of one SYNC.
+/// Longest time for which motion is made up after the process was suspended, and longest motion of one SYNC.
 const LONGEST_GAP: Duration = Duration::from_secs(1);
-/// Time for which other devices are listened to before the drives boot: longer than most heartbeats.
+/// Time to listen for other devices before the drives boot: longer than most heartbeat times.
 const LISTEN: Duration = Duration::from_millis(1_200);
 
-/// Drives on a bus.
+/// Simulated drives on a bus.
 pub struct SimulatedBus {
     transport: Box<dyn Transport>,
     plant: Plant,
@@ -50,12 +50,12 @@ pub struct SimulatedBus {
     /// Frames to be sent.
     frames: Vec<Frame>,
     last_sync: Option<Duration>,
-    /// Time of SYNC that the mechanics have not moved by yet: less than a cycle.
+    /// SYNC time for which the mechanics have not moved yet: less than a cycle.
     owed: Duration,
     next_step: Duration,
 }
 
-/// Returns why a bus cannot be simulated; none if it can.
+/// Returns the reason why a bus cannot be simulated; `None` if it can.
 pub fn unsupported(config: &BusConfig) -> Option<String> {
     config.devices.iter().find_map(|device| {
         let what = unsupported_device(device)?;
@@ -70,14 +70,14 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
     drive.drive_type.map(|_| "drives with drivetype are not simulated on a bus".to_owned())
 }
 
-/// Listens whether other devices on a bus have the node ids of these drives; returns the first that does.
+/// Listens for other devices on the bus with the node IDs of these drives. Returns the first node that is occupied.
 ///
 /// # Errors
-/// The way to the bus is lost.
+/// The bus connection is lost.
 pub fn occupant(transport: &mut dyn Transport, config: &BusConfig) -> Result<Option<NodeId>, TransportError> {
     let begin = Instant::now();
     for device in &config.devices {
-        // Reads 1000h: one that sends no heartbeat answers.
+        // Read request for 1000h, which a device without heartbeat answers.
         transport.send(&Frame::of(device.node.sdo_request(), [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]))?;
     }
     while begin.elapsed() < LISTEN {
@@ -95,7 +95,7 @@ pub fn occupant(transport: &mut dyn Transport, config: &BusConfig) -> Result<Opt
 }
 
 impl SimulatedBus {
-    /// The drives of a bus, switched off. `plant` has their mechanics; `inputs` and `outputs` have the shape of the machine.
+    /// Creates the drives of a bus, switched off. `plant` contains their mechanics; `inputs` and `outputs` have the shape of the machine.
     pub fn new(
         transport: Box<dyn Transport>,
         config: &BusConfig,
@@ -105,7 +105,7 @@ impl SimulatedBus {
     ) -> Self {
         let cycle = Duration::from_nanos(config.cycle_ns.max(1));
         let devices: Vec<_> = config.devices.iter().filter_map(|device| Device::new(device, cycle)).collect();
-        // The plant has the delay of a bus in it, which the bus itself has here.
+        // The plant simulates the delay of a bus, which is real here and is therefore skipped.
         let delay = devices.iter().filter_map(|device| plant.capabilities(device.place())).map(|offers| offers.delay);
         for _ in 0..=delay.max().unwrap_or_default() {
             plant.read(&mut inputs);
@@ -124,10 +124,10 @@ impl SimulatedBus {
         }
     }
 
-    /// Boots the drives and serves the bus until `is_over`.
+    /// Boots the drives and serves the bus until `is_over` returns true.
     ///
     /// # Errors
-    /// The way to the bus is lost.
+    /// The bus connection is lost.
     pub fn run(&mut self, is_over: impl Fn() -> bool) -> Result<(), TransportError> {
         let begin = Instant::now();
         self.boot()?;
@@ -143,7 +143,7 @@ impl SimulatedBus {
     /// Sends the boot-up messages.
     ///
     /// # Errors
-    /// The way to the bus is lost.
+    /// The bus connection is lost.
     pub fn boot(&mut self) -> Result<(), TransportError> {
         for device in &mut self.devices {
             device.show(&self.inputs, &mut self.frames);
@@ -152,10 +152,10 @@ impl SimulatedBus {
         self.send()
     }
 
-    /// Does what is due at `now`, the time since the start. Returns true if a frame had arrived.
+    /// Does what is due at `now`, the time since the start. Returns true if a frame was received.
     ///
     /// # Errors
-    /// The way to the bus is lost.
+    /// The bus connection is lost.
     pub fn serve(&mut self, now: Duration) -> Result<bool, TransportError> {
         let mut has_come = false;
         while let Some(frame) = self.transport.receive()? {
@@ -188,9 +188,9 @@ impl SimulatedBus {
         self.abandon();
     }
 
-    /// From one SYNC to the next, by the first drive that knows it; else one cycle.
+    /// Returns the SYNC period of the first drive that has one, otherwise one cycle.
     fn period(&self) -> Duration {
-        // 1006h has whole microseconds.
+        // 1006h is in whole microseconds.
         let is_other = |period: &Duration| period.abs_diff(self.cycle) >= Duration::from_micros(1);
         let period = self.devices.iter().find_map(Device::sync_period).filter(is_other);
         period.map_or(self.cycle, |period| period.min(LONGEST_GAP))
@@ -212,7 +212,7 @@ impl SimulatedBus {
         }
     }
 
-    /// One cycle of the mechanics.
+    /// Runs one cycle of the mechanics.
     fn step(&mut self) {
         for device in &mut self.devices {
             device.order(&self.inputs, &mut self.outputs);
@@ -226,7 +226,7 @@ impl SimulatedBus {
         }
     }
 
-    /// Faults of drives that no longer hear their master.
+    /// Sets faults of drives that have lost their master.
     fn abandon(&mut self) {
         for device in &mut self.devices {
             if device.take_loss()
@@ -240,7 +240,7 @@ impl SimulatedBus {
     fn send(&mut self) -> Result<(), TransportError> {
         for frame in self.frames.drain(..) {
             match self.transport.send(&frame) {
-                // As a device whose controller has no room.
+                // The frame is lost, as in a device whose controller has no room.
                 Ok(()) | Err(TransportError::Full(_)) => {}
                 Err(lost) => return Err(lost),
             }
@@ -256,7 +256,7 @@ mod tests {
     use crate::config::Role;
     use crate::drive::DriveType;
 
-    /// A bus with one drive that was changed.
+    /// Returns a bus with one drive that `change` modifies.
     fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {
         let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
         change(&mut device);

@@ -1,10 +1,10 @@
-//! Modes of operation of a simulated drive: what they make of the objects in each cycle of the mechanics.
+//! Modes of operation of a simulated drive: evaluates the objects in each cycle of the mechanics.
 //!
-//! Law      csv and cst follow their setpoint; csp and ip interpolate to it, ip while bit 4 of the control word is 1. pp reaches set-points on a
-//!          trapezoid, pv and tq are on ramps, vl on the ramp of 6048h and 6049h, with bits 4 to 6. Bit 8 halts pp, pv, vl and tq. A drive that
-//!          is not enabled is at rest
+//! Law      csv and cst follow their setpoint; csp and ip interpolate to it, ip while bit 4 of the control word is 1. pp moves to
+//!          set-points with a trapezoidal profile. pv and tq use ramps, vl the ramp of 6048h and 6049h with bits 4 to 6. Bit 8 halts pp,
+//!          pv, vl and tq. A drive that is not enabled is at rest
 //! Reads    6040h, 6060h, the setpoints and ramps of the mode, position and state of the drive
-//! Writes   what is asked of the mechanics, bits 10 and 12 of the status word, 6061h
+//! Writes   the commands to the mechanics, bits 10 and 12 of the status word, 6061h
 //! Source   CiA 402-2
 
 use super::interpolation::{self, Interpolator};
@@ -20,37 +20,37 @@ use lineshaft_core::drive::{
 
 /// Status word bit 12: the drive follows its setpoint (csp, csv, cst, ip), the set-point is acknowledged (pp), or the velocity is 0 (pv).
 const STATUS_12: u16 = 0x1000;
-/// Control word bit 4: interpolation (ip), the ramp is enabled (vl).
+/// Control word bit 4: interpolation enabled (ip), ramp enabled (vl).
 const BIT_4: u16 = 0x10;
-/// Control word bit 5 in mode vl: the ramp is not locked.
+/// Control word bit 5 in mode vl: ramp unlocked.
 const RAMP_UNLOCKED: u16 = 0x20;
-/// Control word bit 6 in mode vl: the ramp has its input.
+/// Control word bit 6 in mode vl: ramp follows its input.
 const RAMP_INPUT: u16 = 0x40;
 
-/// The mode with a number of 6060h; none if it is none of [`DriveMode`].
+/// Returns the mode with a number of 6060h; `None` if it is not in [`DriveMode`].
 fn drive_mode(number: i8) -> Option<DriveMode> {
     DriveMode::NAMES.into_iter().map(|(_, mode)| mode).find(|mode| mode.number() == number)
 }
 
-/// What the mode of a drive remembers from cycle to cycle.
+/// State of the mode of operation between cycles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Modes {
     /// 6060h in the last cycle.
     number: i8,
-    /// The mode that the mechanics were given in the last cycle.
+    /// Mode of the mechanics in the last cycle.
     given: i8,
     positioner: Positioner,
-    /// Of csp and ip.
+    /// Interpolator of csp and ip.
     interpolator: Interpolator,
-    /// Velocity demand value of pv and vl (counts/s).
+    /// Velocity demand value of pv and vl, in counts/s.
     velocity: f64,
-    /// Torque demand value of tq (0.1 % of the rated torque).
+    /// Torque demand value of tq, in 0.1 % of rated torque.
     torque: f64,
     /// Bits of the status word while the operation is enabled.
     status: u16,
 }
 
-/// A cycle as the modes see it.
+/// Inputs of the modes in one cycle.
 #[derive(Clone, Copy, Debug)]
 struct Moment<'a> {
     table: &'a Table,
@@ -62,12 +62,12 @@ struct Moment<'a> {
 }
 
 impl Moment<'_> {
-    /// Counts per second of an object in units of velocity of the drive, or per second^2 of one in such units per second.
+    /// Returns an object in velocity units of the drive in counts/s, or one in such units per second in counts/s^2.
     fn per_second(&self, object: Object) -> f64 {
         per_second(self.factor, self.table.get(object).into())
     }
 
-    /// The same of an object with a sign.
+    /// Returns a signed object in velocity units of the drive in counts/s.
     fn signed_per_second(&self, object: Object) -> f64 {
         per_second(self.factor, self.table.signed(object).into())
     }
@@ -76,13 +76,13 @@ impl Moment<'_> {
         self.control & bit != 0
     }
 
-    /// 6083h and 6084h.
+    /// Returns the ramp of 6083h and 6084h.
     fn ramp(&self) -> Ramp {
         let [up, down] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION];
         Ramp { up: self.per_second(up), down: self.per_second(down) }
     }
 
-    /// 6048h and 6049h; without a time the ramp is infinitely steep.
+    /// Returns the ramp of 6048h and 6049h; without a time the ramp is infinitely steep.
     fn vl_ramp(&self) -> Ramp {
         let of = |[velocity, time]: [Object; 2]| match self.table.get(time) {
             0 => f64::INFINITY,
@@ -92,13 +92,13 @@ impl Moment<'_> {
     }
 }
 
-/// Counts per second of a velocity in units of the drive.
+/// Converts a velocity from units of the drive to counts/s.
 fn per_second(factor: VelocityFactor, units: f64) -> f64 {
     units * f64::from(factor.denominator) / f64::from(factor.numerator)
 }
 
 impl Modes {
-    /// One cycle of the mechanics. Returns the setpoint for them.
+    /// Runs one cycle of the mechanics. Returns their setpoint.
     pub(super) fn step(
         &mut self,
         table: &Table,
@@ -137,7 +137,7 @@ impl Modes {
         output
     }
 
-    /// Nothing of the mode is under way.
+    /// Resets the state of all modes.
     fn rest(&mut self, now: &Moment<'_>) {
         self.positioner.rest_at(now.count, now.control);
         self.interpolator.rest_at(now.count);
@@ -212,29 +212,29 @@ impl Modes {
         }
     }
 
-    /// 6061h for the mode in which the mechanics are.
+    /// Returns 6061h for the mode of the mechanics.
     pub(super) fn shown(&self, mode: i8) -> i8 {
         if mode == self.given && mode != 0 { self.number } else { mode }
     }
 
-    /// Bits 10 and 12 of a drive in that state.
+    /// Returns bits 10 and 12 for this status word.
     pub(super) fn status(&self, status: u16) -> u16 {
         if DriveState::from_status(status) == DriveState::Enabled { self.status } else { 0 }
     }
 
-    /// vl velocity demand value in units of the drive, within 16 bits.
+    /// Returns the vl velocity demand value in units of the drive, within 16 bits.
     pub(super) fn vl_demand(&self, factor: VelocityFactor) -> i16 {
         let is_vl = self.number == DriveMode::Vl.number();
         units(factor, if is_vl { self.velocity } else { 0.0 })
     }
 }
 
-/// A velocity in units of the drive, within 16 bits.
+/// Returns a velocity in units of the drive, within 16 bits.
 pub(super) fn units(factor: VelocityFactor, counts_per_s: f64) -> i16 {
     factor.to_drive(counts_per_s).clamp(i16::MIN.into(), i16::MAX.into()) as i16
 }
 
-/// Homing as 6098h, 6099h and 609Ah describe it.
+/// Returns the homing command of 6098h, 6099h and 609Ah.
 fn homing(now: &Moment<'_>) -> HomingOrder {
     HomingOrder {
         method: now.table.signed(objects::HOMING_METHOD) as i8,
@@ -255,7 +255,7 @@ mod tests {
     const CYCLE_S: f64 = 0.01;
     const ENABLED: u16 = 0x0037;
 
-    /// A drive, its objects, and what it is asked for; its mechanics are those of the test.
+    /// A drive with its objects and outputs; its mechanics are those of the test.
     struct Rig {
         table: Table,
         modes: Modes,
@@ -285,7 +285,7 @@ mod tests {
         }
     }
 
-    /// 6083h 1000 and 6084h 2000 counts/s^2, 10 ms: 10 counts/s per cycle up, 20 down. Bit 10: the velocity is reached; bit 12: it is 0.
+    /// 6083h 1000 and 6084h 2000 counts/s^2, 10 ms: 10 counts/s per cycle up, 20 down. Bit 10: velocity reached; bit 12: velocity is 0.
     #[test]
     fn profile_velocity_follows_its_ramps_and_halts() {
         let mut rig = Rig::new(DriveMode::Pv);
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(run(&mut rig, 0x07, 1), [(0.0, 0)], "off: it begins at 0 again");
     }
 
-    /// The mechanics show csv; 6061h is the mode that was asked for.
+    /// The mechanics report csv; 6061h reports the commanded mode.
     #[test]
     fn display_is_the_mode_of_the_drive_not_that_of_the_mechanics() {
         for (mode, given) in [(DriveMode::Pv, MODE_CSV), (DriveMode::Pp, MODE_CSP), (DriveMode::Ip, MODE_CSP)] {
@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// ip: the setpoint counts while bit 4 is 1; afterwards the last one is held.
+    /// ip: the setpoint applies while bit 4 is 1; after that, the last one is held.
     #[test]
     fn interpolated_position_follows_while_bit_4_is_set() {
         let mut rig = Rig::new(DriveMode::Ip);
@@ -328,7 +328,7 @@ mod tests {
         assert_eq!(rig.step(0x1F).position, 100, "off: where it is");
     }
 
-    /// vl: 6048h 100 per 1 s, 6049h 200 per 1 s; bit 5 away locks the velocity, bits 4 or 6 away run it down. Without 6048h:02 it jumps.
+    /// vl: 6048h 100 per 1 s, 6049h 200 per 1 s. Bit 5 = 0 locks the velocity, bits 4 or 6 = 0 ramp it down. Without 6048h:02 it jumps.
     #[test]
     fn velocity_mode_uses_its_ramp_with_bits_4_to_6() {
         let mut rig = Rig::new(DriveMode::Vl);
@@ -344,7 +344,7 @@ mod tests {
         assert_eq!((rig.modes.vl_demand(VelocityFactor::default()), rig.bits()), (5, 0));
         assert_eq!([rig.step(0x3F).velocity, rig.step(0x6F).velocity], [3.0, 1.0]);
         assert_eq!(rig.step(0x0F).velocity, 0.0);
-        // Halt stops a locked ramp, too.
+        // Halt also stops a locked ramp.
         assert_eq!([rig.step(0x7F).velocity, rig.step(0x5F).velocity, rig.step(0x15F).velocity], [1.0, 1.0, 0.0]);
     }
 

@@ -1,6 +1,6 @@
 //! PDOs of a simulated drive, as its dictionary describes them.
 //!
-//! Law      types 1 to 240: with each n-th SYNC; 0: with a SYNC after a change; 254 and 255: at once, when something changes
+//! Law      transmission types 1 to 240: with each n-th SYNC; 0: with a SYNC after a change; 254 and 255: at once after a change
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
 use super::table::{MOST_MAPPED, Table, mapped};
@@ -9,27 +9,27 @@ use crate::eds::{CobId, Direction};
 use crate::sdo::Object;
 use crate::{Frame, Id};
 
-/// Highest transmission type that goes with SYNC.
+/// Highest synchronous transmission type.
 const LAST_SYNCHRONOUS: u8 = 240;
 
-/// A PDO that is on.
+/// Enabled PDO.
 #[derive(Clone, Debug)]
 pub(super) struct Pdo {
     pub(super) id: Id,
     /// Transmission type.
     kind: u8,
-    /// Objects and their bytes.
+    /// Mapped objects with their number of bytes.
     fields: Vec<(Object, u8)>,
-    /// The received frame that waits for SYNC.
+    /// Received frame that applies with the next SYNC.
     pending: Option<Frame>,
-    /// The last frame that was sent.
+    /// Last sent frame.
     last: Option<Frame>,
-    /// SYNC since the last frame.
+    /// Number of SYNCs since the last frame.
     syncs: u8,
 }
 
 impl Pdo {
-    /// Those of a direction that are on.
+    /// Returns the enabled PDOs of a direction.
     pub(super) fn all(table: &Table, direction: Direction) -> Vec<Self> {
         (1..=MOST_PDOS).filter_map(|number| Self::of(table, direction, number)).collect()
     }
@@ -57,7 +57,7 @@ impl Pdo {
         Frame::data(self.id, &data).ok()
     }
 
-    /// The frame to be sent with this SYNC, if any.
+    /// Returns the frame to be sent with this SYNC, if any.
     pub(super) fn with_sync(&mut self, table: &Table) -> Option<Frame> {
         if !self.is_synchronous() {
             return None;
@@ -74,7 +74,7 @@ impl Pdo {
         self.last
     }
 
-    /// The frame to be sent at once, if any.
+    /// Returns the frame to be sent at once, if any.
     pub(super) fn on_change(&mut self, table: &Table) -> Option<Frame> {
         if self.is_synchronous() { None } else { self.if_changed(table) }
     }
@@ -85,19 +85,19 @@ impl Pdo {
         Some(frame)
     }
 
-    /// Receives a frame: it applies at once, or with the next SYNC.
+    /// Handles a received frame, which applies at once or with the next SYNC.
     pub(super) fn receive(&mut self, frame: &Frame, table: &mut Table) {
         if self.is_synchronous() { self.pending = Some(*frame) } else { self.apply(frame, table) }
     }
 
-    /// Applies what has waited for SYNC.
+    /// Applies the frame that waited for SYNC.
     pub(super) fn apply_pending(&mut self, table: &mut Table) {
         if let Some(frame) = self.pending.take() {
             self.apply(&frame, table);
         }
     }
 
-    /// Applies a frame; one that is too short changes nothing.
+    /// Applies a frame; a frame that is too short changes nothing.
     fn apply(&self, frame: &Frame, table: &mut Table) {
         let needed: usize = self.fields.iter().map(|(_, bytes)| usize::from(*bytes)).sum();
         let mut left = frame.bytes();

@@ -1,74 +1,74 @@
-//! Profile position (pp): set-points that are handed over by a handshake, each reached on a trapezoid.
+//! Profile position (pp): set-points that a handshake transfers, each reached with a trapezoidal profile.
 //!
-//! Law      a rising edge of bit 4 of the control word hands a set-point over, if bit 12 of the status word is 0. It is used at once with bit 5,
-//!          else after the present one. Bit 12 falls when bit 4 is 0 and one more set-point has room. Bit 6: relative to the set-point before.
-//!          Bit 9: the set-point before is passed at its velocity. Bit 8 halts. The velocity that can still stop within a distance d by steps
-//!          of D T is v with v^2 / (2 D) + v T / 2 = d
+//! Law      a rising edge of bit 4 of the control word transfers a set-point if bit 12 of the status word is 0. With bit 5 it applies at
+//!          once, otherwise after the present one. Bit 12 falls when bit 4 is 0 and there is room for one more set-point. Bit 6: relative
+//!          to the previous set-point. Bit 9: the previous set-point is passed at its velocity. Bit 8 halts. The highest velocity v that
+//!          can still stop within a distance d by steps of D T satisfies v^2 / (2 D) + v T / 2 = d
 //! Reads    the control word, 607Ah, 6081h, 6083h, 6084h
 //! Writes   a position for each cycle, bits 10 and 12 of the status word
 //! Source   CiA 402-2, profile position mode
 
-/// Control word bit 4: a new set-point.
+/// Control word bit 4: new set-point.
 const NEW_SETPOINT: u16 = 0x0010;
-/// Control word bit 5: the new set-point replaces the present one at once.
+/// Control word bit 5: change set immediately, the new set-point replaces the present one at once.
 const AT_ONCE: u16 = 0x0020;
-/// Control word bit 6: the set-point is relative.
+/// Control word bit 6: relative set-point.
 const RELATIVE: u16 = 0x0040;
 /// Control word bit 8: halt.
 pub(super) const HALT: u16 = 0x0100;
-/// Control word bit 9: the set-point before is passed without a stop.
+/// Control word bit 9: change on set-point, the previous set-point is passed without a stop.
 const ON_THE_FLY: u16 = 0x0200;
 
-/// How fast a velocity may grow and fall (counts/s^2).
+/// Maximum acceleration and deceleration, in counts/s^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
     pub(super) up: f64,
     pub(super) down: f64,
 }
 
-/// A velocity after one more cycle on its ramp towards a target.
+/// Returns a velocity after one more cycle on its ramp towards a target.
 pub(super) fn ramped(velocity: f64, target: f64, ramp: Ramp, cycle_s: f64) -> f64 {
     let slows = target * velocity < 0.0 || target.abs() < velocity.abs();
     let most = if slows { ramp.down } else { ramp.up } * cycle_s;
     velocity + (target - velocity).clamp(-most, most)
 }
 
-/// The position nearest to another one whose lower 32 bits are these: positions of a drive wrap.
+/// Returns the position nearest to `reference` whose lower 32 bits are `word`: positions of a drive wrap.
 pub(super) fn nearest(word: i32, reference: i64) -> i64 {
     reference.wrapping_add(word.wrapping_sub(reference as i32).into())
 }
 
-/// A set-point as the objects give it at present.
+/// Set-point as the objects give it at present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Order {
-    /// 607Ah.
+    /// Target position (607Ah).
     pub(super) target: i32,
-    /// (counts/s)
+    /// Profile velocity, in counts/s.
     pub(super) velocity: f64,
     pub(super) ramp: Ramp,
 }
 
-/// A set-point that was handed over.
+/// Transferred set-point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Setpoint {
     target: i64,
     velocity: f64,
     ramp: Ramp,
-    /// The set-point before it is passed without a stop.
+    /// Whether the previous set-point is passed without a stop.
     is_on_the_fly: bool,
 }
 
-/// The set-points of a drive, and where it is to be.
+/// Set-points of a drive, and its demand position.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Positioner {
-    /// Position demand value (counts), and the part of a count beyond it.
+    /// Position demand value, in counts, and its fraction of a count.
     demand: i64,
     rest: f64,
-    /// (counts/s)
+    /// Velocity, in counts/s.
     velocity: f64,
     active: Option<Setpoint>,
     next: Option<Setpoint>,
-    /// The target that was handed over last (counts).
+    /// Last transferred target, in counts.
     last: i64,
     has_bit_4: bool,
     is_acknowledged: bool,
@@ -76,22 +76,22 @@ pub(super) struct Positioner {
 }
 
 impl Positioner {
-    /// Not in use: the drive is at `count`. Bit 4 that is 1 already is no edge later.
+    /// Resets the positioner to position `count`. A bit 4 that is already 1 is not treated as an edge later.
     pub(super) fn rest_at(&mut self, count: i64, control: u16) {
         *self = Self { demand: count, last: count, has_bit_4: control & NEW_SETPOINT != 0, ..Self::default() };
     }
 
-    /// Bit 12: the set-point is acknowledged, and there is no room for another one.
+    /// Returns bit 12: the set-point is acknowledged, and there is no room for another one.
     pub(super) fn is_acknowledged(&self) -> bool {
         self.is_acknowledged
     }
 
-    /// Bit 10: the target is reached; while it is halted: it is at rest.
+    /// Returns bit 10: the target is reached; during halt: the drive is at rest.
     pub(super) fn is_reached(&self) -> bool {
         if self.is_halted { self.velocity == 0.0 } else { self.active.is_none() }
     }
 
-    /// One cycle. Returns the position demand value.
+    /// Advances by one cycle. Returns the position demand value.
     pub(super) fn step(&mut self, control: u16, order: Order, cycle_s: f64) -> i64 {
         self.hear(control, order);
         self.is_halted = control & HALT != 0;
@@ -101,7 +101,7 @@ impl Positioner {
         self.demand
     }
 
-    /// The handshake.
+    /// Handles the handshake.
     fn hear(&mut self, control: u16, order: Order) {
         let has_bit_4 = control & NEW_SETPOINT != 0;
         let had_bit_4 = std::mem::replace(&mut self.has_bit_4, has_bit_4);
@@ -144,7 +144,7 @@ impl Positioner {
             return;
         }
         let moved = self.rest + way;
-        // Saturates.
+        // The conversion saturates.
         self.demand = self.demand.wrapping_add(moved.floor() as i64);
         self.rest = moved - moved.floor();
         if arrives && passes {
@@ -153,7 +153,7 @@ impl Positioner {
     }
 }
 
-/// The velocity from which steps of `down` times the cycle stop within a distance.
+/// Returns the velocity that can be stopped within a distance by steps of `down` times the cycle.
 fn stopping(distance: f64, down: f64, cycle_s: f64) -> f64 {
     let half = down * cycle_s / 2.0;
     (half * half + 2.0 * down * distance).sqrt() - half
@@ -179,12 +179,13 @@ mod tests {
         positioner
     }
 
-    /// Runs cycles with one control word; the positions.
+    /// Runs cycles with one control word. Returns the positions.
     fn run(positioner: &mut Positioner, cycles: usize, control: u16, target: i32) -> Vec<i64> {
         (0..cycles).map(|_| positioner.step(control, order(target), CYCLE_S)).collect()
     }
 
-    /// A trapezoid of 100 counts: 0.1 s up to 100 counts/s (5 counts), 0.9 s at it, 0.1 s down: 1.1 s = 110 cycles. In the middle it is at 50.
+    /// A trapezoidal profile of 100 counts: 0.1 s acceleration to 100 counts/s (5 counts), 0.9 s constant velocity, 0.1 s deceleration: 1.1
+    /// s = 110 cycles. The position is 50 in the middle.
     #[test]
     fn set_point_is_reached_on_a_trapezoid_of_1_1_s() {
         let mut positioner = at(0);
@@ -193,12 +194,12 @@ mod tests {
         let arrival = way.iter().position(|position| *position == 100).unwrap() + 1;
         assert!((107..=112).contains(&arrival), "{arrival} cycles");
         assert!((48..=51).contains(&way[54]), "{}", way[54]);
-        // 1 count per cycle at most, and never back.
+        // At most 1 count per cycle, never backwards.
         assert!(way.windows(2).all(|pair| (0..=1).contains(&(pair[1] - pair[0]))), "{way:?}");
         assert!(positioner.is_reached());
     }
 
-    /// Bit 12 rises with the edge of bit 4 and falls with it; bit 4 that stays 1 hands nothing over.
+    /// Bit 12 rises with the rising edge of bit 4 and falls with its falling edge. While bit 4 stays 1, no set-point is transferred.
     #[test]
     fn set_point_is_acknowledged_once_per_edge_of_bit_4() {
         let mut positioner = at(7);
@@ -221,7 +222,8 @@ mod tests {
         assert_eq!(run(&mut positioner, 50, 0x1F, 90).last(), Some(&0));
     }
 
-    /// Without bit 5 the second set-point waits: both are reached, bit 12 stays 1 until the first one ends. With bit 5 it replaces the first.
+    /// Without bit 5 the second set-point waits: both are reached, and bit 12 stays 1 until the first one ends. With bit 5 it replaces the
+    /// first one.
     #[test]
     fn second_set_point_waits_or_replaces_the_first() {
         let mut waits = at(0);
@@ -260,7 +262,7 @@ mod tests {
         assert_eq!(way.last(), Some(&100));
     }
 
-    /// Bit 8 stops it within 5 counts of the ramp; it goes on to its target afterwards.
+    /// Bit 8 stops the motion within the 5 counts of the ramp; after that it continues to its target.
     #[test]
     fn halt_stops_and_goes_on() {
         let mut positioner = at(0);
@@ -271,7 +273,7 @@ mod tests {
         assert_eq!(run(&mut positioner, 200, 0x1F, 100).last(), Some(&100));
     }
 
-    /// 607Ah has 32 bits: beyond a turn the nearest position is meant.
+    /// 607Ah has 32 bits: the nearest position with these bits is used.
     #[test]
     fn targets_follow_counts_beyond_32_bits() {
         assert_eq!(nearest(5, (1 << 32) - 10), (1 << 32) + 5);

@@ -1,7 +1,7 @@
-//! The SDO server of a simulated drive: expedited transfers of 1 to 4 bytes, segments for more.
+//! SDO server of a simulated drive: expedited transfers of 1 to 4 bytes, segmented transfers for more.
 //!
-//! Law      one transfer at a time: a new request ends the one before
-//! Refuses  block transfers; segments without a transfer, or with the toggle bit of the segment before; other lengths than that of the object
+//! Law      one transfer at a time; a new request ends the previous one
+//! Refuses  block transfers; segments without a transfer, or with a repeated toggle bit; lengths other than that of the object
 //! Source   CiA 301
 
 use super::table::Table;
@@ -11,26 +11,26 @@ use crate::{Frame, Id};
 /// Bytes of a segment.
 const SEGMENT: usize = 7;
 
-/// A transfer in segments. The toggle bit is that of the next segment.
+/// Segmented transfer. The toggle bit is that of the next segment.
 #[derive(Clone, Debug)]
 enum Transfer {
-    /// The client reads: the bytes from `at` on are still to be sent.
+    /// Upload: the bytes from `at` are still to be sent.
     Upload { object: Object, data: Vec<u8>, at: usize, toggle: bool },
-    /// The client writes: the bytes that have come.
+    /// Download: the bytes received so far.
     Download { object: Object, data: Vec<u8>, toggle: bool },
 }
 
-/// The server of one drive.
+/// SDO server of one drive.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Server {
     transfer: Option<Transfer>,
 }
 
-/// The bytes of an answer, and the object if it was written.
+/// Bytes of an answer, and the object if it was written.
 type Answer = Result<([u8; 8], Option<Object>), Abort>;
 
 impl Server {
-    /// Answers a request; returns the frame, and the object if it was written. There is no answer to another length, or to an abort.
+    /// Handles a request. Returns the answer, and the object if it was written. A frame of another length, or an abort, has no answer.
     pub(super) fn answer(
         &mut self,
         table: &mut Table,
@@ -59,7 +59,7 @@ impl Server {
         Some((Frame::of(response, data), written))
     }
 
-    /// The object of the transfer under way; 0 if there is none.
+    /// Returns the object of the transfer in progress; 0 if there is none.
     fn object(&self) -> Object {
         match self.transfer {
             Some(Transfer::Upload { object, .. } | Transfer::Download { object, .. }) => object,
@@ -89,7 +89,7 @@ impl Server {
         Ok((answer, None))
     }
 
-    /// A segment that the client sends.
+    /// Handles a segment of a download.
     fn take_segment(&mut self, table: &mut Table, [command, segment @ ..]: [u8; 8]) -> Answer {
         let Some(Transfer::Download { object, data, toggle }) = &mut self.transfer else { return Err(Abort::COMMAND) };
         if (command & 0x10 != 0) != *toggle {
@@ -124,7 +124,7 @@ impl Server {
         Ok(([0x41, low, high, sub, a, b, c, d], None))
     }
 
-    /// A segment that the client asks for.
+    /// Returns the next segment of an upload.
     fn give_segment(&mut self, command: u8) -> Answer {
         let Some(Transfer::Upload { data, at, toggle, .. }) = &mut self.transfer else { return Err(Abort::COMMAND) };
         if (command & 0x10 != 0) != *toggle {
@@ -143,7 +143,7 @@ impl Server {
     }
 }
 
-/// The first bytes, and zeros where there are less.
+/// Returns the first bytes, padded with zeros.
 fn padded<const N: usize>(bytes: &[u8]) -> [u8; N] {
     let mut all = [0; N];
     for (place, byte) in all.iter_mut().zip(bytes) {
@@ -159,14 +159,14 @@ mod tests {
     use crate::drive::objects;
     use crate::{NodeId, Watching};
 
-    /// A drive with an object of 10 bytes.
+    /// Returns the objects of a drive with an object of 10 bytes.
     fn table() -> Table {
         let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
         device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 10] }];
         Table::new(&device, device.drive().unwrap())
     }
 
-    /// The bytes of the answer.
+    /// Returns the bytes of the answer.
     fn answered(server: &mut Server, table: &mut Table, request: [u8; 8]) -> Option<Vec<u8>> {
         let node = NodeId::new(3).unwrap();
         let (frame, _) = server.answer(table, &Frame::of(node.sdo_request(), request), node.sdo_response())?;
@@ -174,19 +174,19 @@ mod tests {
         Some(frame.bytes().to_vec())
     }
 
-    /// Frames of CiA 301, expedited transfers.
+    /// Expedited transfers of CiA 301.
     #[test]
     fn requests_of_up_to_4_bytes_are_answered_in_one_frame() {
         let (mut server, mut table) = (Server::default(), table());
         let mut ask = |request| answered(&mut server, &mut table, request);
         assert_eq!(ask([0x40, 0x00, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x43, 0x00, 0x10, 0, 0x92, 0x01, 0x02, 0x00]));
-        // 2 bytes: 2Bh. They are read back by 4Bh.
+        // 2 bytes: 2Bh. They are read with 4Bh.
         assert_eq!(ask([0x2B, 0x17, 0x10, 0, 0x64, 0, 0, 0]), Some(vec![0x60, 0x17, 0x10, 0, 0, 0, 0, 0]));
         assert_eq!(ask([0x40, 0x17, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x4B, 0x17, 0x10, 0, 0x64, 0, 0, 0]));
-        // 1 byte, and without a length.
+        // 1 byte, with and without a length.
         assert_eq!(ask([0x2F, 0x60, 0x60, 0, 8, 0, 0, 0]), Some(vec![0x60, 0x60, 0x60, 0, 0, 0, 0, 0]));
         assert_eq!(ask([0x22, 0x60, 0x60, 0, 6, 0, 0, 0]), Some(vec![0x60, 0x60, 0x60, 0, 0, 0, 0, 0]));
-        // Missing object; more bytes than it has; an unknown command; the client ends its transfer.
+        // Missing object; more bytes than the object has; unknown command; abort by the client.
         assert_eq!(ask([0x40, 0x07, 0x10, 0, 0, 0, 0, 0]), Some(vec![0x80, 0x07, 0x10, 0, 0, 0, 0x02, 0x06]));
         assert_eq!(ask([0x21, 0x60, 0x60, 0, 9, 0, 0, 0]), Some(vec![0x80, 0x60, 0x60, 0, 0x10, 0, 0x07, 0x06]));
         assert_eq!(ask([0xE0, 0x60, 0x60, 0, 0, 0, 0, 0]), Some(vec![0x80, 0x60, 0x60, 0, 0x01, 0, 0x04, 0x05]));
@@ -204,7 +204,7 @@ mod tests {
         assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x10ft simu");
         assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), *b"\x00lated d");
         assert_eq!(ask([0x70, 0, 0, 0, 0, 0, 0, 0]), *b"\x17rive\0\0\0");
-        // The transfer has ended: the command is unknown. The same toggle bit twice.
+        // The transfer has ended, so the command is unknown. Then the same toggle bit twice.
         assert_eq!(ask([0x60, 0, 0, 0, 0, 0, 0, 0]), [0x80, 0, 0, 0, 0x01, 0, 0x04, 0x05]);
         ask([0x40, 0x08, 0x10, 0, 0, 0, 0, 0]);
         ask([0x60, 0, 0, 0, 0, 0, 0, 0]);
@@ -227,7 +227,7 @@ mod tests {
         assert_eq!(ask([0x21, 0x01, 0x20, 0, 11, 0, 0, 0]), refused([0x01, 0x20, 0], 0x0607_0010), "11 bytes");
         assert_eq!(ask([0x21, 0x08, 0x10, 0, 25, 0, 0, 0]), refused([0x08, 0x10, 0], 0x0601_0002), "1008h");
         assert_eq!(ask([0x00, 1, 2, 3, 4, 5, 6, 7]), refused([0, 0, 0], 0x0504_0001), "no transfer");
-        // Without a size, and 4 bytes too few.
+        // Without a size, and with 4 bytes too few.
         ask([0x20, 0x01, 0x20, 0, 0, 0, 0, 0]);
         assert_eq!(ask([0x03, 1, 2, 3, 4, 5, 6, 0]), refused([0x01, 0x20, 0], 0x0607_0010));
         assert_eq!(table.read_bytes(object), Ok((1..=10).collect()));

@@ -1,7 +1,8 @@
-//! Error control of a simulated drive: its own heartbeat, and whether its master is still there.
+//! Error control of a simulated drive: its own heartbeat, and monitoring of its master.
 //!
-//! Law      a heartbeat goes every 1017h ms; without it, guarding is answered with a toggle bit, from 0 on. The master is lost when its heartbeat
-//!          is missing for the time of 1016h, or when it does not guard within 100Ch times 100Dh; each from the first time on
+//! Law      a heartbeat is sent every 1017h ms; without it, node guarding is answered with a toggle bit that starts at 0. The master is
+//!          lost if its heartbeat is missing for the time of 1016h, or if it does not guard within 100Ch times 100Dh; each is monitored
+//!          from its first message
 //! Reads    100Ch, 100Dh, 1016h, 1017h, the time
 //! Source   CiA 301 (error control)
 
@@ -11,24 +12,24 @@ use crate::sdo::Object;
 use crate::{Id, NodeId};
 use std::time::Duration;
 
-/// Times and toggle bit of the error control.
+/// Deadlines and toggle bit of error control.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Supervision {
     next_heartbeat: Option<Duration>,
-    /// Until when the heartbeat of the master must come; none before the first one.
+    /// Deadline for the heartbeat of the master; `None` before the first one.
     master_until: Option<Duration>,
-    /// Until when the master must guard again; none before the first time.
+    /// Deadline for the next guarding request of the master; `None` before the first one.
     guard_until: Option<Duration>,
     toggle: bool,
 }
 
-/// From one heartbeat of the drive to the next; none if it sends none.
+/// Returns the heartbeat time of the drive; `None` if it sends none.
 fn heartbeat(table: &Table) -> Option<Duration> {
     let ms = table.get(objects::PRODUCER_HEARTBEAT);
     (ms > 0).then_some(Duration::from_millis(ms.into()))
 }
 
-/// The identifier of the heartbeat that the drive watches, and within which time it must come; none if it watches none.
+/// Returns the identifier and the time of the monitored heartbeat; `None` if none is monitored.
 fn consumed(table: &Table) -> Option<(Id, Duration)> {
     let [low, high, node, _] = table.get(objects::CONSUMER_HEARTBEAT).to_le_bytes();
     let ms = u16::from_le_bytes([low, high]);
@@ -37,7 +38,7 @@ fn consumed(table: &Table) -> Option<(Id, Duration)> {
 }
 
 impl Supervision {
-    /// An object was written.
+    /// Updates the deadlines after an object was written.
     pub(super) fn written(&mut self, object: Object, table: &Table, now: Duration) {
         match object {
             objects::PRODUCER_HEARTBEAT => self.next_heartbeat = heartbeat(table).map(|time| now + time),
@@ -47,7 +48,7 @@ impl Supervision {
         }
     }
 
-    /// The master guards. Returns the toggle bit of the answer; none if the drive sends heartbeats instead.
+    /// Handles a guarding request of the master. Returns the toggle bit of the answer; `None` if the drive sends heartbeats instead.
     pub(super) fn guard(&mut self, table: &Table, now: Duration) -> Option<u8> {
         if table.get(objects::PRODUCER_HEARTBEAT) != 0 {
             return None;
@@ -59,7 +60,7 @@ impl Supervision {
         Some(toggle)
     }
 
-    /// Returns true if a frame is the heartbeat that the drive watches.
+    /// Returns true if a frame is the monitored heartbeat.
     pub(super) fn hear(&mut self, id: Id, table: &Table, now: Duration) -> bool {
         let Some((master, limit)) = consumed(table) else { return false };
         if id == master {
@@ -68,7 +69,7 @@ impl Supervision {
         id == master
     }
 
-    /// Returns true if a heartbeat of the drive is due. One that is late is not made up for.
+    /// Returns true if a heartbeat of the drive is due. Missed heartbeats are not made up for.
     pub(super) fn is_due(&mut self, table: &Table, now: Duration) -> bool {
         let (Some(due), Some(time)) = (self.next_heartbeat, heartbeat(table)) else { return false };
         if now < due {

@@ -1,7 +1,7 @@
-//! The object dictionary of a simulated drive: numbers of 1 to 4 bytes, texts, and bytes that the cell writes at the start.
+//! Object dictionary of a simulated drive: numbers of 1 to 4 bytes, texts, and bytes that the cell writes at the start.
 //!
-//! Refuses  what CiA 301 refuses: objects that are missing or can only be read, other lengths, modes that the drive lacks, mappings of a PDO
-//!          that is on, of objects that cannot be mapped, or of more than 8 bytes
+//! Refuses  access that CiA 301 refuses: missing or read-only objects, other lengths, modes that the drive does not support, mappings of an
+//!          enabled PDO, of objects that cannot be mapped, or of more than 8 bytes
 //! Source   CiA 301 (objects 1000h to 1BFFh, abort codes), CiA 402-2
 
 use super::objects as simulated;
@@ -14,7 +14,7 @@ use lineshaft_core::drive::MODE_HOMING;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// Objects of a PDO, at most.
+/// Maximum number of objects of a PDO.
 pub(super) const MOST_MAPPED: u8 = 8;
 
 const READ_ONLY: Abort = Abort(0x0601_0002);
@@ -25,16 +25,16 @@ const NO_SUBINDEX: Abort = Abort(0x0609_0011);
 const RANGE: Abort = Abort(0x0609_0030);
 const STATE: Abort = Abort(0x0800_0022);
 
-/// What may be done with an object.
+/// Access type of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Access {
-    /// Read by SDO.
+    /// Readable by SDO.
     Read,
-    /// Read and written by SDO.
+    /// Readable and writable by SDO.
     Write,
-    /// Written by PDO as well.
+    /// In addition writable by PDO.
     Receive,
-    /// Read by SDO and PDO.
+    /// Readable by SDO and PDO.
     Transmit,
 }
 
@@ -51,19 +51,19 @@ impl Entry {
     }
 }
 
-/// An object that is no number: a text, or bytes of a fixed length.
+/// Object that is not a number: a text, or bytes of a fixed length.
 #[derive(Clone, Debug)]
 struct Long {
     data: Vec<u8>,
     is_writable: bool,
 }
 
-/// The objects of a drive.
+/// Objects of a drive.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Table {
     numbers: BTreeMap<Object, Entry>,
     long: BTreeMap<Object, Long>,
-    /// 2000h has the levels of the touch probe inputs.
+    /// Whether 2000h contains the levels of the touch probe inputs.
     has_levels: bool,
 }
 
@@ -71,21 +71,21 @@ const fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// Profile velocity after power-on (counts/s).
+/// Profile velocity after power-on, in counts/s.
 const PROFILE_VELOCITY: f64 = 100_000.0;
-/// Profile acceleration and deceleration after power-on (counts/s^2).
+/// Profile acceleration and deceleration after power-on, in counts/s^2.
 const PROFILE_ACCELERATION: f64 = 500_000.0;
 
-/// Texts of every drive: name, hardware version, software version (CiA 301).
+/// Texts of every drive: device name, hardware version, software version (CiA 301).
 const TEXTS: [(u16, &str); 3] =
     [(0x1008, "Lineshaft simulated drive"), (0x1009, "simulation"), (0x100A, env!("CARGO_PKG_VERSION"))];
 
-/// Objects that are above 0.
+/// Objects that must be greater than 0.
 const RAMPS: [Object; 3] = [simulated::PROFILE_ACCELERATION, simulated::PROFILE_DECELERATION, simulated::TORQUE_SLOPE];
 
-/// Objects of every drive: bytes, access, and the value after power-on.
+/// Objects of every drive: number of bytes, access, power-on value.
 const OBJECTS: [(Object, u8, Access, u32); 52] = [
-    // A servo drive of profile 402.
+    // Servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
     (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
     (objects::SYNC_COB_ID, 4, Access::Write, 0x80),
@@ -99,7 +99,7 @@ const OBJECTS: [(Object, u8, Access, u32); 52] = [
     (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
     (at(0x1029, 0), 1, Access::Read, 1),
     (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
-    // Fault.
+    // Reaction: fault.
     (simulated::ABORT_CONNECTION, 2, Access::Write, 1),
     (objects::ERROR_CODE, 2, Access::Transmit, 0),
     (objects::CONTROL_WORD, 2, Access::Receive, 0),
@@ -120,7 +120,7 @@ const OBJECTS: [(Object, u8, Access, u32); 52] = [
     (objects::TARGET_TORQUE, 2, Access::Receive, 0),
     (objects::TORQUE, 2, Access::Transmit, 0),
     (objects::TARGET_POSITION, 4, Access::Receive, 0),
-    // The whole torque within 10 ms.
+    // Rated torque within 10 ms.
     (simulated::TORQUE_SLOPE, 4, Access::Receive, 100_000),
     (objects::INTERPOLATION_POSITION, 4, Access::Receive, 0),
     (objects::HOMING_METHOD, 1, Access::Write, 0),
@@ -143,7 +143,7 @@ const OBJECTS: [(Object, u8, Access, u32); 52] = [
 ];
 
 impl Table {
-    /// The objects of a drive that the cell describes, after power-on. What the cell writes at the start exists as well.
+    /// Creates the objects of a drive of the cell after power-on. Objects that the cell writes at the start exist as well.
     pub(super) fn new(device: &DeviceConfig, drive: &DriveConfig) -> Self {
         let mut table = Self::default();
         for write in &device.startup {
@@ -161,7 +161,7 @@ impl Table {
         for (object, bytes, access, value) in OBJECTS {
             table.add(object, bytes, access, value);
         }
-        // Drives of other makers have something else there.
+        // Drives of other manufacturers have another object there.
         table.has_levels = device.startup.iter().all(|write| write.object.index != simulated::PROBE_INPUTS.index);
         if table.has_levels {
             table.add(simulated::PROBE_INPUTS, 1, Access::Write, 0);
@@ -201,7 +201,7 @@ impl Table {
         table
     }
 
-    /// A PDO that is off and maps nothing.
+    /// Adds a disabled PDO without entries.
     fn add_pdo(&mut self, direction: Direction, number: u8, id: u32) {
         let (communication, mapping) = (direction.communication(number), direction.mapping(number));
         self.add(at(communication, 0), 1, Access::Read, 2);
@@ -219,12 +219,12 @@ impl Table {
         self.numbers.insert(object, Entry { value: value & entry.mask(), ..entry });
     }
 
-    /// The value of an object, without its sign; 0 if it is missing.
+    /// Returns the unsigned value of an object; 0 if it is missing.
     pub(super) fn get(&self, object: Object) -> u32 {
         self.numbers.get(&object).map_or(0, |entry| entry.value)
     }
 
-    /// The value of an object with its sign; 0 if it is missing.
+    /// Returns the signed value of an object; 0 if it is missing.
     pub(super) fn signed(&self, object: Object) -> i32 {
         self.numbers.get(&object).map_or(0, |entry| {
             let unused = 32 - 8 * u32::from(entry.bytes.clamp(1, 4));
@@ -232,19 +232,19 @@ impl Table {
         })
     }
 
-    /// Levels of the touch probe inputs: bit 0 probe 1, bit 1 probe 2; 0 if the cell has another object in their place.
+    /// Returns the levels of the touch probe inputs: bit 0 probe 1, bit 1 probe 2; 0 if the cell uses 2000h for another object.
     pub(super) fn probe_levels(&self) -> u32 {
         if self.has_levels { self.get(simulated::PROBE_INPUTS) } else { 0 }
     }
 
-    /// Sets an object from inside the drive; its upper bits are cut off. One that is missing stays so.
+    /// Sets an object from inside the drive, truncated to its length. A missing object is not created.
     pub(super) fn put(&mut self, object: Object, value: u32) {
         if let Some(entry) = self.numbers.get_mut(&object) {
             entry.value = value & entry.mask();
         }
     }
 
-    /// Sets the objects of some indices to their values after power-on; those that show the drive stay.
+    /// Sets the objects of some indices to their power-on values, except objects that report the state of the drive.
     pub(super) fn restore(&mut self, initial: &Self, indices: &RangeInclusive<u16>) {
         for (object, entry) in &initial.numbers {
             if indices.contains(&object.index) && entry.access != Access::Transmit {
@@ -263,7 +263,7 @@ impl Table {
         }
     }
 
-    /// Writes an object by SDO; without a length, as many bytes as it has.
+    /// Writes an object by SDO. `None` as length means the length of the object.
     pub(super) fn write(&mut self, object: Object, value: u32, bytes: Option<u8>) -> Result<(), Abort> {
         let room = self.room(object)?;
         if bytes.is_some_and(|bytes| usize::from(bytes) != room) || self.long.contains_key(&object) {
@@ -276,7 +276,7 @@ impl Table {
         Ok(())
     }
 
-    /// Bytes of an object that can be written by SDO.
+    /// Returns the length of an object that can be written by SDO.
     pub(super) fn room(&self, object: Object) -> Result<usize, Abort> {
         let (room, is_writable) = match self.long.get(&object) {
             Some(long) => (long.data.len(), long.is_writable),
@@ -318,7 +318,7 @@ impl Table {
         self.numbers.get(&object).copied().ok_or_else(|| if has_index() { NO_SUBINDEX } else { NO_OBJECT })
     }
 
-    /// Checks a value of the right length.
+    /// Checks a value of the correct length.
     fn check(&self, object: Object, value: u32) -> Result<(), Abort> {
         match (object.index, object.sub) {
             _ if object == objects::MODE => match value {
@@ -331,14 +331,14 @@ impl Table {
             _ if object == simulated::ABORT_CONNECTION && value > 3 => Err(RANGE),
             // Without a ramp the drive would not move.
             _ if RAMPS.contains(&object) && value == 0 => Err(RANGE),
-            // Reserved transmission types, and those that answer remote frames.
+            // Reserved transmission types, and those for remote frames.
             (0x1400..=0x15FF | 0x1800..=0x19FF, 2) if (241..=253).contains(&value) => Err(RANGE),
             (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => self.check_mapping(object, value),
             _ => Ok(()),
         }
     }
 
-    /// Checks a mapping: the number of objects, or one of them.
+    /// Checks the write of a mapping: the number of objects, or one of them.
     fn check_mapping(&self, object: Object, value: u32) -> Result<(), Abort> {
         if CobId(self.get(at(object.index - 0x200, 1))).is_valid() {
             return Err(STATE);
@@ -358,14 +358,14 @@ impl Table {
     }
 }
 
-/// The numbers of the modes that a drive offers: those of the interface of its axis, and homing.
+/// Returns the numbers of the modes that a drive supports: those of the interface of its axis, and homing.
 fn supported(drive: &DriveConfig) -> impl Iterator<Item = i8> {
     let offers = move |mode: &DriveMode| *mode == drive.mode || drive.offers.offers(mode.interface());
     let modes = DriveMode::NAMES.into_iter().map(|(_, mode)| mode).filter(offers).map(DriveMode::number);
     modes.chain(drive.offers.homes.then_some(MODE_HOMING))
 }
 
-/// The object of a mapping entry, and its bytes.
+/// Returns the object of a mapping entry, and its number of bytes.
 pub(super) fn mapped(entry: u32) -> (Object, u8) {
     let [bits, sub, low, high] = entry.to_le_bytes();
     (at(u16::from_le_bytes([low, high]), sub), bits / 8)
@@ -378,7 +378,7 @@ mod tests {
     use crate::{NodeId, Watching};
 
     impl Table {
-        /// The value of a number, and its bytes.
+        /// Returns the value of a number, and its number of bytes.
         fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
             self.entry(object).map(|entry| (entry.value, entry.bytes))
         }
@@ -399,7 +399,7 @@ mod tests {
         for (mode, result) in accepted.into_iter().chain(refused) {
             assert_eq!(table.write(objects::MODE, mode, Some(1)), result, "{mode}");
         }
-        // The same by PDO.
+        // The same values by PDO.
         table.receive(objects::MODE, 1);
         table.receive(objects::MODE, 9);
         assert_eq!(table.get(objects::MODE), 1);
@@ -426,7 +426,7 @@ mod tests {
         assert_eq!(table.read(objects::CONTROL_WORD), Ok((0x000F, 2)));
     }
 
-    /// The order of CiA 301: off, no objects, the objects, their number, on.
+    /// Order of CiA 301: disable, no entries, entries, number of entries, enable.
     #[test]
     fn a_pdo_is_mapped_only_while_it_is_off_and_empty() {
         let mut table = table();
@@ -461,7 +461,8 @@ mod tests {
         assert_eq!(table.signed(objects::INTERPOLATION_INDEX), -3);
     }
 
-    /// 2000h of the cell is that of its drive: 4 bytes, any value. Without it 2000h has the levels of the touch probe inputs.
+    /// If the cell writes 2000h, it is an object of its drive: 4 bytes, any value. Otherwise 2000h contains the levels of the touch probe
+    /// inputs.
     #[test]
     fn object_2000h_of_the_cell_takes_the_place_of_the_probe_inputs() {
         let object = at(0x2000, 0);
@@ -475,7 +476,7 @@ mod tests {
         assert_eq!((table.read(object), table.probe_levels()), (Ok((100_001, 4)), 0));
     }
 
-    /// Startup writes of other lengths than 1 to 4 bytes make objects of that length; power-on values are 0.
+    /// Startup writes of lengths other than 1 to 4 bytes create objects of that length; power-on values are 0.
     #[test]
     fn objects_that_the_cell_writes_at_the_start_have_their_length() {
         let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);

@@ -1,7 +1,8 @@
 //! Touch probes of a simulated drive.
 //!
-//! Law      an edge of a probe input stores the position of its cycle, the zero pulse stores its own position. Bits of 60B8h for each probe: 0
-//!          enabled, 1 continuous (else the first event alone), 2 and 3 the source, 4 rising edge, 5 falling edge. The zero pulse is a rising edge
+//! Law      an edge of a probe input stores the position of its cycle, the zero pulse stores its own position. Bits of 60B8h for each
+//!          probe: 0 enabled, 1 continuous (otherwise only the first event), 2 and 3 the source, 4 rising edge, 5 falling edge. The zero
+//!          pulse is a rising edge
 //! Reads    60B8h, the levels of the inputs in 2000h (bit 0: probe 1, bit 1: probe 2), the zero pulse of the encoder
 //! Writes   60B9h, 60BAh to 60BDh, 60D5h to 60D8h
 //! Refuses  sources of 60D0h: they store nothing
@@ -14,23 +15,23 @@ use lineshaft_core::drive::DriveInput;
 
 const ENABLED: u32 = 0x01;
 const CONTINUOUS: u32 = 0x02;
-/// Bits 2 and 3: the input of the probe, or the zero pulse.
+/// Bits 2 and 3: source, the input of the probe or the zero pulse.
 const SOURCE: u32 = 0x0C;
 const ZERO_PULSE: u32 = 0x04;
-/// The rising edge; that of the falling edge follows.
+/// Rising edge; the bit of the falling edge follows.
 const EDGE: u32 = 0x10;
-/// In 60B9h, the position of a rising edge is stored; that of the falling edge follows.
+/// Bit of 60B9h: position of a rising edge is stored; the bit of the falling edge follows.
 const STORED: u32 = 0x02;
 
-/// Both probes of a drive.
+/// Both touch probes of a drive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TouchProbes {
-    /// The levels of the inputs in the last cycle.
+    /// Levels of the inputs in the last cycle.
     levels: u32,
 }
 
 impl TouchProbes {
-    /// One cycle.
+    /// Runs one cycle.
     pub(super) fn step(&mut self, table: &mut Table, drive: &DriveInput) {
         let levels = table.probe_levels();
         let changed = levels ^ std::mem::replace(&mut self.levels, levels);
@@ -42,7 +43,8 @@ impl TouchProbes {
     }
 }
 
-/// One cycle of a probe, 0 or 1: an edge of its input (0 rising, 1 falling) with its position, and the position of the zero pulse.
+/// Runs one cycle of a probe, 0 or 1. `edge`: edge of its input (0 rising, 1 falling) with its position; `zero_pulse`: position of the zero
+/// pulse.
 fn step(table: &mut Table, number: u8, edge: Option<(u8, i64)>, zero_pulse: Option<i64>) {
     let shift = 8 * u32::from(number);
     let function = table.get(objects::TOUCH_PROBE_FUNCTION) >> shift;
@@ -63,7 +65,7 @@ fn step(table: &mut Table, number: u8, edge: Option<(u8, i64)>, zero_pulse: Opti
         if is_open && function & (EDGE << edge) != 0 {
             status |= stored;
             let [place, count] = probe::objects_of(2 * number + edge);
-            // 32 bits, which wrap, and a count of 16 bits.
+            // The position wraps in 32 bits, the count in 16 bits.
             table.put(place, position as u32);
             let events = table.get(count).wrapping_add(1);
             table.put(count, events);
@@ -78,7 +80,7 @@ mod tests {
     use crate::config::DeviceConfig;
     use crate::{NodeId, Watching};
 
-    /// A drive with that probe function.
+    /// A drive with this probe function.
     struct Rig(Table, TouchProbes);
 
     impl Rig {
@@ -89,14 +91,14 @@ mod tests {
             Self(table, TouchProbes::default())
         }
 
-        /// One cycle; 60B9h afterwards.
+        /// Runs one cycle. Returns 60B9h after it.
         fn step(&mut self, levels: u32, count: i64, index: Option<i64>) -> u32 {
             self.0.put(simulated::PROBE_INPUTS, levels);
             self.1.step(&mut self.0, &DriveInput { count, index, ..DriveInput::default() });
             self.0.get(simulated::TOUCH_PROBE_STATUS)
         }
 
-        /// Position and count of a slot: probe 1 rising and falling, probe 2 rising and falling.
+        /// Returns position and count of a slot: probe 1 rising and falling, probe 2 rising and falling.
         fn slot(&self, slot: u8) -> (i32, u32) {
             let [place, count] = probe::objects_of(slot);
             (self.0.signed(place), self.0.get(count))
@@ -113,7 +115,7 @@ mod tests {
         assert_eq!((rig.slot(0), rig.slot(1), rig.slot(2)), ((-25, 2), (-20, 1), (0, 0)));
     }
 
-    /// 60B8h 1100h: probe 2, rising edge, first event alone. Bit 0 away and back starts it again.
+    /// 60B8h 1100h: probe 2, rising edge, first event only. A new rising edge of bit 0 starts it again.
     #[test]
     fn first_event_is_kept_until_the_probe_is_enabled_again() {
         let mut rig = Rig::new(0x1100);

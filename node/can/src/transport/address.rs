@@ -1,9 +1,9 @@
-//! Names of ways to a bus, as a cell file gives them.
+//! Addresses of CAN buses in a cell file.
 //!
-//! Law      `slcan:/dev/ttyACM0`, `slcan-tcp:HOST:PORT`, `socketcan:can0`, `udp:GROUP:PORT`; what is shown is what is read
+//! Law      `slcan:/dev/ttyACM0`, `slcan-tcp:HOST:PORT`, `socketcan:can0`, `udp:GROUP:PORT`; an address is written as it is read
 //! Reads    one text
-//! Refuses  another kind; an empty path or host; a port outside 1 to 65535; what no interface can be called; a group that is no multicast
-//!          address of IPv4
+//! Refuses  another kind; an empty path or host; a port outside 1 to 65535; an invalid interface name; a group that is not an IPv4
+//!          multicast address
 //! Source   Linux `dev_valid_name` (net/core/dev.c), RFC 5771
 
 use std::fmt;
@@ -11,48 +11,48 @@ use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Why a text names no way to a bus.
+/// Reason why a text is not an address of a bus.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AddressError {
-    /// None of the kinds.
+    /// Unknown kind of address.
     #[error(
         "'{0}' is no CAN bus; allowed are slcan:/dev/ttyACM0, slcan-tcp:HOST:PORT, socketcan:can0, udp:239.74.163.2:43113"
     )]
     Kind(String),
-    /// No path.
+    /// Missing path.
     #[error("'{0}' names no serial line; allowed is slcan: and the path of a device, such as slcan:/dev/ttyACM0")]
     Path(String),
-    /// No host, or no port.
+    /// Missing host or port.
     #[error(
         "'{0}' names no adapter behind TCP; allowed is slcan-tcp:HOST:PORT with a port of 1 to 65535, and an IPv6 address in brackets"
     )]
     Host(String),
-    /// No interface can be called so.
+    /// Invalid interface name.
     #[error(
         "'{0}' names no CAN interface; allowed are 1 to 15 bytes without '/', ':' and blanks, such as socketcan:can0"
     )]
     Interface(String),
-    /// No group, or no port.
+    /// Missing or invalid group or port.
     #[error(
         "'{0}' names no multicast group; allowed is udp:GROUP:PORT with 224.0.0.0 to 239.255.255.255 and a port of 1 to 65535"
     )]
     Group(String),
 }
 
-/// A way to a bus.
+/// Address of a bus.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Address {
-    /// An adapter that speaks slcan, on a serial line or a pseudo terminal.
+    /// slcan adapter on a serial line or a pseudo terminal.
     Slcan(PathBuf),
-    /// An adapter that speaks slcan behind TCP: `host:port`.
+    /// slcan adapter behind TCP: `host:port`.
     SlcanTcp(String),
-    /// A CAN interface of Linux.
+    /// CAN interface of Linux.
     SocketCan(String),
-    /// Datagrams on loopback, as the bus `udp_multicast` of python-can: for development.
+    /// Datagrams on loopback, compatible with the bus `udp_multicast` of python-can: for development.
     Udp {
-        /// A multicast address.
+        /// Multicast address.
         group: Ipv4Addr,
-        /// 1 to 65535.
+        /// Port, 1 to 65535.
         port: u16,
     },
 }
@@ -85,7 +85,7 @@ fn is_host(host: &str) -> bool {
         && (is_in_brackets || !host.contains(':'))
 }
 
-/// One without a sign and without zeros before it, so that what is shown is what is read.
+/// Parses a port without sign and without leading zeros, so that it is written as it is read.
 fn port(text: &str) -> Option<u16> {
     text.parse().ok().filter(|port: &u16| *port != 0 && port.to_string() == text)
 }
@@ -163,7 +163,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is read is shown as it was.
+        /// An address is written as it is read.
         #[test]
         fn what_is_read_is_shown(kind in "slcan|slcan-tcp|socketcan|udp", rest in "[ -~]{0,20}", host in "[a-z.0-9:\\[\\]]{1,12}",
                                  group: u32, port: u16) {

@@ -1,8 +1,8 @@
-//! Frames as the CAN sockets of Linux carry them, `struct can_frame`.
+//! Frames of the CAN sockets of Linux, `struct can_frame`.
 //!
-//! Law      16 bytes: identifier with its flags (32 bits of the machine's order), length, 3 of padding, 8 of data
-//! Reads    16 bytes; what the controller tells of itself is an error frame: passive, active, off, restarted, overrun
-//! Refuses  nothing: frames with an extended identifier are others
+//! Law      16 bytes: identifier with its flags (32 bits in native byte order), length, 3 bytes of padding, 8 bytes of data
+//! Reads    16 bytes; the state of the controller comes in error frames: passive, active, off, restarted, overrun
+//! Refuses  nothing: frames with an extended identifier are reported as others
 //! Source   Linux `linux/can.h`, `linux/can/error.h`
 
 use crate::{Frame, Id};
@@ -20,20 +20,20 @@ const BUS_OFF: u32 = 0x040;
 const RESTARTED: u32 = 0x100;
 /// The frame has error counters (CAN_ERR_CNT): transmit in byte 6, receive in byte 7.
 const COUNTERS: u32 = 0x200;
-/// The classes that are understood.
+/// Error classes that are evaluated.
 pub(super) const ERRORS: u32 = CONTROLLER | BUS_OFF | RESTARTED;
 
-/// Byte 1 of the class CONTROLLER (CAN_ERR_CRTL_*): both directions of each.
+/// Bits of byte 1 of class CONTROLLER (CAN_ERR_CRTL_*), for both directions.
 const OVERFLOW: u8 = 0x03;
 const WARNING: u8 = 0x0C;
 const PASSIVE: u8 = 0x30;
 const ACTIVE: u8 = 0x40;
 
-/// What has come.
+/// Content of a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Heard {
     Frame(Frame),
-    /// What the controller tells: how the bus does, where that is new; whether frames were lost; its error counters, where it tells them.
+    /// Report of the controller: state of the bus if it has changed; whether frames were lost; error counters if it reports them.
     Controller {
         state: Option<BusState>,
         has_lost: bool,
@@ -42,7 +42,7 @@ pub(super) enum Heard {
     Other,
 }
 
-/// The bytes that send a frame.
+/// Returns the bytes that send a frame.
 pub(super) fn bytes_of(frame: &Frame) -> [u8; SIZE] {
     let flag = if frame.is_remote() { REMOTE } else { 0 };
     let [a, b, c, d] = (u32::from(frame.id().get()) | flag).to_ne_bytes();
@@ -53,7 +53,7 @@ pub(super) fn bytes_of(frame: &Frame) -> [u8; SIZE] {
     bytes
 }
 
-/// What these bytes are.
+/// Returns the content of received bytes.
 pub(super) fn heard(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) -> Heard {
     let word = u32::from_ne_bytes([a, b, c, d]);
     if word & ERROR != 0 {
@@ -77,7 +77,7 @@ fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8])
     let state = match () {
         () if classes & BUS_OFF != 0 => Some(BusState::Off),
         () if detail & PASSIVE != 0 => Some(BusState::Passive),
-        // Many errors, yet too few for passive: the way down from there leads by it.
+        // Many errors, but fewer than for passive: the state when errors decrease.
         () if classes & RESTARTED != 0 || detail & (ACTIVE | WARNING) != 0 => Some(BusState::Active),
         () => None,
     };

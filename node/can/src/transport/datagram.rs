@@ -1,18 +1,18 @@
-//! Frames as datagrams, in the words of the bus `udp_multicast` of python-can.
+//! Frames as datagrams in the format of the bus `udp_multicast` of python-can.
 //!
-//! Law      one datagram is one frame is one map of MessagePack with up to 11 keys, in any order; one that is missing has python-can's
-//!          default, and of one that comes twice the last holds
-//! Reads    integers and texts of all widths, a time stamp of any number, a channel of any kind
-//! Refuses  what python-can refuses too: another key, a value of another kind, a length that is not that of the data, a remote frame with
-//!          data, an identifier that is too large, anything behind the map
+//! Law      a datagram is one frame: a MessagePack map with up to 11 keys in any order. A missing key has the default of python-can; of a
+//!          repeated key the last value is used
+//! Reads    integers and texts of all widths, a time stamp of any number type, a channel of any type
+//! Refuses  all that python-can refuses too: another key, a value of another type, a length other than that of the data, a remote frame
+//!          with data, an identifier that is too large, bytes after the map
 //! Source   python-can 4.6.1 (`interfaces/udp_multicast`, `message.py`), MessagePack specification
 
 use crate::{Frame, Id};
 
-/// Room for the datagram of any frame of ours: 154 bytes with 8 of data.
+/// Size of the longest datagram that is sent: 154 bytes with 8 bytes of data.
 pub(super) const LONGEST: usize = 160;
 
-/// The datagram of a frame.
+/// Datagram of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Datagram {
     bytes: [u8; LONGEST],
@@ -20,7 +20,7 @@ pub(super) struct Datagram {
 }
 
 impl Datagram {
-    /// All keys, in the order in which python-can writes them: a stricter reader has no default to choose.
+    /// Writes all keys, in the order of python-can, so that a strict reader needs no defaults.
     pub(super) fn of(frame: &Frame) -> Self {
         let mut datagram = Self { bytes: [0; LONGEST], length: 0 };
         datagram.put(&[0x8B]);
@@ -41,21 +41,21 @@ impl Datagram {
     }
 
     fn put(&mut self, bytes: &[u8]) {
-        // The longest datagram of a frame fits: the tests have it.
+        // The longest datagram of a frame fits, as the tests check.
         if let Some(place) = self.bytes.get_mut(self.length..self.length + bytes.len()) {
             place.copy_from_slice(bytes);
             self.length += bytes.len();
         }
     }
 
-    /// A text of up to 31 bytes.
+    /// Writes a text of up to 31 bytes.
     fn key(&mut self, key: &str) -> &mut Self {
         self.put(&[0xA0 | key.len() as u8]);
         self.put(key.as_bytes());
         self
     }
 
-    /// In the shortest form.
+    /// Writes an integer in its shortest form.
     fn integer(&mut self, value: u16) {
         match value.to_be_bytes() {
             [0, low @ 0..=0x7F] => self.put(&[low]),
@@ -73,7 +73,7 @@ const NIL: u8 = 0xC0;
 const FALSE: u8 = 0xC2;
 const TRUE: u8 = 0xC3;
 
-/// A value.
+/// MessagePack value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Value<'a> {
     Nil,
@@ -84,7 +84,7 @@ enum Value<'a> {
     Bytes(&'a [u8]),
 }
 
-/// Takes values off the front of a datagram.
+/// Reads values from the front of a datagram.
 struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
@@ -103,13 +103,13 @@ impl<'a> Reader<'a> {
         Some((self.unsigned(bytes)? << unused).cast_signed() >> unused)
     }
 
-    /// Bytes behind their number, which has `width` bytes itself.
+    /// Reads bytes after their number, which has `width` bytes.
     fn counted(&mut self, width: usize) -> Option<&'a [u8]> {
         let count = self.unsigned(width)?;
         self.take(usize::try_from(count).ok()?)
     }
 
-    /// The number of entries of a map.
+    /// Reads the number of entries of a map.
     fn map(&mut self) -> Option<u64> {
         match self.unsigned(1)? {
             kind @ 0x80..=0x8F => Some(kind & 0xF),
@@ -119,7 +119,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A value; arrays, maps and extensions have no place in a frame.
+    /// Reads a value; arrays, maps and extensions are not allowed in a frame.
     fn value(&mut self) -> Option<Value<'a>> {
         let kind = self.take(1)?[0];
         Some(match kind {
@@ -139,7 +139,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What a datagram says, before it is a frame; first python-can's defaults.
+/// Content of a datagram before its checks, initialized with the defaults of python-can.
 struct Message<'a> {
     id: i128,
     is_extended: bool,
@@ -150,15 +150,15 @@ struct Message<'a> {
     data: &'a [u8],
 }
 
-/// The frame of a datagram; none where it is one that CANopen does not use (an extended identifier, FD, an error frame).
+/// Returns the frame of a datagram; `None` for frames that CANopen does not use (extended identifier, FD, error frame).
 ///
 /// # Errors
-/// The datagram is no frame.
+/// The datagram is not a valid frame.
 pub(super) fn frame_of(datagram: &[u8]) -> Result<Option<Frame>, NoFrame> {
     read(datagram).and_then(|message| message.frame()).ok_or(NoFrame)
 }
 
-/// The datagram is no frame.
+/// Error: the datagram is not a valid frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct NoFrame;
 
@@ -187,7 +187,7 @@ fn read(datagram: &[u8]) -> Option<Message<'_>> {
 }
 
 impl Message<'_> {
-    /// None: refused. None inside: of no use.
+    /// Outer `None`: invalid frame. Inner `None`: frame that CANopen does not use.
     fn frame(&self) -> Option<Option<Frame>> {
         let largest = if self.is_extended { 0x1FFF_FFFF } else { 0x7FF };
         let longest = if self.is_fd { 64 } else { 8 };

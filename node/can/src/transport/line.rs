@@ -1,4 +1,4 @@
-//! slcan over a stream of bytes that never waits: a serial line, a pseudo terminal, TCP.
+//! slcan over a non-blocking byte stream: serial line, pseudo terminal or TCP.
 
 use super::piece::Piece;
 use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, Said};
@@ -11,34 +11,34 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long the line must be silent until what the adapter had to say before is over.
+/// Time of silence after which the previous output of the adapter counts as finished.
 const SILENCE: Duration = Duration::from_millis(250);
-/// How long an adapter may say something before its channel is closed: a bus under load never falls silent by itself.
+/// Longest time to wait for silence after the close command, in case the adapter never becomes silent.
 const TALK: Duration = Duration::from_secs(2);
-/// How long the answer to a command may take. Some adapters answer nothing.
+/// Time for the answer to a command. Some adapters send no answer.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Why the channel of an adapter does not open.
+/// Reason why the channel of an adapter could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum SlcanError {
-    /// BEL is the answer to the command of the bit rate.
+    /// The adapter answers the bit rate command with BEL.
     #[error("the adapter refuses the bit rate")]
     BitRate,
-    /// BEL is the answer to the command that opens.
+    /// The adapter answers the open command with BEL.
     #[error("the adapter refuses to open its channel")]
     Channel,
-    /// The stream does not take the few bytes at once, or is lost.
+    /// The stream does not accept the few bytes at once, or is lost.
     #[error("the adapter cannot be spoken to: {0}")]
     Stream(#[from] io::Error),
 }
 
-/// An adapter at the other end of a stream.
+/// slcan adapter at the remote end of a stream.
 #[derive(Debug)]
 pub struct SlcanLine<S> {
     stream: S,
     way: Way,
     decoder: Decoder,
-    /// Lines that wait, and how much of the first one has gone.
+    /// Queued lines, and the number of sent bytes of the first one.
     waiting: Waiting<Line>,
     gone: usize,
     piece: Piece,
@@ -46,7 +46,7 @@ pub struct SlcanLine<S> {
 }
 
 impl<S: Read + Write> SlcanLine<S> {
-    /// An adapter whose channel is open already, or will be by [`open`](Self::open).
+    /// Creates the transport for an adapter whose channel is open, or will be opened with [`open`](Self::open).
     pub fn new(stream: S) -> Self {
         Self {
             stream,
@@ -59,14 +59,14 @@ impl<S: Read + Write> SlcanLine<S> {
         }
     }
 
-    /// Sets the bit rate, by its command, and opens the channel. An empty line first ends what somebody else has left in the adapter.
-    /// The answers take about half a second.
+    /// Sets the bit rate and opens the channel. An empty line first ends a partial command that a previous user may have left. The answers
+    /// take about half a second.
     ///
     /// # Errors
-    /// The adapter refuses a command; the stream does not take the few bytes at once, or is lost.
+    /// The adapter refuses a command; the stream does not accept the few bytes at once, or is lost.
     pub fn open(&mut self, bit_rate: &[u8]) -> Result<(), SlcanError> {
         self.say(b"\r")?;
-        // One that is closed already refuses it, which says nothing about the commands that follow.
+        // An adapter whose channel is already closed refuses this; the refusal does not affect the next commands.
         self.say(CLOSE)?;
         let began = Instant::now();
         while began.elapsed() < TALK && self.hears(SILENCE)?.is_some() {}
@@ -84,7 +84,7 @@ impl<S: Read + Write> SlcanLine<S> {
         self.stream.flush()
     }
 
-    /// True where BEL is the answer; an empty line, and no answer at all, is consent.
+    /// Returns true if the answer is BEL; an empty line or no answer means success.
     fn is_refused(&mut self, command: &[u8]) -> io::Result<bool> {
         self.say(command)?;
         loop {
@@ -96,7 +96,7 @@ impl<S: Read + Write> SlcanLine<S> {
         }
     }
 
-    /// The next byte, if one comes within `time`.
+    /// Returns the next byte if one arrives within `time`.
     fn hears(&mut self, time: Duration) -> io::Result<Option<u8>> {
         let began = Instant::now();
         let mut byte = [0];
@@ -114,7 +114,7 @@ impl<S: Read + Write> SlcanLine<S> {
         }
     }
 
-    /// Looks at what was read, up to the end of a frame.
+    /// Decodes the bytes of the present piece up to the end of a frame.
     fn next_frame(&mut self) -> Option<Frame> {
         while let Some(byte) = self.piece.next() {
             match self.decoder.take(byte) {
@@ -172,9 +172,9 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
     }
 
     fn close(&mut self) {
-        // A frame that has gone in part is no frame: its line ends here.
+        // A partly sent frame is ended with CR, so that the adapter ignores it.
         let command: &[u8] = if self.gone > 0 { b"\rC\r" } else { CLOSE };
-        // The adapter may be gone: nothing can be done about it.
+        // The error of an adapter that was removed cannot be handled.
         let _ = self.say(command);
     }
 }
@@ -185,10 +185,10 @@ mod tests {
     use crate::Id;
     use std::collections::VecDeque;
 
-    /// A stream that takes and gives a few bytes at a time.
+    /// A stream that accepts and returns a few bytes at a time.
     #[derive(Debug, Default)]
     struct Wire {
-        /// Bytes that it takes until it says later; none: as many as come.
+        /// Bytes that it accepts before it returns WouldBlock; `None`: no limit.
         takes: Option<usize>,
         sent: Vec<u8>,
         comes: VecDeque<Vec<u8>>,
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!((line.send(&frame(0, &[])).unwrap_err().to_string(), line.state()), (error, BusState::Off));
     }
 
-    /// An adapter that gives these answers to the commands that follow its silence.
+    /// Simulated adapter with these answers to the commands after its silence.
     #[derive(Debug)]
     struct Adapter {
         answers: VecDeque<&'static [u8]>,

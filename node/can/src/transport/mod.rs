@@ -1,7 +1,6 @@
-//! Ways to a bus, each behind the same words: frames go out, frames come in.
+//! Transports of CAN frames over different kinds of buses, with one interface.
 //!
-//! Law      nothing waits: what cannot go at once stands in a queue of a fixed length, and what has not come is not there. A way that is
-//!          lost stays lost
+//! Law      no call blocks: frames that cannot be sent at once are queued up to a fixed number. A lost transport stays lost
 //! Refuses  frames for which the queue has no room; they are not sent later
 
 mod address;
@@ -29,53 +28,53 @@ pub use way::Loss;
 use crate::Frame;
 use lineshaft_core::drive::BusState;
 
-/// Why a transport does not do its work.
+/// Reason why a transport failed.
 #[derive(Debug, thiserror::Error)]
 pub enum TransportError {
-    /// Frames wait already, and there is no room for more: the bus, or what is before it, is slower than what sends.
+    /// The queue is full, because the bus or the adapter is slower than the sender.
     #[error("the bus takes no more frames: {0} of them wait")]
     Full(usize),
-    /// The adapter or the interface is gone, or broken.
+    /// The adapter or the interface is removed or broken.
     #[error("the way to the bus is lost: {0}")]
     Lost(Loss),
 }
 
-/// A way to a bus. It takes no memory once it is made.
+/// Transport of CAN frames. It allocates no memory after its creation.
 pub trait Transport: Send {
-    /// Sends a frame, or lets it wait behind those that wait.
+    /// Sends a frame, or queues it after those that wait.
     ///
     /// # Errors
-    /// There is no room, and the frame is not sent; or the way is lost.
+    /// The queue is full, and the frame is not sent; or the transport is lost.
     fn send(&mut self, frame: &Frame) -> Result<(), TransportError>;
 
-    /// Goes on with what waits.
+    /// Sends queued frames.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The transport is lost.
     fn flush(&mut self) -> Result<(), TransportError>;
 
-    /// The next frame that has come, if one has.
+    /// Returns the next received frame, if there is one.
     ///
     /// # Errors
-    /// The way is lost.
+    /// The transport is lost.
     fn receive(&mut self) -> Result<Option<Frame>, TransportError>;
 
-    /// How the bus does, by what has been received so far; off where the way is lost.
+    /// Returns the state of the bus according to the data received so far; off if the transport is lost.
     fn state(&self) -> BusState {
         BusState::Active
     }
 
-    /// Signs of trouble so far: frames that an adapter has refused, frames that a controller has lost, datagrams that are no frames.
+    /// Returns the number of faults so far: frames that an adapter has refused, frames that a controller has lost, invalid datagrams.
     fn faults(&self) -> u64 {
         0
     }
 
-    /// Error counters of the controller, transmit and receive, as it has told them last; none where it tells none.
+    /// Returns the last error counters of the controller, transmit and receive; `None` if it does not report them.
     fn errors(&self) -> Option<(u8, u8)> {
         None
     }
 
-    /// Takes leave of the bus, as far as that is possible at once.
+    /// Closes the transport, as far as that is possible without waiting.
     fn close(&mut self) {}
 }
 

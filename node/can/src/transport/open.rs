@@ -1,7 +1,7 @@
-//! Opens the way to a bus that an address names.
+//! Opens the transport of an address.
 //!
-//! Law      may take a few seconds: an adapter answers, a host is looked up and reached
-//! Refuses  what is not there, belongs to somebody else, or cannot have the bit rate; each with its cure
+//! Law      may take a few seconds, for the answer of an adapter, or for name resolution and connection of a host
+//! Refuses  a device that is missing, is in use, or does not support the bit rate; each with a message that says what to do
 //! Source   errno(3), packages of Debian 12
 
 use super::line::{SlcanError, SlcanLine};
@@ -16,76 +16,76 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// How long a host may take to answer, and later to confirm what was sent.
+/// Time for a host to answer, and later to confirm sent data.
 const TIMEOUT: Duration = Duration::from_secs(3);
-/// What may stand in the system on its way to a host (bytes): a few hundred frames.
+/// Size of the send buffer of the system for a host, in bytes: a few hundred frames.
 const SEND_BUFFER: usize = 16 * 1024;
-/// Baud rate of a serial line where nothing else is said (bit/s).
+/// Default baud rate of a serial line, in bit/s.
 const BAUD: u32 = 115_200;
-/// Baud rates that a serial line may be given (bit/s): those of termios from 9600 on.
+/// Baud rates of a serial line, in bit/s: those of termios from 9600.
 pub const BAUD_RATES: [u32; 17] = [
     9_600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 500_000, 576_000, 921_600, 1_000_000, 1_152_000,
     1_500_000, 2_000_000, 2_500_000, 3_000_000, 4_000_000,
 ];
 
-/// What the way to a bus needs to know beside its address.
+/// Settings of a transport in addition to its address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Of the bus (bit/s). Adapters that speak slcan are told; an interface of Linux has it already, and datagrams have none.
+    /// Bit rate of the bus, in bit/s. It is sent to slcan adapters; a Linux interface has it already, and datagrams have none.
     pub bit_rate: u32,
-    /// Baud rate of a serial line (bit/s), one of [`BAUD_RATES`]; 115200 where none is given. Adapters on USB ignore it.
+    /// Baud rate of a serial line, in bit/s, one of [`BAUD_RATES`]; `None`: 115200. USB adapters ignore it.
     pub baud: Option<u32>,
 }
 
-/// The way to a bus is not open.
+/// Error when opening a transport.
 #[derive(Debug, thiserror::Error)]
 #[error("{address} cannot be opened: {obstacle}")]
 pub struct OpenError {
-    /// Where to.
+    /// Address that could not be opened.
     pub address: Address,
-    /// What is in the way.
+    /// Reason.
     pub obstacle: Obstacle,
 }
 
-/// What is in the way to a bus, and its cure.
+/// Reason why a transport could not be opened, with a message that says what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum Obstacle {
-    /// Adapters that speak slcan know a bit rate by no digit, or by different ones (bit/s).
+    /// slcan adapters have no digit, or different ones, for the bit rate (bit/s).
     #[error("adapters do not know the bit rate {0} bit/s; they know {rates} bit/s", rates = BitRates)]
     BitRate(u32),
-    /// The path is no device.
+    /// The path is missing.
     #[error("there is no such device; plug the adapter in, and look for its name in /dev/serial/by-id")]
     NoDevice,
-    /// The user may not use the line.
+    /// The user has no permission for the line.
     #[error(
         "permission denied; add the user to the group of the device (sudo usermod -aG dialout $USER) and log in anew"
     )]
     Denied,
-    /// The line is taken.
+    /// The line is in use.
     #[error("another program uses it; end that one first (fuser -v shows it)")]
     Busy,
     /// The path is a file.
     #[error("it is no serial line")]
     NoLine,
-    /// The line cannot have the rate (bit/s).
+    /// The line does not support the baud rate (bit/s).
     #[error("the serial line cannot run at {0} bit/s; 115200 suits most adapters")]
     Baud(u32),
-    /// The adapter refuses, or is silent.
+    /// The adapter refuses a command, or does not answer.
     #[error(transparent)]
     Adapter(#[from] SlcanError),
-    /// The name is no host.
+    /// The host name cannot be resolved.
     #[error("the host cannot be looked up: {0}")]
     Name(io::Error),
-    /// The host refuses, or is silent.
+    /// The host refuses the connection, or does not answer.
     #[error("the adapter cannot be reached: {0}")]
     Unreachable(io::Error),
-    /// The host is silent.
+    /// The host does not answer.
     #[error("the adapter has not answered for {} s", TIMEOUT.as_secs())]
     Silent,
-    /// The kernel has no CAN.
+    /// The kernel does not support CAN.
     #[error("the kernel has no CAN; load its modules (sudo modprobe can-raw), or use an adapter by slcan")]
     NoCan,
-    /// There is no such interface.
+    /// The interface is missing.
     #[error("there is no CAN interface {0}; 'ip -details link show type can' shows those that there are")]
     NoInterface(String),
     /// The interface is down.
@@ -96,7 +96,7 @@ pub enum Obstacle {
     System(io::Error),
 }
 
-/// What adapters know, in words.
+/// Bit rates that adapters support, as text.
 struct BitRates;
 
 impl fmt::Display for BitRates {
@@ -108,10 +108,10 @@ impl fmt::Display for BitRates {
     }
 }
 
-/// Opens the way to a bus.
+/// Opens a transport.
 ///
 /// # Errors
-/// The way cannot be opened.
+/// The transport cannot be opened.
 pub fn open(address: &Address, options: Options) -> Result<Box<dyn Transport>, OpenError> {
     let opened: Result<Box<dyn Transport>, Obstacle> = match address {
         Address::Slcan(path) => {
@@ -154,9 +154,9 @@ fn prepared(stream: TcpStream) -> io::Result<TcpStream> {
     stream.set_nodelay(true)?;
     stream.set_nonblocking(true)?;
     let socket = SockRef::from(&stream);
-    // A host that has gone without a word: what is sent is not confirmed, and the way is lost.
+    // If a host disappears silently, sent data is not confirmed, and the transport is lost.
     socket.set_tcp_user_timeout(Some(TIMEOUT))?;
-    // By default the system takes megabytes, which an adapter would send long after they were true.
+    // By default the system buffers megabytes, and the adapter would send outdated frames.
     socket.set_send_buffer_size(SEND_BUFFER)?;
     Ok(stream)
 }
@@ -201,7 +201,7 @@ mod tests {
         assert!(sentence.contains("cannot be opened: the host cannot be looked up: "), "{sentence}");
     }
 
-    /// A listener that accepts nobody: its queue is full, and the next one waits.
+    /// A listener that accepts no connection: its queue is full, and the next connection waits.
     #[test]
     fn a_host_that_is_silent_is_told_in_time() {
         let listener = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
@@ -215,7 +215,7 @@ mod tests {
         assert!(began.elapsed() < Duration::from_secs(10));
     }
 
-    /// Whatever the kernel knows: there is no such interface, or no CAN at all.
+    /// The interface is missing, or the kernel has no CAN at all.
     #[test]
     fn an_interface_that_is_not_there_is_told() {
         let sentence = refused("socketcan:no-such-can", 500_000);

@@ -1,17 +1,17 @@
-//! Bytes that were read from a stream at once.
+//! Bytes of one read from a stream.
 
 use super::TransportError;
 use super::way::{Loss, Way};
 use std::io::Read;
 
-/// Maximum number of bytes that are read at once.
+/// Maximum number of bytes of one read.
 const ROOM: usize = 512;
 
-/// A piece of a stream.
+/// Piece of a stream.
 #[derive(Debug)]
 pub(super) struct Piece {
     bytes: [u8; ROOM],
-    /// The bytes from `at` to `end` were not taken yet.
+    /// The bytes from `at` to `end` are still to be taken.
     at: usize,
     end: usize,
 }
@@ -21,7 +21,7 @@ impl Piece {
         Self { bytes: [0; ROOM], at: 0, end: 0 }
     }
 
-    /// Takes the next byte; `None` at the end of the piece.
+    /// Returns the next byte; `None` at the end of the piece.
     pub(super) fn next(&mut self) -> Option<u8> {
         let byte = *self.bytes.get(self.at..self.end)?.first()?;
         self.at += 1;

@@ -1,8 +1,8 @@
-//! The adapter side of slcan on a pseudo terminal: a master opens the terminal as it would open an adapter.
+//! Adapter side of slcan on a pseudo terminal: a CAN master opens the terminal like an adapter.
 //!
-//! Law      S sets the bit rate, O opens the channel, C closes it; frames pass only while it is open. CR is consent, BEL a refusal, `z` with CR
-//!          the answer to a frame
-//! Refuses  a path that exists; commands that no adapter knows, or that its present state does not allow
+//! Law      S sets the bit rate, O opens the channel, C closes it; frames pass only while it is open. The answer is CR for success, BEL for
+//!          a refusal, `z` with CR for a frame
+//! Refuses  a path that exists; unknown commands, and commands that are not allowed in the present state
 //! Source   CANUSB manual (Lawicel), pty(7)
 
 use super::piece::Piece;
@@ -23,29 +23,29 @@ use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-/// The answer to a command that is obeyed, and to one that is refused.
+/// Answers to a command: success and refusal.
 const DONE: &[u8] = &[CR];
 const REFUSED: &[u8] = &[BEL];
-/// Bytes that may wait for the master: a few hundred frames.
+/// Maximum number of bytes that wait for the master: a few hundred frames.
 const ROOM: usize = 8 * 1024;
-/// Longest line of a command that is looked at.
+/// Maximum length of a command line.
 const LONGEST: usize = 64;
 
-/// Why there is no pseudo terminal.
+/// Reason why the pseudo terminal could not be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum PtyError {
-    /// Something has that path.
+    /// The path exists.
     #[error("{0} exists already; remove it, or give another path")]
     Taken(PathBuf),
-    /// The system refuses.
+    /// The system refuses it.
     #[error("{0}: no pseudo terminal: {1}")]
     System(PathBuf, io::Error),
 }
 
-/// A pseudo terminal that is served as an adapter. `link` is a symbolic link to it, until it is dropped.
+/// Opens a pseudo terminal and serves it as an adapter. `link` is a symbolic link to it that exists until the transport is dropped.
 ///
 /// # Errors
-/// The path exists; the system has no pseudo terminal.
+/// The path exists, or the system has no pseudo terminal.
 pub fn slcan_pty(link: &Path) -> Result<impl Transport + use<>, PtyError> {
     Pty::open(link).map(SlcanAdapter::new).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => PtyError::Taken(link.to_owned()),
@@ -53,17 +53,17 @@ pub fn slcan_pty(link: &Path) -> Result<impl Transport + use<>, PtyError> {
     })
 }
 
-/// A stream to a master.
+/// Byte stream to a master.
 trait MasterStream: Read + Write {
-    /// The master has opened the channel.
+    /// Called when the master has opened the channel.
     fn note_opened(&mut self) {}
 }
 
-/// A pseudo terminal.
+/// Pseudo terminal.
 #[derive(Debug)]
 struct Pty {
     controller: File,
-    /// The end that a master opens. While it is open here, the terminal outlives each master.
+    /// Terminal end, which a master opens. While it is open here, the terminal stays after a master closes it.
     terminal: OwnedFd,
     path: PathBuf,
     link: PathBuf,
@@ -87,7 +87,7 @@ impl Pty {
 
 impl MasterStream for Pty {
     fn note_opened(&mut self) {
-        // The flag of a master that is killed would keep out the next one. It may be cleared already.
+        // The exclusive flag of a killed master would lock out the next one. It may be cleared already.
         let _ = ioctl_tiocnxcl(&self.terminal);
     }
 }
@@ -95,7 +95,7 @@ impl MasterStream for Pty {
 impl Drop for Pty {
     fn drop(&mut self) {
         if fs::read_link(&self.link).is_ok_and(|path| path == self.path) {
-            // It may be gone: nothing else can be done.
+            // The link may be removed already; errors cannot be handled here.
             let _ = fs::remove_file(&self.link);
         }
     }
@@ -117,13 +117,13 @@ impl Write for Pty {
     }
 }
 
-/// An adapter whose bus is this program.
+/// Adapter whose bus is this program.
 #[derive(Debug)]
 struct SlcanAdapter<S> {
     stream: S,
     way: Way,
     is_open: bool,
-    /// The line that comes, up to its CR.
+    /// Present input line, up to its CR.
     line: Vec<u8>,
     piece: Piece,
     /// Bytes for the master.
@@ -142,11 +142,11 @@ impl<S: MasterStream> SlcanAdapter<S> {
         }
     }
 
-    /// The rest of what was read, up to the end of a frame.
+    /// Decodes the rest of the present piece up to the end of a frame.
     fn next_frame(&mut self) -> Option<Frame> {
         while let Some(byte) = self.piece.next() {
             if byte != CR {
-                // A line that is too long is none of a command: its first bytes are refused.
+                // A line that is too long is not a command: its first bytes are kept and refused.
                 if self.line.len() < LONGEST {
                     self.line.push(byte);
                 }
@@ -161,7 +161,7 @@ impl<S: MasterStream> SlcanAdapter<S> {
         None
     }
 
-    /// Does what the line commands. Returns the frame if it is one.
+    /// Executes a command line. Returns the frame if it contains one.
     fn obey(&mut self) -> Option<Frame> {
         let digits = 0..bit_rates().count();
         let mut frame = None;
@@ -197,7 +197,7 @@ impl<S: MasterStream> SlcanAdapter<S> {
 impl<S: MasterStream + Send> Transport for SlcanAdapter<S> {
     fn send(&mut self, frame: &Frame) -> Result<(), TransportError> {
         self.flush()?;
-        // On a closed channel there is no listener.
+        // While the channel is closed, no master receives.
         if self.is_open {
             let line = Line::of(frame);
             if self.waiting.len() + line.bytes().len() > ROOM {
@@ -245,7 +245,7 @@ mod tests {
     use std::thread;
     use std::time::{Duration, Instant};
 
-    /// What a master says, and what it hears.
+    /// Input from and output to the master.
     #[derive(Debug, Default)]
     struct Wire {
         says: VecDeque<u8>,
@@ -276,7 +276,7 @@ mod tests {
         Frame::data(Id::new(id).unwrap(), bytes).unwrap()
     }
 
-    /// The frames of what a master says, and the answers.
+    /// Returns the frames of an input, and the answers.
     fn told(adapter: &mut SlcanAdapter<Wire>, says: &[u8]) -> (Vec<Frame>, String) {
         adapter.stream.says.extend(says);
         let frames = std::iter::from_fn(|| adapter.receive().unwrap()).collect();
@@ -285,7 +285,7 @@ mod tests {
         (frames, hears.replace('\r', ";").replace('\x07', "!"))
     }
 
-    /// Commands of the CANUSB manual; `;` is CR, `!` is BEL.
+    /// Commands of the CANUSB manual; `;` means CR, `!` means BEL.
     #[test]
     fn commands_are_answered_as_an_adapter_does() {
         let mut adapter = SlcanAdapter::new(Wire::default());
@@ -307,7 +307,7 @@ mod tests {
         assert_eq!(told(&mut adapter, b"").1, "t1811AB;");
     }
 
-    /// The transport of a master opens the terminal; a frame goes each way. The link goes with the terminal.
+    /// The transport of a master opens the terminal, and a frame is sent in each direction. The link is removed with the terminal.
     #[test]
     fn a_master_opens_the_terminal_by_its_link() {
         let link = std::env::temp_dir().join(format!("lineshaft-slcan-pty-{}", std::process::id()));

@@ -1,25 +1,25 @@
-//! Frames as lines of ASCII, for adapters on a serial line or behind TCP (Lawicel).
+//! Frames as ASCII lines for adapters on a serial line or behind TCP (slcan, Lawicel).
 //!
-//! Law      `tIIILDD..` a data frame, `rIIIL` a remote frame, each ended by CR; the same in both directions. An adapter may put four
-//!          hexadecimal digits of milliseconds behind a frame that it has received
+//! Law      `tIIILDD..` is a data frame, `rIIIL` a remote frame, each ended by CR, in both directions. An adapter may append four
+//!          hexadecimal digits of milliseconds to a received frame
 //! Reads    bytes, in pieces of any size
-//! Refuses  nothing: what is no frame with an 11-bit identifier is passed over, as adapters answer a sent frame with `z`, with
-//!          nothing, or with an empty line
+//! Refuses  nothing: lines other than frames with an 11-bit identifier are ignored, as adapters answer a sent frame with `z`, with nothing,
+//!          or with an empty line
 //! Source   CANUSB manual (Lawicel), python-can 4.6 (`slcan`)
 
 use crate::{Frame, Id};
 
-/// Ends each line, and is the answer to a command.
+/// End of a line, and answer to a successful command.
 pub(super) const CR: u8 = b'\r';
-/// The adapter refuses a command.
+/// Answer to a refused command.
 pub(super) const BEL: u8 = 0x07;
-/// Longest line of a frame: kind, 8 digits of an extended identifier, length, 8 bytes, time stamp.
+/// Maximum length of a frame line: kind, 8 digits of an extended identifier, length, 8 bytes, time stamp.
 const LONGEST: usize = 1 + 8 + 1 + 16 + 4;
-/// Longest line of a frame with an 11-bit identifier, with its CR.
+/// Maximum length of a line of a frame with an 11-bit identifier, with its CR.
 const LONGEST_SENT: usize = 1 + 3 + 1 + 16 + 1;
 
-/// The bit rates that adapters know by a digit (kbit/s). Digit 7 is that of the CANUSB manual; some firmware uses another rate there.
-/// Digit 9 is in no manual, and has no row.
+/// Bit rates, in kbit/s, with the digits of the adapters' commands. Digit 7 is that of the CANUSB manual; some firmware uses another rate
+/// there. Digit 9 is in no manual and therefore has no row.
 const BIT_RATES: [(u32, &[u8; 3]); 9] = [
     (10, b"S0\r"),
     (20, b"S1\r"),
@@ -32,23 +32,23 @@ const BIT_RATES: [(u32, &[u8; 3]); 9] = [
     (1000, b"S8\r"),
 ];
 
-/// The command that sets a bit rate (kbit/s); none where adapters know it by no digit, or by different ones.
+/// Returns the command that sets a bit rate (kbit/s); `None` if adapters have no digit, or different ones, for it.
 pub fn bit_rate(kbit_per_s: u32) -> Option<&'static [u8]> {
     let row = BIT_RATES.iter().find(|(rate, _)| *rate == kbit_per_s)?;
     Some(row.1)
 }
 
-/// What adapters can be told to use (kbit/s).
+/// Returns the bit rates that can be set, in kbit/s.
 pub fn bit_rates() -> impl Iterator<Item = u32> {
     BIT_RATES.iter().map(|(rate, _)| *rate)
 }
 
-/// Closes the channel; one that is closed already refuses it.
+/// Command that closes the channel; an adapter whose channel is closed refuses it.
 pub const CLOSE: &[u8] = b"C\r";
-/// Opens the channel.
+/// Command that opens the channel.
 pub const OPEN: &[u8] = b"O\r";
 
-/// The line of a frame.
+/// Line of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     bytes: [u8; LONGEST_SENT],
@@ -56,7 +56,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// The line that sends a frame.
+    /// Returns the line that sends a frame.
     pub fn of(frame: &Frame) -> Self {
         let mut line = Self { bytes: [0; LONGEST_SENT], length: 0 };
         let id = frame.id().get();
@@ -81,7 +81,7 @@ impl Line {
         }
     }
 
-    /// Its bytes, with the CR.
+    /// Returns the bytes with the CR.
     pub fn bytes(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or_default()
     }
@@ -95,26 +95,26 @@ fn value_of(digit: u8) -> Option<u8> {
     char::from(digit).to_digit(16).map(|value| value as u8)
 }
 
-/// What an adapter says.
+/// Message of an adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Said {
-    /// A frame has come.
+    /// Received frame.
     Frame(Frame),
-    /// The adapter refuses the last command.
+    /// Refusal of the last command.
     Refused,
 }
 
-/// Makes lines of bytes.
+/// Decodes bytes to messages.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     line: [u8; LONGEST],
     length: usize,
-    /// The line is longer than any frame.
+    /// Whether the line is longer than any frame.
     is_too_long: bool,
 }
 
 impl Decoder {
-    /// Takes a byte; what it ends.
+    /// Handles a byte. Returns the message that it completes, if any.
     pub fn take(&mut self, byte: u8) -> Option<Said> {
         match byte {
             CR => {
@@ -141,7 +141,7 @@ impl Decoder {
     }
 }
 
-/// The frame of a line without its CR.
+/// Returns the frame of a line without its CR.
 pub(super) fn frame_of(line: &[u8]) -> Option<Frame> {
     let (&kind, rest) = line.split_first()?;
     let is_remote = match kind {
@@ -183,7 +183,7 @@ mod tests {
         Frame::data(Id::new(id).unwrap(), bytes).unwrap()
     }
 
-    /// The lines of the manual, and what adapters say beside frames.
+    /// Lines of the manual, and other output of adapters.
     #[test]
     fn lines_are_frames() {
         assert_eq!(Line::of(&data(0x123, &[0x11, 0xFF])).bytes(), b"t123211FF\r");
@@ -210,7 +210,7 @@ mod tests {
         ];
         for line in none {
             assert_eq!(said(line), [], "{}", String::from_utf8_lossy(line));
-            // The next one is not lost with it.
+            // The next frame is not lost.
             assert_eq!(said(&[line, b"t1230\r"].concat()), [Said::Frame(data(0x123, &[]))]);
         }
     }
@@ -237,7 +237,7 @@ mod tests {
             prop_assert_eq!(said(Line::of(&frame).bytes()), [Said::Frame(frame)]);
         }
 
-        /// Whatever comes, the frame behind the next CR is read.
+        /// After any bytes, the frame after the next CR is decoded.
         #[test]
         fn noise_ends_at_the_next_line(noise in prop::collection::vec(any::<u8>(), 0..100)) {
             let frame = data(0x181, &[7]);

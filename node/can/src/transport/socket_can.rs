@@ -1,9 +1,9 @@
-//! A CAN interface of Linux.
+//! CAN interface of Linux.
 //!
-//! Law      what the interface does not take now waits and is tried again; what waits when the bus goes off is dropped, so that no old
-//!          command comes late. The controller tells how the bus does
-//! Reads    frames with an 11-bit identifier; the kernel keeps the others away
-//! Refuses  an interface that is down or gone: the way is lost
+//! Law      frames that the interface does not accept are queued and sent later. When the bus goes off, the queue is cleared, so that no
+//!          old command is sent late. The state of the bus comes from the controller
+//! Reads    frames with an 11-bit identifier; the kernel filters out all others
+//! Refuses  an interface that is down or missing: the transport is lost
 //! Source   Linux `Documentation/networking/can.rst`; `net/can/raw.c`
 
 use super::can_frame::{ERRORS, Heard, SIZE, bytes_of, heard};
@@ -16,10 +16,10 @@ use lineshaft_core::drive::BusState;
 use rustix::io::Errno;
 use std::io::{self, Read, Write};
 
-/// The flag of an extended identifier, in an identifier and in the mask of a filter.
+/// Flag of an extended identifier, in an identifier and in the mask of a filter.
 const EXTENDED: u32 = 1 << 31;
 
-/// A socket on an interface.
+/// Socket of an interface.
 #[derive(Debug)]
 pub struct SocketCan {
     socket: CanSocket,
@@ -31,19 +31,19 @@ pub struct SocketCan {
 }
 
 impl SocketCan {
-    /// Opens an interface, which is up and has its bit rate.
+    /// Opens an interface, which must be up and have its bit rate.
     ///
     /// # Errors
-    /// The kernel knows no CAN; there is no such interface; it is down.
+    /// The kernel does not support CAN; the interface is missing, or is down.
     pub fn open(interface: &str) -> Result<Self, Obstacle> {
-        // All interfaces first: that a kernel knows no CAN at all has another cure than that it knows no such interface.
+        // First all interfaces: a kernel without CAN needs another message than a missing interface.
         CanSocket::open_addr(&CanAddr::new(0)).map_err(|error| obstacle(error, interface))?;
         let opened = || {
             let socket = CanSocket::open(interface)?;
             socket.set_nonblocking(true)?;
             socket.set_error_filter(ERRORS)?;
             socket.set_filters(&[CanFilter::new(0, EXTENDED)])?;
-            // One that is down tells it as the error that is pending.
+            // An interface that is down reports this as the pending error.
             let pending = socket.as_raw_socket().take_error()?;
             pending.map_or(Ok(socket), Err)
         };

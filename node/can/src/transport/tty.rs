@@ -1,7 +1,7 @@
-//! A serial line, or a pseudo terminal, that carries bytes as they are and never waits.
+//! Serial line or pseudo terminal as a raw, non-blocking byte stream.
 //!
-//! Law      8 data bits, no parity, 1 stop bit, no handshake, no echo; what stood in it when it was opened is dropped
-//! Refuses  what is no terminal; one that another program has; a rate that the line cannot have
+//! Law      8 data bits, no parity, 1 stop bit, no handshake, no echo; bytes that were received before opening are dropped
+//! Refuses  a path that is no terminal; a terminal that another program uses; a baud rate that the line does not support
 //! Source   termios(3), tty_ioctl(4)
 
 use super::Obstacle;
@@ -13,21 +13,21 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// An open line; nobody else has it.
+/// Open line with exclusive access.
 #[derive(Debug)]
 pub(super) struct Tty(File);
 
 impl Tty {
-    /// Opens a line at `baud` (bit/s), which a pseudo terminal does not mind.
+    /// Opens a line at `baud` (bit/s), which a pseudo terminal ignores.
     pub(super) fn open(path: &Path, baud: u32) -> Result<Self, Obstacle> {
-        // Without NONBLOCK a line without a carrier waits for one; with NOCTTY its hang-up does not end this process.
+        // Without NONBLOCK, opening a line without carrier would block; with NOCTTY, a hang-up does not end this process.
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = File::from(fs::open(path, flags, Mode::empty()).map_err(obstacle)?);
         let mut settings = termios::tcgetattr(&file).map_err(obstacle)?;
-        // The flag keeps users out, the lock also keeps root out where it asks for it, as this program does.
+        // The exclusive flag locks out other users; the lock also locks out programs of root that check it, as this one does.
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => return Err(Obstacle::Busy),
-            // A file system without locks has no program that asks for them.
+            // Programs cannot use locks on a file system without them.
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
         termios::ioctl_tiocexcl(&file).map_err(obstacle)?;
@@ -57,7 +57,7 @@ fn obstacle(error: Errno) -> Obstacle {
 
 impl Drop for Tty {
     fn drop(&mut self) {
-        // Where somebody else holds the line open, the flag would outlive this program's use. The line may be gone.
+        // If another process has the line open too, the flag would stay after this program has closed it. The line may be gone.
         let _ = termios::ioctl_tiocnxcl(&self.0);
     }
 }

@@ -1,8 +1,7 @@
-//! Datagrams on loopback, which python-can calls the bus `udp_multicast`: for development and tests, not for drives.
+//! Datagrams on loopback, compatible with the bus `udp_multicast` of python-can: for development and tests, not for drives.
 //!
-//! Law      each frame goes to everybody in the group, and what this one has sent does not come back. Datagrams may get lost and may
-//!          overtake each other
-//! Reads    datagrams of the group that come over loopback; those that are no frames are counted and passed over
+//! Law      each frame is sent to all members of the group; the own frames are not received. Datagrams may get lost and may be reordered
+//! Reads    datagrams of the group on loopback; invalid ones are counted and ignored
 //! Refuses  nothing
 //! Source   python-can 4.6.1 (`interfaces/udp_multicast`)
 
@@ -16,13 +15,13 @@ use socket2::{Domain, Socket, Type};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 
-/// Longest datagram that is read: a channel of python-can has a name of any length.
+/// Maximum size of a received datagram: a channel of python-can has a name of any length.
 const LONGEST: usize = 1024;
 
-/// The bus of a group.
+/// Bus of a multicast group.
 #[derive(Debug)]
 pub struct UdpBus {
-    /// Everybody shares the port of the group; a socket of its own to send from tells what is ours.
+    /// All members share the port of the group. Sending from a separate socket makes it possible to recognize the own frames.
     hears: UdpSocket,
     says: UdpSocket,
     group: SocketAddrV4,
@@ -36,13 +35,13 @@ impl UdpBus {
     /// Joins a group, on loopback.
     ///
     /// # Errors
-    /// The system has no room for a socket; another program has the port to itself.
+    /// The system has no room for a socket, or another program has exclusive use of the port.
     pub fn open(group: Ipv4Addr, port: u16) -> io::Result<Self> {
         let group = SocketAddrV4::new(group, port);
         let hears = Socket::new(Domain::IPV4, Type::DGRAM, None)?;
         hears.set_reuse_address(true)?;
         hears.set_reuse_port(true)?;
-        // Else what comes for another group that somebody has joined on this host would be heard, too.
+        // Otherwise datagrams of other groups that any program on this host has joined would be received too.
         hears.set_multicast_all_v4(false)?;
         hears.bind(&group.into())?;
         hears.join_multicast_v4(group.ip(), &Ipv4Addr::LOCALHOST)?;
@@ -122,7 +121,7 @@ mod tests {
     #[test]
     fn everybody_in_the_group_hears_a_frame_except_who_sends_it() {
         let group = Ipv4Addr::new(239, 74, 163, 77);
-        // A port that is free for everybody now, and that no other test asks for.
+        // A port that is free now, and that no other test uses.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let mut buses = [(); 3].map(|()| UdpBus::open(group, port).unwrap());
         let frame = |number: u8| Frame::data(Id::new(0x180 + u16::from(number)).unwrap(), &[number; 8]).unwrap();

@@ -1,15 +1,15 @@
-//! What waits for a bus.
+//! Send queue of a transport.
 //!
-//! Law      first in, first out; room for a fixed number, which is taken at once
-//! Refuses  what there is no room for
+//! Law      first in, first out; memory for a fixed number of elements is allocated at creation
+//! Refuses  elements for which there is no room
 
 use super::TransportError;
 use std::collections::VecDeque;
 
-/// Frames that may wait.
+/// Maximum number of queued frames.
 pub(super) const ROOM: usize = 256;
 
-/// A queue of a fixed length.
+/// Queue of a fixed size.
 #[derive(Debug)]
 pub(super) struct Waiting<T>(VecDeque<T>);
 

@@ -1,19 +1,19 @@
-//! Whether a way to a bus is lost.
+//! State of a transport: whether it is lost.
 //!
-//! Law      a way that is lost stays lost, for the same reason: what opens it anew is another one
+//! Law      a lost transport stays lost, for the same reason; opening it again creates another transport
 
 use super::TransportError;
 use lineshaft_core::drive::BusState;
 use rustix::io::Errno;
 use std::io::{self, ErrorKind};
 
-/// Why a way to a bus is lost.
+/// Reason why a transport is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Loss {
-    /// The adapter has ended the stream, or is pulled.
+    /// The adapter has closed the stream, or was unplugged.
     #[error("the adapter has closed the line")]
     Ended,
-    /// The system refuses; its number of the error.
+    /// Error number of the system.
     #[error("{}", io::Error::from_raw_os_error(*.0))]
     System(i32),
     /// Another error.
@@ -27,33 +27,33 @@ impl From<io::Error> for Loss {
     }
 }
 
-/// Holds why a way is lost, once it is.
+/// Reason why the transport is lost, if it is.
 #[derive(Debug, Default)]
 pub(super) struct Way(Option<Loss>);
 
 impl Way {
-    /// Refuses where it is lost.
+    /// Returns an error if the transport is lost.
     pub(super) fn check(&self) -> Result<(), TransportError> {
         self.0.map_or(Ok(()), |loss| Err(TransportError::Lost(loss)))
     }
 
-    /// Loses it.
+    /// Marks the transport as lost.
     pub(super) fn lose(&mut self, loss: Loss) -> TransportError {
         TransportError::Lost(*self.0.get_or_insert(loss))
     }
 
-    /// What has been done; none where nothing can be done at present. Any other error loses the way.
+    /// Returns the result of an operation; `None` if it would block. Any other error marks the transport as lost.
     pub(super) fn unless_later<T>(&mut self, result: io::Result<T>) -> Result<Option<T>, TransportError> {
         match result {
             Ok(done) => Ok(Some(done)),
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(None),
-            // A CAN interface says so where its queue is full.
+            // A CAN interface returns this error if its queue is full.
             Err(error) if Errno::from_io_error(&error) == Some(Errno::NOBUFS) => Ok(None),
             Err(error) => Err(self.lose(error.into())),
         }
     }
 
-    /// `state`, or off where the way is lost.
+    /// Returns `state`, or off if the transport is lost.
     pub(super) fn state(&self, state: BusState) -> BusState {
         if self.0.is_some() { BusState::Off } else { state }
     }

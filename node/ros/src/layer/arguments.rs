@@ -1,4 +1,4 @@
-//! `--ros-args`, as `ros2 run` and launch files give them: what rcl takes from a command line.
+//! Parses `--ros-args` of a command line, as `ros2 run` and launch files give them, like rcl.
 
 mod overrides;
 mod remap;
@@ -12,44 +12,44 @@ use self::remap::{NodeRule, Rule};
 use super::loggers::Level;
 use super::name::{NameError, NodeName};
 
-/// Arguments that cannot be followed.
+/// Invalid ROS argument.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArgumentError {
-    /// One that ROS knows and this program does not, or that nobody knows.
+    /// Unknown argument.
     #[error("ROS argument {given:?} is not known; -r, -p, --params-file, --log-level, -e and the switches of logs are")]
     Unknown {
-        /// The argument.
+        /// Given argument.
         given: String,
     },
-    /// One whose work nothing does here.
+    /// Argument that ROS has, but this program does not support.
     #[error("ROS argument {given} is not supported: {instead}")]
     Unsupported {
-        /// The argument.
+        /// Given argument.
         given: String,
-        /// What does it.
+        /// Alternative.
         instead: &'static str,
     },
-    /// What follows a flag is not of its form.
+    /// The value of a flag has the wrong form.
     #[error("{flag} is followed by {given:?}; {form} is needed{more}")]
     Form {
-        /// The flag.
+        /// Flag.
         flag: String,
-        /// What follows it.
+        /// Given value.
         given: String,
-        /// How it should look.
+        /// Expected form.
         form: &'static str,
-        /// What is wrong in it; empty, or begins with a colon.
+        /// Details; empty, or starts with a colon.
         more: String,
     },
-    /// A flag at the end.
+    /// The value of the last flag is missing.
     #[error("{flag} is not followed by anything, {form} is needed")]
     Missing {
-        /// The flag.
+        /// Flag.
         flag: String,
-        /// What should follow.
+        /// Expected form.
         form: &'static str,
     },
-    /// A file of parameters: where, and what is wrong.
+    /// Error in a parameter file, with its place.
     #[error("{0}")]
     File(String),
 }
@@ -60,19 +60,19 @@ const FILE: &str = "a file of parameters";
 const LEVEL: &str = "[LOGGER:=]debug, info, warn, error or fatal";
 const ENCLAVE: &str = "the name of an enclave";
 
-/// What `--ros-args` said.
+/// Parsed ROS arguments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RosArguments {
     node_rules: Vec<NodeRule>,
     rules: Vec<Rule>,
     overrides: Vec<Override>,
-    /// Levels of loggers in their order; the empty name stands for all.
+    /// Levels of loggers in their order; the empty name means all loggers.
     pub levels: Vec<(String, Level)>,
-    /// Whether log lines go to `/rosout`.
+    /// Whether log messages are published on `/rosout`.
     pub rosout_logs: bool,
-    /// Whether log lines go to the standard streams.
+    /// Whether log messages are written to the standard streams.
     pub stdout_logs: bool,
-    /// The enclave, which nothing uses.
+    /// Enclave, which is not used.
     pub enclave: Option<String>,
 }
 
@@ -91,12 +91,12 @@ impl Default for RosArguments {
 }
 
 impl RosArguments {
-    /// Takes the ROS arguments out of a command line; the rest comes back in its order.
+    /// Extracts the ROS arguments from a command line; the other arguments are returned in their order.
     ///
-    /// They stand between `--ros-args` and `--` or the end, and may stand there several times. Files of parameters are read.
+    /// They are between `--ros-args` and `--` or the end, possibly several times. Parameter files are read.
     ///
     /// # Errors
-    /// An argument that cannot be followed.
+    /// An argument is invalid.
     pub fn take(arguments: impl IntoIterator<Item = String>) -> Result<(Self, Vec<String>), ArgumentError> {
         let (mut taken, mut rest, mut inside) = (Self::default(), Vec::new(), false);
         let mut arguments = arguments.into_iter();
@@ -123,7 +123,7 @@ impl RosArguments {
             "--disable-rosout-logs" => self.rosout_logs = false,
             "--enable-stdout-logs" => self.stdout_logs = true,
             "--disable-stdout-logs" => self.stdout_logs = false,
-            // The files that ROS writes by its external library do not exist here.
+            // Log files by the external library of ROS do not exist here.
             "--enable-external-lib-logs" | "--disable-external-lib-logs" => {}
             "--log-config-file" => {
                 let instead =
@@ -148,29 +148,29 @@ impl RosArguments {
         Ok(())
     }
 
-    /// Name and namespace of a node that would have these ones: of several rules the first one counts.
+    /// Returns name and namespace of a node after remapping; the first matching rule is used.
     ///
     /// # Errors
-    /// ROS does not allow them.
+    /// ROS does not allow the resulting names.
     pub fn node_name(&self, name: &str, namespace: &str) -> Result<NodeName, NameError> {
         let first = |of_name: bool, node: &str| {
             let mut rules = self.node_rules.iter().filter(|rule| rule.of_name == of_name);
             rules.find(|rule| rule.node.as_deref().is_none_or(|only| only == node)).map(|rule| rule.to.as_str())
         };
-        // As in rcl a rule for the namespace knows the node by its new name.
+        // As in rcl, a rule for the namespace matches the new name of the node.
         let name = first(true, name).unwrap_or(name);
         NodeName::new(first(false, name).unwrap_or(namespace), name)
     }
 
-    /// How that node calls its topics and services.
+    /// Returns the names that the node uses for its topics and services.
     ///
     /// # Errors
-    /// A rule whose names ROS does not allow.
+    /// ROS does not allow the names of a rule.
     pub fn names(&self, node: &NodeName) -> Result<Names, NameError> {
         Names::new(node.clone(), &self.rules)
     }
 
-    /// The parameters that were given to that node; of several values the last one.
+    /// Returns the parameters that were given to the node; of several values the last one.
     pub fn overrides(&self, node: &NodeName) -> Overrides {
         Overrides::of(&self.overrides, node)
     }

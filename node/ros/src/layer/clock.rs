@@ -1,7 +1,7 @@
-//! The time that stamps show: the system's, or that of a simulation.
+//! Clocks for stamps: system time or simulation time.
 //!
-//! Law      stamps of the system's time are the monotonic clock plus an offset ([`HostClock`]). Who owns the host clock makes the offset
-//!          follow the system clock, and reports a step before stamps show it. Requests of others are judged by the system clock itself
+//! Law      stamps of system time are the monotonic clock plus an offset ([`HostClock`]). The owner of the host clock adjusts the offset to
+//!          the system clock, and reports a step before stamps include it. Requests of other nodes are checked with the system clock itself
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -11,46 +11,46 @@ use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use crate::link::protocol::monotonic_ns;
 use crate::offset::{SystemOffset, system_ns};
 
-/// The system's time; the epoch when the clock stands before it.
+/// Returns the system time; the epoch if the clock is before it.
 pub fn now() -> Time {
     time(system_ns())
 }
 
-/// As a message; seconds fit until 2038, as ROS 2 has it.
+/// Returns a time as a message; the seconds fit until 2038, as in ROS 2.
 fn time(ns: u64) -> Time {
     Time { sec: i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX), nanosec: (ns % 1_000_000_000) as u32 }
 }
 
-/// The time of a message before the epoch is the epoch.
+/// Returns the nanoseconds of a message; a time before the epoch is the epoch.
 fn nanoseconds(time: &Time) -> u64 {
     u64::try_from(time.sec).map_or(0, |sec| sec * 1_000_000_000 + u64::from(time.nanosec))
 }
 
-/// The system's time for stamps. Clones are one clock. Reading it neither waits nor locks.
+/// System time for stamps. Clones share one clock. Reading it neither waits nor locks.
 ///
-/// Steady time is the system's time without the steps of the system clock since the start: it never goes back.
+/// Steady time is system time without the steps of the system clock since the start: it never goes back.
 #[derive(Clone, Debug)]
 pub struct HostClock(Arc<Offsets>);
 
 #[derive(Debug)]
 struct Offsets {
-    /// Steady time less the monotonic clock (ns).
+    /// Steady time minus monotonic clock, in ns.
     base_ns: AtomicI64,
-    /// Sum of the steps that stamps show (ns).
+    /// Sum of the steps that stamps include, in ns.
     steps_ns: AtomicI64,
-    /// The newest steady time that was read (ns).
+    /// Newest steady time that was read, in ns.
     newest_ns: AtomicU64,
 }
 
 impl Default for HostClock {
-    /// A clock that shows the time of the system clock now, and goes on with the monotonic clock.
+    /// Creates a clock that starts at the present system time and follows the monotonic clock.
     fn default() -> Self {
         Self::with_base(SystemOffset::read().ns)
     }
 }
 
 impl HostClock {
-    /// A clock whose steady time is so much ahead of the monotonic clock (ns).
+    /// Creates a clock whose steady time is ahead of the monotonic clock by `base_ns`.
     pub fn with_base(base_ns: i64) -> Self {
         Self(Arc::new(Offsets {
             base_ns: AtomicI64::new(base_ns),
@@ -59,27 +59,28 @@ impl HostClock {
         }))
     }
 
-    /// How far steady time is ahead of the monotonic clock (ns).
+    /// Returns how far steady time is ahead of the monotonic clock, in ns.
     pub fn base_ns(&self) -> i64 {
         self.0.base_ns.load(Ordering::Relaxed)
     }
 
-    /// Sum of the steps that stamps show (ns): how far they are ahead of steady time.
+    /// Returns the sum of the steps that stamps include, in ns: how far they are ahead of steady time.
     pub fn steps_ns(&self) -> i64 {
         self.0.steps_ns.load(Ordering::Relaxed)
     }
 
-    /// Moves steady time (ns). Its readers never see it go back, so by less than the time since the last call.
+    /// Adjusts steady time, in ns. Readers never see it go back, so a negative adjustment must be smaller than the time since the last
+    /// call.
     pub fn slew(&self, by_ns: i64) {
         self.0.base_ns.fetch_add(by_ns, Ordering::Relaxed);
     }
 
-    /// From here on stamps show a step of the system clock (ns).
+    /// Adds a step of the system clock to all following stamps, in ns.
     pub fn step(&self, by_ns: i64) {
         self.0.steps_ns.fetch_add(by_ns, Ordering::Relaxed);
     }
 
-    /// The stamp of this moment: nanoseconds since the epoch.
+    /// Returns the present stamp, in ns since the epoch.
     pub fn now_ns(&self) -> u64 {
         let now = monotonic_ns().saturating_add_signed(self.base_ns());
         let steady = self.0.newest_ns.fetch_max(now, Ordering::Relaxed).max(now);
@@ -87,53 +88,53 @@ impl HostClock {
     }
 }
 
-/// The clock of a node; clones are one clock. Reading it neither waits nor locks.
+/// Clock of a node. Clones share one clock. Reading it neither waits nor locks.
 #[derive(Clone, Debug, Default)]
 pub struct Clock(Arc<Inner>);
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// The system's time for stamps; none: the system clock itself.
+    /// System time for stamps; `None`: the system clock itself.
     host: Option<HostClock>,
     is_simulated: AtomicBool,
-    /// The newest time of the simulation (ns); 0 before the first.
+    /// Newest simulation time, in ns; 0 before the first one.
     simulated_ns: AtomicU64,
 }
 
 impl Clock {
-    /// A clock that shows the time of `host`, if there is one, else that of the system clock.
+    /// Creates a clock with the time of `host`, or of the system clock if there is none.
     pub(super) fn of(host: Option<HostClock>) -> Self {
         Self(Arc::new(Inner { host, ..Inner::default() }))
     }
 
-    /// Whether it shows the time of a simulation.
+    /// Returns true if the clock uses simulation time.
     pub fn is_simulated(&self) -> bool {
         self.0.is_simulated.load(Ordering::Acquire)
     }
 
-    /// Present stamp (ns since the epoch); 0 before the first message of `/clock` under sim time.
+    /// Returns the present stamp, in ns since the epoch; 0 before the first message of `/clock` with simulation time.
     pub fn now_ns(&self) -> u64 {
         self.stamp_or(|| self.0.host.as_ref().map_or_else(system_ns, HostClock::now_ns))
     }
 
-    /// What stamps of requests are judged by: the system clock itself, which their senders read, also in the moment after a step; else as
-    /// [`Clock::now_ns`].
+    /// Returns the time with which stamps of requests are compared: the system clock, which their senders use, also right after a step;
+    /// with simulation time as [`Clock::now_ns`].
     pub fn request_ns(&self) -> u64 {
         self.stamp_or(system_ns)
     }
 
-    /// The stamp of this moment as a message.
+    /// Returns the present stamp as a message.
     pub fn now(&self) -> Time {
         time(self.now_ns())
     }
 
-    /// As [`Clock::request_ns`], as a message.
+    /// Returns [`Clock::request_ns`] as a message.
     pub fn request_time(&self) -> Time {
         time(self.request_ns())
     }
 
-    /// The stamp (ns) of what happened at `system_ns` of the system's time: that one itself, or the newest time of the simulation,
-    /// which knows nothing between its messages.
+    /// Returns the stamp, in ns, of an event at `system_ns` of system time: that time itself, or the newest simulation time, which has no
+    /// values between its messages.
     pub fn stamp(&self, system_ns: u64) -> u64 {
         self.stamp_or(|| system_ns)
     }
@@ -142,13 +143,13 @@ impl Clock {
         if self.is_simulated() { self.0.simulated_ns.load(Ordering::Acquire) } else { system_ns() }
     }
 
-    /// From here on it shows the time of a simulation, which has not begun, or that of the system.
+    /// Switches to simulation time, which starts unknown, or back to system time.
     pub(super) fn simulate(&self, is_simulated: bool) {
         self.0.simulated_ns.store(0, Ordering::Release);
         self.0.is_simulated.store(is_simulated, Ordering::Release);
     }
 
-    /// What the simulation says; it may go forward, back, or stand.
+    /// Sets the simulation time; it may go forward, go back, or stop.
     pub(super) fn set(&self, now: &Time) {
         self.0.simulated_ns.store(nanoseconds(now), Ordering::Release);
     }
@@ -158,7 +159,7 @@ impl Clock {
 mod tests {
     use super::*;
 
-    /// Offsets differ by an hour, so that each value shows which one was used.
+    /// The offsets differ by an hour, so that each value shows which one was used.
     #[test]
     fn stamps_show_a_step_once_it_is_in_force_and_requests_at_once() {
         let hour = 3_600_000_000_000;
@@ -170,7 +171,7 @@ mod tests {
         assert_eq!((ahead(clock.now_ns()), ahead(clock.request_ns())), (0, 0));
         host.step(-hour);
         assert_eq!((ahead(clock.now_ns()), host.steps_ns()), (1, 0));
-        // A simulation knows no steps.
+        // Simulation time has no steps.
         clock.simulate(true);
         clock.set(&Time { sec: 5, nanosec: 0 });
         host.step(hour);
@@ -201,7 +202,7 @@ mod tests {
         other.set(&Time { sec: 5, nanosec: 25 });
         assert_eq!((clock.now_ns(), clock.stamp(before)), (5_000_000_025, 5_000_000_025));
         assert_eq!(clock.now(), Time { sec: 5, nanosec: 25 });
-        // Back.
+        // Simulation time goes back.
         other.set(&Time { sec: 1, nanosec: 0 });
         assert_eq!(clock.now_ns(), 1_000_000_000);
         other.set(&Time { sec: -3, nanosec: 5 });

@@ -1,4 +1,4 @@
-//! Endpoints that the node's graph knows, and what they need of their node.
+//! Endpoints of the node, and the state of the node that they share.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,26 +14,26 @@ use crate::link::protocol::{WireType, monotonic_ns};
 use crate::link::qos::Qos;
 use crate::link::{LinkError, Opener, Reader, Writer};
 
-/// What endpoints keep of their node. None of it keeps the node in the graph.
+/// State of the node that endpoints keep. It does not keep the node in the graph.
 #[derive(Clone)]
 pub(super) struct Context {
     pub(super) opener: Opener,
     pub(super) runtime: Handle,
     pub(super) names: Arc<Names>,
-    /// What stamps show.
+    /// Clock for stamps.
     pub(super) clock: Clock,
-    /// How old a request may be that is carried out.
+    /// Maximum age of a request that is executed.
     pub(super) request_timeout: Duration,
-    /// Copies what it publishes; none: nothing is copied.
+    /// Tap that copies published messages; `None`: nothing is copied.
     pub(super) tap: Option<Tap>,
-    /// Fails to change once the node is gone.
+    /// Receiver whose channel is closed when the node ends.
     pub(super) closed: watch::Receiver<()>,
-    /// All that was ever opened on the wire.
+    /// All endpoints that were ever opened.
     #[cfg(test)]
     pub(super) opened: Opened,
 }
 
-/// What a node has opened: whether it writes, the topic and its type in DDS, how it is delivered.
+/// Endpoints that a node has opened: whether it is a writer, topic and type in DDS, QoS.
 #[cfg(test)]
 pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(bool, String, String, Qos)>>>;
 
@@ -78,12 +78,12 @@ impl WireType {
     }
 }
 
-/// How long ago a sample came: it may have waited in a program that was frozen.
+/// Returns the age of a sample, which may have waited while the program was suspended.
 pub(super) fn age(came_ns: u64) -> Duration {
     Duration::from_nanos(monotonic_ns().saturating_sub(came_ns))
 }
 
-/// Why a sample of that age is not carried out, if it is too old.
+/// Returns the reason why a sample is not used if it is too old.
 pub(super) fn late(came_ns: u64, timeout: Duration) -> Option<String> {
     let age = age(came_ns);
     (age > timeout).then(|| {
@@ -95,16 +95,16 @@ pub(super) fn late(came_ns: u64, timeout: Duration) -> Option<String> {
     })
 }
 
-/// Something of a node could not be made.
+/// Error: an object of a node could not be created.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CreateError {
-    /// Its name is not allowed.
+    /// The name is not allowed.
     #[error(transparent)]
     Name(#[from] super::name::NameError),
-    /// There is no ROS side.
+    /// The ROS side is not available.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// A parameter that was given at the start, in one sentence.
+    /// Invalid parameter override, as a message.
     #[error("{0}")]
     Given(String),
 }

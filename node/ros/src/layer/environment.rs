@@ -1,60 +1,60 @@
-//! What a ROS node takes from its environment: the domain, and the networks it talks on.
+//! Settings of a ROS node from environment variables: domain and networks.
 
 use std::net::{IpAddr, Ipv4Addr};
 
-/// Greatest domain whose ports fit (RTPS 2.5, 9.6.2.3: 7400 + 250 * domain and the next 250).
+/// Maximum domain ID with valid ports (RTPS 2.5, 9.6.2.3: 7400 + 250 * domain and the next 250).
 const MAX_DOMAIN: u16 = 232;
 
-/// An environment that cannot be followed.
+/// Invalid environment variable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EnvironmentError {
-    /// `ROS_DOMAIN_ID` is no domain.
+    /// `ROS_DOMAIN_ID` is not a domain ID.
     #[error("ROS_DOMAIN_ID is {given:?}, only 0..{MAX_DOMAIN} are allowed")]
     Domain {
-        /// What it says.
+        /// Given value.
         given: String,
     },
-    /// A variable has a value that ROS does not know.
+    /// A variable has an unknown value.
     #[error("{variable} is {given:?}, only {allowed} are allowed")]
     Value {
         /// Name of the variable.
         variable: &'static str,
-        /// What it says.
+        /// Given value.
         given: String,
-        /// What it may say.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// Discovery was switched off.
+    /// Discovery is switched off.
     #[error(
         "ROS_AUTOMATIC_DISCOVERY_RANGE is OFF, but without discovery nobody finds the node; LOCALHOST keeps it on this host"
     )]
     DiscoveryOff,
-    /// An interface that is not there.
+    /// A network interface is missing.
     #[error("interface {given:?} does not exist, this host has {existing}")]
     Interface {
-        /// Name or address that was given.
+        /// Given name or address.
         given: String,
-        /// Names and addresses that there are.
+        /// Existing names and addresses.
         existing: String,
     },
-    /// The host did not tell its interfaces.
+    /// The host did not list its interfaces.
     #[error("the interfaces of this host cannot be read: {0}")]
     Interfaces(String),
 }
 
-/// On which networks a node talks.
+/// Networks that a node uses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Networks {
-    /// Only with processes of this host.
+    /// Only processes of this host.
     Loopback,
-    /// On all of the host.
+    /// All networks of the host.
     All,
-    /// On those of these addresses.
+    /// Networks with these addresses.
     Only(Vec<Ipv4Addr>),
 }
 
 impl Networks {
-    /// The addresses to which the participant is restricted.
+    /// Returns the addresses to which the participant is restricted.
     pub(super) fn addresses(&self) -> Option<&[Ipv4Addr]> {
         match self {
             Self::Loopback => Some(&[Ipv4Addr::LOCALHOST]),
@@ -64,19 +64,19 @@ impl Networks {
     }
 }
 
-/// An IPv4 interface of the host.
+/// IPv4 interface of the host.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Interface {
-    /// Name in the system, for instance `eth0`.
+    /// Name in the system, for example `eth0`.
     pub name: String,
-    /// One of its addresses.
+    /// Address.
     pub address: Ipv4Addr,
-    /// Whether it is up and running.
+    /// Whether the interface is up and running.
     pub is_up: bool,
 }
 
 impl Interface {
-    /// The IPv4 interfaces of this host; one with several addresses stands there several times.
+    /// Returns the IPv4 interfaces of this host; an interface with several addresses is listed several times.
     pub fn of_host() -> Result<Vec<Self>, EnvironmentError> {
         let interfaces = if_addrs::get_if_addrs().map_err(|error| EnvironmentError::Interfaces(error.to_string()))?;
         let ipv4 = interfaces.into_iter().filter_map(|interface| match interface.ip() {
@@ -87,10 +87,10 @@ impl Interface {
     }
 }
 
-/// Domain and networks.
+/// Domain and networks of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Environment {
-    /// Domain, 0..232; nodes of different domains do not see each other.
+    /// Domain ID, 0 to 232; nodes of different domains do not see each other.
     pub domain: u16,
     /// Networks.
     pub networks: Networks,
@@ -105,14 +105,14 @@ impl Environment {
         Self::from_variables(|name| std::env::var_os(name).map(|value| value.to_string_lossy().into_owned()))
     }
 
-    /// As [`Environment::read`], from variables that `get` knows; an empty one counts as not set.
+    /// Reads the variables from `get`, like [`Environment::read`]; an empty value counts as not set.
     pub fn from_variables(get: impl Fn(&str) -> Option<String>) -> Result<Self, EnvironmentError> {
         let get = |name| get(name).filter(|value| !value.is_empty());
         Ok(Self { domain: domain(get("ROS_DOMAIN_ID"))?, networks: range(get)? })
     }
 
-    /// Restricts the networks to those interfaces, given as names or IPv4 addresses; an empty list changes nothing.
-    /// A node that the environment keeps on its host stays there.
+    /// Restricts the networks to these interfaces, given as names or IPv4 addresses; an empty list changes nothing. If the environment
+    /// restricts the node to this host, it stays there.
     pub fn with_interfaces(self, given: &[String], existing: &[Interface]) -> Result<Self, EnvironmentError> {
         let mut addresses = Vec::new();
         for wanted in given {
@@ -132,8 +132,8 @@ impl Environment {
         }
     }
 
-    /// Why clients do not find the node: interfaces that it uses and that are down. None where all that matter are up: on all
-    /// networks the loopback and one more, or the loopback alone.
+    /// Returns a message about used interfaces that are down, which explains why clients do not find the node. `None` if all relevant ones
+    /// are up: with all networks the loopback and one more, otherwise the loopback alone.
     pub fn unreachable(&self, existing: &[Interface]) -> Option<String> {
         let is_used = |interface: &&Interface| match &self.networks {
             Networks::Loopback => interface.address == Ipv4Addr::LOCALHOST,
@@ -174,7 +174,7 @@ fn domain(given: Option<String>) -> Result<u16, EnvironmentError> {
 }
 
 fn range(get: impl Fn(&'static str) -> Option<String>) -> Result<Networks, EnvironmentError> {
-    // As in ROS: the older variable, when it is switched on, overrules the newer one.
+    // As in ROS: the older variable, if set to 1, overrides the newer one.
     match get("ROS_LOCALHOST_ONLY").as_deref() {
         Some("1") => return Ok(Networks::Loopback),
         Some("0") | None => {}

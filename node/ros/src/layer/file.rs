@@ -1,17 +1,17 @@
-//! Files that people name.
+//! Opens files that the user names.
 //!
-//! Refuses  what is no regular file: a named pipe without a writer keeps who opens it waiting for ever, and a device
-//!          does what nobody asked it for
+//! Refuses  paths that are no regular files: opening a named pipe without a writer blocks forever, and opening a device may have side
+//!          effects
 
 use std::fs::{self, File, FileType};
 use std::io;
 use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
-/// Opens a file for reading; a link is followed.
+/// Opens a file for reading; links are followed.
 ///
 /// # Errors
-/// It is no regular file, which the sentence says; else the system's.
+/// The path is not a regular file, with a message; otherwise the error of the system.
 pub fn open_file(path: &Path) -> io::Result<File> {
     let kind = fs::metadata(path)?.file_type();
     match other_kind(kind) {
@@ -23,7 +23,7 @@ pub fn open_file(path: &Path) -> io::Result<File> {
     }
 }
 
-/// What it is instead of a regular file.
+/// Returns the kind of a path that is not a regular file.
 fn other_kind(kind: FileType) -> Option<&'static str> {
     match kind {
         _ if kind.is_file() => None,
@@ -43,7 +43,7 @@ mod tests {
     use std::path::PathBuf;
     use std::process::Command;
 
-    /// A folder of this process that goes with it.
+    /// Temporary folder of this process, which is removed when dropped.
     struct Folder(PathBuf);
 
     impl Folder {

@@ -1,20 +1,20 @@
-//! How much a log line matters, and what the program should let through of the DDS library's log.
+//! Severities of log messages, and the filter for the log of the DDS library.
 
 use crate::side::NOISE;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
 
-/// How much a line matters.
+/// Severity of a log message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Details for developers.
     Debug,
-    /// Expected.
+    /// Expected event.
     Info,
-    /// Worth a look.
+    /// Unexpected event that needs attention.
     Warn,
-    /// Something failed.
+    /// Failure.
     Error,
-    /// The process cannot go on.
+    /// Failure that ends the process.
     Fatal,
 }
 
@@ -30,8 +30,8 @@ impl Severity {
     }
 }
 
-/// Directives for a log filter (`EnvFilter` of `tracing-subscriber`): `level` for everything, warnings of the DDS
-/// library, and not those of it that repeat themselves where nothing is wrong.
+/// Returns directives for a log filter (`EnvFilter` of `tracing-subscriber`): `level` for all, but only warnings of the DDS library,
+/// without those that it repeats although nothing is wrong.
 pub fn log_filter(level: &str) -> String {
     let noise = NOISE.iter().map(|(target, level)| format!(",{target}={level}"));
     format!("{level},rustdds=warn{}", noise.collect::<String>())

@@ -1,4 +1,4 @@
-//! Levels of loggers, as ROS sees them: the node's logger stands for the whole program, other names for parts of it.
+//! Logger levels as ROS sees them: the logger of the node controls the whole program, other names control parts of it.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,29 +9,29 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::LoggerLevel;
 
 use super::log::{Severity, log_filter};
 
-/// What all targets of the program's log begin with.
+/// Prefix of all targets of the program's log.
 const PROGRAM: &str = "lineshaft";
-/// Loggers whose levels are remembered, and the longest of their names.
+/// Maximum number of loggers with a level, and maximum length of their names.
 const MOST: usize = 1000;
 const LONGEST: usize = 255;
 
-/// Level of a logger: less is not logged.
+/// Level of a logger: messages below it are not logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// Everything.
+    /// All messages.
     Debug,
-    /// What is expected, and above.
+    /// Expected events and above.
     Info,
-    /// What is worth a look, and above.
+    /// Warnings and above.
     Warn,
-    /// What failed, and above.
+    /// Errors and above.
     Error,
-    /// Only what ends the process.
+    /// Only errors that end the process.
     Fatal,
 }
 
 impl Level {
-    /// The level of that name, in any case of letters.
+    /// Returns the level with a name. Upper and lower case are not distinguished.
     pub fn of_name(name: &str) -> Option<Self> {
         Some(match name.to_ascii_lowercase().as_str() {
             "debug" => Self::Debug,
@@ -48,7 +48,7 @@ impl Level {
         all.into_iter().find(|level| u32::from(level.number()) == number)
     }
 
-    /// Its number in ROS.
+    /// Returns the number in ROS.
     fn number(self) -> u8 {
         match self {
             Self::Debug => LoggerLevel::LOG_LEVEL_DEBUG,
@@ -59,7 +59,7 @@ impl Level {
         }
     }
 
-    /// Its name in a filter; the program itself says nothing fatal.
+    /// Returns the name in a filter; the program itself logs no fatal messages.
     fn word(self) -> &'static str {
         match self {
             Self::Debug => "debug",
@@ -71,26 +71,26 @@ impl Level {
     }
 }
 
-/// Puts a filter (`EnvFilter` of `tracing-subscriber`) into force.
+/// Applies a filter (`EnvFilter` of `tracing-subscriber`).
 type Apply = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 
-/// The levels of all loggers; clones share them.
+/// Levels of all loggers; clones share them.
 #[derive(Clone)]
 pub struct Loggers(Arc<Inner>);
 
 struct Inner {
     node: String,
-    /// What the environment says, until a level for all is set.
+    /// Filter of the environment, until a level for all loggers is set.
     base: Option<String>,
     apply: Apply,
-    /// By name; the empty one stands for all.
+    /// Levels by logger name; the empty name means all loggers.
     levels: Mutex<BTreeMap<String, Level>>,
     /// Number of the level of the node's logger.
     threshold: AtomicU8,
 }
 
 impl Default for Loggers {
-    /// Loggers of a program that does not apply their levels.
+    /// Creates loggers whose levels are not applied to the program.
     fn default() -> Self {
         Self::new(String::new(), None, |_| Ok(()))
     }
@@ -103,7 +103,7 @@ impl fmt::Debug for Loggers {
 }
 
 impl Loggers {
-    /// Loggers beside the one called `node`; `base` is the filter of the environment, `apply` puts a new filter into force.
+    /// Creates the loggers of a node whose logger is called `node`. `base` is the filter of the environment, `apply` applies a new filter.
     pub fn new(
         node: String,
         base: Option<String>,
@@ -117,7 +117,7 @@ impl Loggers {
         self.0.levels.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Number of the level that was set for a logger; 0: none was.
+    /// Returns the number of the level that was set for a logger; 0: none.
     pub fn get(&self, name: &str) -> u8 {
         let level = self.levels().get(name).copied();
         match (level, name) {
@@ -127,10 +127,10 @@ impl Loggers {
         }
     }
 
-    /// Sets the level of a logger by its number in ROS; 0 takes it away.
+    /// Sets the level of a logger by its number in ROS; 0 removes it.
     ///
     /// # Errors
-    /// No such level, or too many loggers.
+    /// The level does not exist, or there are too many loggers.
     pub fn set_number(&self, name: &str, number: u32) -> Result<(), String> {
         match (Level::of_number(number), number) {
             (Some(level), _) => self.set(name, Some(level)),
@@ -141,10 +141,10 @@ impl Loggers {
         }
     }
 
-    /// Sets the level of a logger; nothing takes it away.
+    /// Sets the level of a logger; `None` removes it.
     ///
     /// # Errors
-    /// Too many loggers, or the filter is refused; nothing has changed then.
+    /// There are too many loggers, or the filter is refused; nothing has changed then.
     pub fn set(&self, name: &str, level: Option<Level>) -> Result<(), String> {
         if name.len() > LONGEST {
             return Err(format!("the name has {} bytes; {LONGEST} are allowed", name.len()));
@@ -164,7 +164,7 @@ impl Loggers {
         Ok(())
     }
 
-    /// Whether the node's logger lets such a line through.
+    /// Returns true if the logger of the node passes messages of this severity.
     pub(super) fn lets_through(&self, severity: Severity) -> bool {
         severity.level() >= self.0.threshold.load(Ordering::Relaxed)
     }
@@ -174,32 +174,32 @@ impl Loggers {
             (None, Some(base)) => base.clone(),
             (level, _) => log_filter(level.copied().unwrap_or(Level::Info).word()),
         };
-        // Others could not be told from a filter's own signs; nothing in this program has such a name.
+        // Other names could conflict with the filter syntax; no part of this program has such a name.
         let is_plain = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
         for (name, level) in levels.iter().filter(|(name, _)| !name.is_empty() && is_plain(name)) {
             let target = name.replace('.', "::");
             filter += &format!(",{target}={}", level.word());
         }
         if levels.contains_key("") || self.0.base.is_none() || has_own(levels, &self.0.node) {
-            // Last, and so above a logger that happens to have the program's name.
+            // Added last, so that it has precedence over a logger with the name of the program.
             filter += &format!(",{PROGRAM}={}", effective(levels, &self.0.node).word());
         }
         filter
     }
 }
 
-/// Whether a logger, or one above it, has a level of its own.
+/// Returns true if a logger, or one of its parents, has a level.
 fn has_own(levels: &BTreeMap<String, Level>, name: &str) -> bool {
     upwards(name).any(|name| levels.contains_key(name))
 }
 
-/// The level of a logger: its own, else that of the next one above it.
+/// Returns the effective level of a logger: its own, otherwise that of the nearest parent.
 fn effective(levels: &BTreeMap<String, Level>, name: &str) -> Level {
     let own = upwards(name).find_map(|name| levels.get(name).copied());
     own.or_else(|| levels.get("").copied()).unwrap_or(Level::Info)
 }
 
-/// `a.b.c`, `a.b`, `a`.
+/// Returns a name and its parents: `a.b.c`, `a.b`, `a`.
 fn upwards(name: &str) -> impl Iterator<Item = &str> {
     std::iter::successors(Some(name).filter(|name| !name.is_empty()), |name| Some(name.rsplit_once('.')?.0))
 }
@@ -208,7 +208,7 @@ fn upwards(name: &str) -> impl Iterator<Item = &str> {
 mod tests {
     use super::*;
 
-    /// Loggers, and the filters that were applied.
+    /// Returns loggers, and the filters that were applied.
     fn loggers(node: &str, base: Option<&str>) -> (Loggers, Arc<Mutex<Vec<String>>>) {
         let applied = Arc::new(Mutex::new(Vec::new()));
         let seen = Arc::clone(&applied);
@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(loggers.get("cell.shaft"), 40);
         assert!(last(&applied).ends_with(",cell::shaft=error,lineshaft=error"), "{}", last(&applied));
         assert!(!loggers.lets_through(Severity::Warn) && loggers.lets_through(Severity::Error));
-        // One above it counts where it has none.
+        // The level of a parent applies if the logger has none.
         loggers.set_number("cell.shaft", 0).unwrap();
         loggers.set_number("cell", 10).unwrap();
         assert!(last(&applied).ends_with(",lineshaft=debug"));

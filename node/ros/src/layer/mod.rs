@@ -1,6 +1,6 @@
-//! The ROS 2 layer: what rcl is to other nodes, made of a DDS library and of the wire formats of ROS 2 Jazzy.
+//! ROS 2 client layer: the functions of rcl, based on a DDS library and the wire formats of ROS 2 Jazzy.
 //!
-//! The DDS library is at the other end of `link`. Nothing here knows it, or axes.
+//! The DDS library runs at the other end of `link`. This module depends neither on it nor on axes.
 
 mod action;
 mod arguments;

@@ -1,12 +1,12 @@
-//! ROS names: nodes, namespaces, topics and services, and what they are called in DDS.
+//! ROS names: nodes, namespaces, topics and services, and their DDS topics.
 
 use std::fmt;
 
-/// Longest name of a node, and longest full name of anything else; `rmw` has the same limits.
+/// Maximum length of a node name, and of any other full name, as in `rmw`.
 const MAX_NODE_NAME: usize = 255;
 const MAX_FULL_NAME: usize = 247;
 
-/// A name that ROS does not allow.
+/// Name that ROS does not allow.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{kind} {given:?}: {problem}")]
 pub struct NameError {
@@ -21,7 +21,7 @@ impl NameError {
     }
 }
 
-/// Checks one word between slashes.
+/// Checks one token between slashes.
 fn word(kind: &'static str, given: &str, word: &str) -> Result<(), NameError> {
     let refuse = |problem: String| Err(NameError::new(kind, given, problem));
     match word.chars().next() {
@@ -37,7 +37,7 @@ fn word(kind: &'static str, given: &str, word: &str) -> Result<(), NameError> {
     }
 }
 
-/// Checks a name that begins with a slash.
+/// Checks a name that starts with a slash.
 fn rooted(kind: &'static str, given: &str, full: &str) -> Result<(), NameError> {
     let Some(rest) = full.strip_prefix('/') else {
         return Err(NameError::new(kind, given, "it does not begin with /"));
@@ -58,7 +58,7 @@ pub struct NodeName {
 }
 
 impl NodeName {
-    /// A node's name in a namespace: `/`, or `/a/b`; a missing `/` at the beginning is added, as ROS does.
+    /// Creates a node name in a namespace, `/` or `/a/b`; a missing leading `/` is added, as in ROS.
     pub fn new(namespace: &str, name: &str) -> Result<Self, NameError> {
         if name.is_empty() {
             return Err(NameError::new("node name", name, "it is empty, at least one letter is needed"));
@@ -75,22 +75,22 @@ impl NodeName {
         Ok(Self { namespace: full, name: name.to_owned() })
     }
 
-    /// The name alone.
+    /// Returns the name without namespace.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The namespace, beginning with `/`.
+    /// Returns the namespace, which starts with `/`.
     pub fn namespace(&self) -> &str {
         &self.namespace
     }
 
-    /// The name of the node's logger: dots in place of slashes.
+    /// Returns the name of the node's logger, with dots instead of slashes.
     pub fn logger(&self) -> String {
         self.to_string().trim_start_matches('/').replace('/', ".")
     }
 
-    /// The full name of what the node calls `name`: `/a` stays, `a` is in the node's namespace, `~/a` below the node.
+    /// Returns the full name of a relative name: `/a` stays, `a` is in the namespace of the node, `~/a` is below the node.
     pub fn expand(&self, name: &str) -> Result<FullName, NameError> {
         let root = self.namespace.trim_end_matches('/');
         let full = match name.strip_prefix('~') {
@@ -106,34 +106,34 @@ impl NodeName {
     }
 }
 
-/// `/namespace/name`.
+/// Writes `/namespace/name`.
 impl fmt::Display for NodeName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.namespace.trim_end_matches('/'), self.name)
     }
 }
 
-/// The full name of a topic, service or action, beginning with `/`.
+/// Full name of a topic, service or action, which starts with `/`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FullName(String);
 
 impl FullName {
-    /// DDS topic of a topic.
+    /// Returns the DDS topic of a topic.
     pub(super) fn topic(&self) -> String {
         format!("rt{self}")
     }
 
-    /// DDS topic of a service's requests.
+    /// Returns the DDS topic of the requests of a service.
     pub(super) fn request(&self) -> String {
         format!("rq{self}Request")
     }
 
-    /// DDS topic of a service's replies.
+    /// Returns the DDS topic of the replies of a service.
     pub(super) fn reply(&self) -> String {
         format!("rr{self}Reply")
     }
 
-    /// A part of an action.
+    /// Returns the name of a topic or service of an action.
     pub(super) fn action_part(&self, part: &str) -> Self {
         Self(format!("{self}/_action/{part}"))
     }

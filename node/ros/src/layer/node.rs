@@ -1,4 +1,4 @@
-//! A ROS node: the one member of the DDS domain that this process is.
+//! ROS node: the participant of this process in the DDS domain.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -29,19 +29,19 @@ use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
 
-/// What is told of a loss of the ROS side.
+/// Callback for a loss of the ROS side.
 pub type OnLoss = Arc<dyn Fn(&Loss) + Send + Sync>;
 
-/// The ROS side of a node.
+/// Options of the ROS side of a node.
 #[derive(Clone)]
 pub struct SideOptions {
-    /// What it runs in.
+    /// How the side is run.
     pub side: Side,
-    /// Where it is written down which participants live, so that a good-bye can be said for those that were killed; nothing: nowhere.
+    /// Folder that records running participants, so that killed ones can be disposed; `None`: they are not recorded.
     pub participants: Option<PathBuf>,
-    /// Told of each loss, on a thread of its own, before another side starts.
+    /// Callback for each loss, in a separate thread, before another side starts.
     pub on_loss: OnLoss,
-    /// Maximum time without an answer, after which it is lost.
+    /// Maximum time without an answer, after which the side counts as lost.
     pub loss_timeout: Duration,
 }
 
@@ -51,23 +51,23 @@ impl Default for SideOptions {
     }
 }
 
-/// What a node is given at its start.
+/// Options of a node.
 pub struct NodeOptions {
-    /// Its name, and how it calls its topics, services and actions.
+    /// Name of the node, and names of its topics, services and actions.
     pub names: Names,
-    /// Values of its parameters; those of QoS it takes itself.
+    /// Parameter overrides; those of QoS are used by the node itself.
     pub overrides: Overrides,
-    /// Whether its log lines go to `/rosout`.
+    /// Whether log messages are published on `/rosout`.
     pub rosout: bool,
-    /// Levels of its loggers.
+    /// Levels of the loggers.
     pub loggers: Loggers,
-    /// Its ROS side.
+    /// Options of the ROS side.
     pub side: SideOptions,
-    /// How old a request may be that is carried out; default 2 s.
+    /// Maximum age of a request that is executed; default 2 s.
     pub request_timeout: Duration,
-    /// The system's time for stamps; none: the system clock itself.
+    /// System time for stamps; `None`: the system clock itself.
     pub host_clock: Option<HostClock>,
-    /// Copies what it publishes, for a recorder; none: nothing is copied.
+    /// Tap that copies published messages for a recorder; `None`: nothing is copied.
     pub tap: Option<Tap>,
 }
 
@@ -75,7 +75,7 @@ pub struct NodeOptions {
 const REQUEST_TIMEOUT: Duration = Duration::from_secs(2);
 
 impl NodeOptions {
-    /// A node of that name to which nothing was given.
+    /// Creates options with defaults for a node name.
     pub fn plain(name: NodeName) -> Self {
         let (names, overrides) = (Names::plain(name), Overrides::default());
         Self {
@@ -91,25 +91,25 @@ impl NodeOptions {
     }
 }
 
-/// A node in the ROS graph.
+/// Node in the ROS graph.
 ///
-/// Dropping it takes it from the graph at once; it waits for its ROS side to end. What was made of it
-/// stays harmless: servers have no next request, publishers refuse. Drop those first, where it matters.
+/// Dropping it removes it from the graph at once, and waits for its ROS side to end. Objects of the node remain safe to use: servers get no
+/// further request, publishers return errors. If that matters, drop them first.
 pub struct Node {
-    // Before all others: it tells them.
+    // Declared first, so that it is dropped first and notifies the other objects.
     _open: watch::Sender<()>,
     _link: Link,
     handle: NodeHandle,
 }
 
-/// Makes what belongs to a node, and does not keep it in the graph.
+/// Creates objects of a node, without keeping it in the graph.
 #[derive(Clone)]
 pub struct NodeHandle {
     context: Context,
     given: Arc<AtStart>,
 }
 
-/// What a node was given, and what was made of it once.
+/// Options of the node, and objects that exist only once.
 struct AtStart {
     overrides: Mutex<Overrides>,
     qos: QosOverrides,
@@ -129,7 +129,7 @@ impl Node {
     /// Joins the ROS graph. Its tasks run on the present runtime.
     ///
     /// # Errors
-    /// There is no ROS side.
+    /// The ROS side cannot be started.
     ///
     /// # Panics
     /// Outside of a tokio runtime.
@@ -137,13 +137,13 @@ impl Node {
         Self::with(NodeOptions::plain(name), environment)
     }
 
-    /// Likewise, with what was given to it.
+    /// Joins the ROS graph with options. Its tasks run on the present runtime.
     ///
     /// # Errors
-    /// Likewise.
+    /// The ROS side cannot be started.
     ///
     /// # Panics
-    /// Likewise.
+    /// Outside of a tokio runtime.
     pub fn with(options: NodeOptions, environment: &Environment) -> Result<Self, LinkError> {
         let NodeOptions { names, mut overrides, rosout, loggers, side, request_timeout, host_clock, tap } = options;
         let runtime = Handle::current();
@@ -179,25 +179,25 @@ impl Node {
 }
 
 impl NodeHandle {
-    /// Name and namespace.
+    /// Returns name and namespace.
     pub fn name(&self) -> &NodeName {
         self.context.names.node()
     }
 
-    /// The clock of its stamps.
+    /// Returns the clock for stamps.
     pub fn clock(&self) -> &Clock {
         &self.context.clock
     }
 
-    /// The levels of its loggers.
+    /// Returns the levels of the loggers.
     pub fn loggers(&self) -> &Loggers {
         &self.given.loggers
     }
 
-    /// Publishes the topic `name`, which is expanded and remapped as [`Names`] say, with the QoS that was given for it.
+    /// Creates a publisher of topic `name`, which is expanded and remapped by [`Names`], with the QoS override for it.
     ///
     /// # Errors
-    /// The name, or the QoS that was given.
+    /// The name or the QoS override is invalid.
     pub fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "publisher", qos).map_err(CreateError::Given)?;
@@ -205,44 +205,44 @@ impl NodeHandle {
         Ok(Publisher::new(&self.context, topic, qos, copies))
     }
 
-    /// Reads the topic `name`.
+    /// Creates a subscription of topic `name`.
     ///
     /// # Errors
-    /// Likewise.
+    /// The name or the QoS override is invalid.
     pub fn subscription<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, CreateError> {
         let topic = self.context.names.topic(name)?;
         let qos = self.given.qos.apply(&topic, "subscription", qos).map_err(CreateError::Given)?;
         Ok(Subscription::new(&self.context, topic, qos))
     }
 
-    /// Serves `name`, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
+    /// Creates a server of service `name`, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
     ///
     /// # Errors
-    /// The name.
+    /// The name is invalid.
     pub fn service<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceServer<S>, CreateError> {
         Ok(ServiceServer::new(&self.context, self.context.names.service(name)?, qos))
     }
 
-    /// Serves the action `name`.
+    /// Creates a server of action `name`.
     ///
     /// # Errors
-    /// Likewise.
+    /// The name is invalid.
     pub fn action<A: Action>(&self, name: &str, options: ActionOptions) -> Result<ActionServer<A>, CreateError> {
         Ok(ActionServer::new(&self.context, self.context.names.action(name)?, options))
     }
 
-    /// Calls the service `name` of another node, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
+    /// Creates a client of service `name` of another node, with [`Qos::SERVICE`] or [`Qos::PARAMETERS`].
     ///
     /// # Errors
-    /// The name.
+    /// The name is invalid.
     pub fn client<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceClient<S>, CreateError> {
         Ok(ServiceClient::new(&self.context, self.context.names.service(name)?, qos))
     }
 
-    /// Sends goals to the action `name` of another node.
+    /// Creates a client of action `name` of another node.
     ///
     /// # Errors
-    /// Likewise.
+    /// The name is invalid.
     pub fn action_client<A: Action>(&self, name: &str) -> Result<ActionClient<A>, CreateError> {
         Ok(ActionClient::new(&self.context, self.context.names.action(name)?))
     }
@@ -252,12 +252,12 @@ impl NodeHandle {
         NodeNames::new(&self.context)
     }
 
-    /// What sets the clock by the topic `name`, once it is switched on.
+    /// Creates the source of simulation time, topic `name`, which is not used before it is switched on.
     ///
     /// # Errors
-    /// The name, or the QoS that was given.
+    /// The name or the QoS override is invalid.
     pub fn time_source(&self, name: &'static str, qos: Qos) -> Result<TimeSource, CreateError> {
-        // Told now: later nobody would be there to correct it.
+        // Checked here, because a later error could not be reported to the user.
         let topic = self.context.names.topic(name)?;
         self.given.qos.apply(&topic, "subscription", qos).map_err(CreateError::Given)?;
         let handle = self.clone();
@@ -265,10 +265,10 @@ impl NodeHandle {
         Ok(TimeSource::new(self.context.runtime.clone(), self.clock().clone(), subscribe))
     }
 
-    /// Publishes log lines of the node on `/rosout`; all that ask get the same publisher.
+    /// Returns the publisher of log messages on `/rosout`; all callers share it.
     ///
     /// # Errors
-    /// Never: its name is allowed.
+    /// Cannot fail: the name is valid.
     pub fn rosout(&self) -> Result<Rosout, CreateError> {
         let mut made = self.given.rosout.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(rosout) = made.as_ref() {
@@ -284,27 +284,27 @@ impl NodeHandle {
         Ok(rosout)
     }
 
-    /// Copies a publisher for the recorder, if that wants it.
+    /// Returns a tap of a publisher, if the recorder selects it.
     fn tapped<M: Message>(&self, name: &str, qos: Qos) -> Option<TappedPublisher> {
         self.context.tap.as_ref()?.open(self.name(), name, (M::NAME, M::SCHEMA), qos)
     }
 
-    /// Takes the values that were given for its parameters; a second time there are none.
+    /// Removes and returns the parameter overrides; a second call returns none.
     pub fn take_overrides(&self) -> Overrides {
         std::mem::take(&mut self.given.overrides.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The QoS of its topics so far, as parameters.
+    /// Returns the QoS of the topics so far, as parameters.
     pub fn qos_parameters(&self) -> Vec<(String, ParameterValue)> {
         self.given.qos.shown()
     }
 
-    /// QoS that was given for no topic that it has so far.
+    /// Returns QoS overrides that match no topic so far.
     pub fn unused_qos(&self) -> Overrides {
         self.given.qos.unused()
     }
 
-    /// All that was ever opened, and what will be.
+    /// Returns all endpoints that were ever opened; further ones are added.
     #[cfg(test)]
     pub(crate) fn opened(&self) -> super::endpoint::Opened {
         Arc::clone(&self.context.opened)

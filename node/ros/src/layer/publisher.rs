@@ -1,4 +1,4 @@
-//! Topics that the node publishes.
+//! Publishers of topics.
 
 use std::marker::PhantomData;
 
@@ -13,16 +13,16 @@ use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 use crate::link::{Unwritten, Writer};
 
-/// A message that was not published.
+/// Error: a message was not published.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PublishError {
-    /// Too many wait; the message is lost, the next may pass.
+    /// Too many messages wait; this one is lost, but the next one may be sent.
     #[error("{topic}: the ROS side does not keep up, the message was dropped")]
     Full {
         /// Full name of the topic.
         topic: FullName,
     },
-    /// The node is gone.
+    /// The node has ended.
     #[error("{topic}: not published: the node is closed")]
     Closed {
         /// Full name of the topic.
@@ -30,7 +30,7 @@ pub enum PublishError {
     },
 }
 
-/// Publishes messages of one topic; dropping it takes the topic from the node.
+/// Publisher of one topic; dropping it removes the topic from the node.
 pub struct Publisher<M> {
     inner: Untyped,
     message: PhantomData<fn(&M)>,
@@ -42,28 +42,28 @@ impl<M: Message> Publisher<M> {
         Self { inner, message: PhantomData }
     }
 
-    /// Publishes a message, stamped with the present time. Never waits, but allocates.
+    /// Publishes a message, stamped with the present time. Never blocks, but allocates.
     pub fn publish(&self, message: &M) -> Result<(), PublishError> {
         self.inner.publish(message)
     }
 
-    /// Subscriptions that are matched now.
+    /// Returns the number of subscriptions that are matched now.
     pub fn subscriptions(&self) -> usize {
         self.inner.writer.matched()
     }
 
-    /// Full name of the topic.
+    /// Returns the full name of the topic.
     pub fn topic(&self) -> &FullName {
         &self.inner.topic
     }
 }
 
-/// A publisher that leaves the type to its caller.
+/// Publisher whose caller ensures the message type.
 pub(super) struct Untyped {
     writer: Writer,
     topic: FullName,
     closed: watch::Receiver<()>,
-    /// Copies for a recorder, where it wants them.
+    /// Copies for a recorder, if it selects the topic.
     copies: Option<TappedPublisher>,
 }
 
@@ -75,7 +75,7 @@ impl Untyped {
 
     pub(super) fn publish(&self, message: &impl Serialize) -> Result<(), PublishError> {
         let topic = || self.topic.clone();
-        // Nobody would ever take the samples out of the writer.
+        // The samples would stay in the writer forever.
         if self.closed.has_changed().is_err() {
             return Err(PublishError::Closed { topic: topic() });
         }

@@ -1,4 +1,4 @@
-//! QoS of topics that was given at the start: `qos_overrides.<full topic>.publisher.depth` and the like, as in rclcpp.
+//! QoS overrides at the start: `qos_overrides.<full topic>.publisher.depth` and others, as in rclcpp.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,11 +11,11 @@ use crate::link::qos::Qos;
 
 const PREFIX: &str = "qos_overrides.";
 
-/// What was given for topics, and what their QoS became.
+/// QoS overrides for topics, and the resulting QoS.
 #[derive(Debug, Default)]
 pub(super) struct QosOverrides {
     given: Mutex<Overrides>,
-    /// The QoS of the topics so far, as parameters.
+    /// QoS of the topics so far, as parameters.
     shown: Mutex<BTreeMap<String, ParameterValue>>,
 }
 
@@ -24,21 +24,21 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl QosOverrides {
-    /// Takes what is its own from what was given.
+    /// Removes the QoS overrides from all overrides.
     pub(super) fn new(all: &mut Overrides) -> Self {
         let given = all.take_where(|name| name.starts_with(PREFIX));
         Self { given: Mutex::new(given), shown: Mutex::default() }
     }
 
-    /// The QoS of a topic that has this one by itself; `end` is `publisher` or `subscription`.
+    /// Returns the QoS of a topic with this default; `end` is `publisher` or `subscription`.
     ///
     /// # Errors
-    /// What was given is none, in one sentence.
+    /// The override is invalid, as a message.
     pub(super) fn apply(&self, topic: &FullName, end: &str, default: Qos) -> Result<Qos, String> {
         let name = |policy: &str| format!("{PREFIX}{topic}.{end}.{policy}");
         let mut given = locked(&self.given);
         let mut shown = locked(&self.shown);
-        // A topic that is opened again has what it had.
+        // A topic that is opened again has the same QoS as before.
         let mut taken = |policy: &str| {
             let name = name(policy);
             let before = || {
@@ -76,18 +76,18 @@ impl QosOverrides {
         Ok(qos)
     }
 
-    /// The QoS of all topics so far, as parameters.
+    /// Returns the QoS of all topics so far, as parameters.
     pub(super) fn shown(&self) -> Vec<(String, ParameterValue)> {
         locked(&self.shown).iter().map(|(name, value)| (name.clone(), value.clone())).collect()
     }
 
-    /// What was given for nothing.
+    /// Returns overrides that match no topic.
     pub(super) fn unused(&self) -> Overrides {
         locked(&self.given).clone()
     }
 }
 
-/// The place of a given word among those that are allowed.
+/// Returns the index of a given word among the allowed ones.
 fn word(given: Option<Given>, allowed: &[&str]) -> Result<Option<usize>, String> {
     let Some(given) = given else { return Ok(None) };
     let is_text = given.value.r#type == ParameterType::PARAMETER_STRING;

@@ -1,4 +1,4 @@
-//! Log lines for `/rosout`.
+//! Log messages for `/rosout`.
 
 use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
@@ -10,30 +10,30 @@ use super::loggers::Loggers;
 use super::tap::TappedPublisher;
 use crate::link::Writer;
 
-/// Target of lines of the program's log that are sent to `/rosout` beside it: whoever passes the log on leaves them out.
+/// Target of log messages that are sent to `/rosout` directly: code that forwards the log must skip them.
 pub const TOLD: &str = "lineshaft_ros::told";
 
-/// Where a line comes from.
+/// Origin of a log message.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// Source file.
     pub file: String,
-    /// Function, or module, in it.
+    /// Function or module.
     pub function: String,
-    /// Line in it.
+    /// Line number.
     pub line: u32,
 }
 
-/// The publisher, and its copies.
+/// Publisher with its tap.
 type Lines = (Writer, Option<TappedPublisher>);
 
-/// Sends log lines to `/rosout`. Clones write to the same publisher, which goes with the last of them.
+/// Sends log messages to `/rosout`. Clones share the publisher, which is dropped with the last of them.
 #[derive(Clone)]
 pub struct Rosout {
     logger: String,
     clock: Clock,
     loggers: Loggers,
-    /// With its copies, where a recorder wants them. Nothing where `/rosout` is switched off.
+    /// Publisher, with a tap if a recorder selects it; `None` if `/rosout` is disabled.
     lines: Option<Arc<Lines>>,
 }
 
@@ -42,8 +42,8 @@ impl Rosout {
         Self { logger, clock, loggers, lines: lines.map(Arc::new) }
     }
 
-    /// Sends a line, stamped with the present time, if the node's logger lets it through. Never waits: while a reader does not
-    /// keep up, lines are dropped.
+    /// Sends a message, stamped with the present time, if the level of the node's logger allows it. Never blocks: messages are dropped
+    /// while a reader does not keep up.
     pub fn log(&self, severity: Severity, text: impl Into<String>, source: Source) {
         let Some(lines) = self.lines.as_ref().filter(|_| self.loggers.lets_through(severity)) else { return };
         let Source { file, function, line } = source;
@@ -54,7 +54,7 @@ impl Rosout {
         if let Some(copies) = copies {
             copies.copy(&line);
         }
-        // Full, or the node is gone. A log line about a lost log line would not arrive either.
+        // The writer is full, or the node has ended. A log message about a lost log message would not arrive either.
         let _ = writer.write(line);
     }
 }

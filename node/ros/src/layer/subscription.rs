@@ -1,4 +1,4 @@
-//! Topics that the node reads.
+//! Subscriptions of topics.
 
 use std::marker::PhantomData;
 use std::time::Duration;
@@ -13,10 +13,9 @@ use crate::link::Reader;
 use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 
-/// Reads the messages of one topic; dropping it takes the topic from the node.
+/// Subscription of one topic; dropping it removes the topic from the node.
 ///
-/// Messages that are not exactly of the topic's form, or were written before the subscription was there, are refused, logged
-/// and never handed out.
+/// Messages that do not have exactly the form of the topic, or were written before the subscription existed, are refused and logged.
 pub struct Subscription<M> {
     samples: Reader,
     topic: FullName,
@@ -40,12 +39,12 @@ impl<M: Message> Subscription<M> {
         }
     }
 
-    /// Full name of the topic.
+    /// Returns the full name of the topic.
     pub fn topic(&self) -> &FullName {
         &self.topic
     }
 
-    /// The next message; `None` once the node is gone. Nothing is lost when the future is dropped.
+    /// Returns the next message; `None` once the node has ended. No message is lost if the future is dropped.
     pub async fn next(&mut self) -> Option<M> {
         loop {
             let taken = tokio::select! {
@@ -53,7 +52,7 @@ impl<M: Message> Subscription<M> {
                 _ = self.closed.changed() => return None,
             };
             let (from, refusal) = match taken {
-                // A writer that is there already is asked for all that it has: that was meant for others.
+                // An existing writer resends all its samples, which were meant for other readers.
                 Ok(sample) if sample.is_stale && !self.latched => {
                     (sample.id.writer, "it is older than this node or its sender's return".to_owned())
                 }

@@ -1,8 +1,8 @@
 //! Copies of the messages that a node publishes, for a recorder.
 //!
-//! Law      a publisher never waits for the recorder: a copy that finds no room is dropped and counted; while the tap is
-//!          closed only retained topics are copied, so that a bag that begins later begins with their messages
-//! Reads    the serialized messages of publishers, chosen by the names that the node uses for them
+//! Law      a publisher never waits for the recorder: a copy without room is dropped and counted. While the tap is closed, only retained
+//!          topics are copied, so that a bag that starts later begins with their messages
+//! Reads    the serialized messages of publishers, selected by the names that the node uses for them
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,25 +13,25 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use super::name::{FullName, NodeName};
 use crate::link::qos::Qos;
 
-/// Messages that may wait for the recorder.
+/// Maximum number of messages that wait for the recorder.
 const ROOM: usize = 4096;
-/// Encapsulation header of CDR in little endian, as bags hold it.
+/// Encapsulation header of little-endian CDR, as in bags.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// A topic whose messages are copied.
+/// Topic whose messages are copied.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TappedTopic {
-    /// Full name, before it is remapped.
+    /// Full name before remapping.
     pub name: FullName,
-    /// Type of its messages, and their text for the schema encoding `ros2msg`.
+    /// Message type, and its definition in schema encoding `ros2msg`.
     pub schema: (&'static str, &'static str),
-    /// How it is offered.
+    /// Offered QoS.
     pub qos: Qos,
 }
 
 impl TappedTopic {
-    /// Whether a bag that begins later begins with its latest messages: those of topics that are transient local, without
-    /// a lifespan (`/rosout`).
+    /// Returns true if a bag that starts later begins with the latest messages of the topic: topics that are transient local and have no
+    /// lifespan (`/rosout` has one).
     pub fn is_retained(&self) -> bool {
         is_retained(self.qos)
     }
@@ -41,18 +41,18 @@ fn is_retained(qos: Qos) -> bool {
     qos.latched && qos.lifespan.is_none()
 }
 
-/// A copy of a message.
+/// Copy of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TappedMessage {
-    /// Place of its topic in [`Tap::topics`].
+    /// Index of its topic in [`Tap::topics`].
     pub topic: usize,
-    /// System time at which it was published (ns since the Unix epoch).
+    /// System time of publication, in ns since the Unix epoch.
     pub published_ns: u64,
-    /// Serialized, with the CDR header of 4 bytes.
+    /// Serialized message, with the CDR header of 4 bytes.
     pub data: Vec<u8>,
 }
 
-/// Copies what a node publishes. Clones are handles to the same one.
+/// Tap that copies published messages of a node. Clones share it.
 #[derive(Clone)]
 pub struct Tap(Arc<Inner>);
 
@@ -66,8 +66,8 @@ struct Inner {
 }
 
 impl Tap {
-    /// A tap for the publishers that `wants` chooses by their names (`~/errors`), and the copies. It begins open: the
-    /// recorder starts after the first publishers, and closes it if there is no bag.
+    /// Creates a tap for the publishers that `wants` selects by their names (`~/errors`), and the receiver of the copies. It starts open:
+    /// the recorder starts after the first publishers, and closes the tap if there is no bag.
     pub fn new(wants: impl Fn(&str) -> bool + Send + Sync + 'static) -> (Self, Receiver<TappedMessage>) {
         let (sender, receiver) = sync_channel(ROOM);
         let (is_open, lost) = (AtomicBool::new(true), AtomicU64::new(0));
@@ -75,27 +75,27 @@ impl Tap {
         (Self(Arc::new(inner)), receiver)
     }
 
-    /// Opens or closes the tap: a closed one copies the messages of retained topics alone.
+    /// Opens or closes the tap: a closed one copies only the messages of retained topics.
     pub fn set_open(&self, is_open: bool) {
         self.0.is_open.store(is_open, Ordering::Relaxed);
     }
 
-    /// Whether all messages are copied.
+    /// Returns true if all messages are copied.
     pub fn is_open(&self) -> bool {
         self.0.is_open.load(Ordering::Relaxed)
     }
 
-    /// The topics so far, in the order in which they were opened.
+    /// Returns the topics so far, in the order in which they were opened.
     pub fn topics(&self) -> Vec<TappedTopic> {
         self.0.topics.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Messages that found no room so far.
+    /// Returns the number of messages without room so far.
     pub fn lost(&self) -> u64 {
         self.0.lost.load(Ordering::Relaxed)
     }
 
-    /// Copies a publisher, if it is wanted.
+    /// Returns a tap of a publisher, if it is selected.
     pub(super) fn open(
         &self,
         node: &NodeName,
@@ -123,7 +123,7 @@ impl fmt::Debug for Tap {
     }
 }
 
-/// A publisher whose messages are copied.
+/// Publisher whose messages are copied.
 pub(super) struct TappedPublisher {
     tap: Tap,
     topic: usize,
@@ -131,16 +131,16 @@ pub(super) struct TappedPublisher {
 }
 
 impl TappedPublisher {
-    /// Copies a serialized message without header, if the tap is open or its topic is retained. Never waits.
+    /// Copies a serialized message without header, if the tap is open or its topic is retained. Never blocks.
     pub(super) fn copy(&self, body: &[u8]) {
         if !self.is_retained && !self.tap.is_open() {
             return;
         }
-        // A clock before 1970 gives 1970; the cast ends in the year 2554.
+        // A clock before 1970 gives 1970; the conversion overflows in the year 2554.
         let published_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
         let data = [&HEADER[..], body].concat();
         let message = TappedMessage { topic: self.topic, published_ns, data };
-        // Without a recorder nothing is lost.
+        // Without a recorder a message does not count as lost.
         if let Err(TrySendError::Full(_)) = self.tap.0.sender.try_send(message) {
             self.tap.0.lost.fetch_add(1, Ordering::Relaxed);
         }

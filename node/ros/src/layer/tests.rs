@@ -1,5 +1,4 @@
-//! The layer against itself, over loopback. The clients follow DDS-RPC; those of ROS are tried with other DDS
-//! libraries.
+//! Tests of the layer against itself, over loopback. The clients follow DDS-RPC; those of ROS are tested with other DDS libraries.
 
 use std::marker::PhantomData;
 use std::time::Duration;
@@ -17,10 +16,10 @@ use super::*;
 use crate::link::protocol::WireType;
 use crate::link::{Reader, Writer};
 
-/// Far more than anything here takes.
+/// Timeout that is far longer than any step.
 const LONG: Duration = Duration::from_secs(20);
 
-/// A domain that tests with other peers (10..101) do not take, and other runs of these seldom.
+/// Returns a domain that tests with other peers (10 to 101) do not use, and concurrent runs of these tests seldom.
 fn environment() -> Environment {
     let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
     Environment { domain, networks: Networks::Loopback }
@@ -30,7 +29,7 @@ fn node(name: &str) -> Node {
     Node::new(NodeName::new("/", name).unwrap(), &environment()).unwrap()
 }
 
-/// Writes requests, as soon as there is a server.
+/// Returns a writer of requests, once there is a server.
 async fn requests<S: Service>(node: &Node, name: &str) -> Writer {
     let topic = node.name().expand(name).unwrap().request();
     let requests = node.context().writer(&topic, WireType::request::<S>(), Qos::SERVICE);
@@ -50,7 +49,7 @@ struct Client<S> {
 }
 
 impl<S: Service> Client<S> {
-    /// Returns when it sees the server.
+    /// Creates a client; completes once it is matched with the server.
     async fn new(node: &Node, name: &str) -> Self {
         let reply = node.name().expand(name).unwrap().reply();
         let replies = node.context().reader(&reply, WireType::response::<S>(), Qos::SERVICE);
@@ -92,7 +91,7 @@ async fn requests_are_open_at_the_same_time_and_bad_ones_are_not_handed_out() {
         assert_eq!(message, axes(want));
         open.push((message, reply));
     }
-    // The later one is answered first.
+    // The later request is answered first.
     while let Some((message, reply)) = open.pop() {
         let response = AxesCommandResponse { success: true, message: message.axes[0].clone() };
         reply.send(response.clone()).await.unwrap();
@@ -120,7 +119,7 @@ async fn a_client_that_reads_no_replies_holds_up_nobody() {
     assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
 }
 
-/// The library gives the requests of the client with the lowest number before all others.
+/// The library returns the requests of the client with the lowest number before all others.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_client_that_always_asks_holds_up_no_other() {
     let (serving, first, second) = (node("fair"), node("fair_first"), node("fair_second"));
@@ -135,7 +134,7 @@ async fn a_client_that_always_asks_holds_up_no_other() {
     }
     let mut answered = [0; 2];
     for _ in 0..8 {
-        // What was sent has arrived.
+        // All sent requests have arrived.
         sleep(Duration::from_millis(100)).await;
         let request = timeout(LONG, server.next()).await.unwrap().unwrap();
         let who = usize::from(request.message == axes(names[1]));
@@ -250,7 +249,7 @@ async fn the_application_decides_about_cancel_requests_if_it_wants() {
     assert_eq!(client.cancels.receive().await.return_code, 3, "it has ended");
 }
 
-/// A client that is interrupted cancels all goals without waiting for the answer to the one that it has sent.
+/// An interrupted client cancels all goals without waiting for the acceptance of the goal that it has sent.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
     let serving = node("cancels");
@@ -265,14 +264,14 @@ async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
     assert!(handle.is_cancel_requested());
     handle.canceled(HomeAxisResult::default());
     assert_eq!(client.result(1).await.0, 5);
-    // The two requests in one go, by different services.
+    // Sends the two requests at once, to different services.
     let mut count = 0;
     for id in 2..22 {
         client.send_goal(id);
         client.send_cancel(if id % 2 == 0 { 0 } else { id });
         let handle = goal(&mut server).await.accept();
         if client.cancels.receive().await.goals_canceling.is_empty() {
-            // A goal whose datagram is lost, or a busy machine: it comes later than the answer waits for it.
+            // The datagram of the goal was lost, or the machine is busy: the goal arrives after the answer of the cancel request.
             handle.abort(HomeAxisResult::default());
             continue;
         }
@@ -283,7 +282,8 @@ async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
     assert!(count >= 17, "{count} of 20 goals were canceled");
 }
 
-/// Cancel of all goals cancels those that run at once, and its answer waits for others: it lists what has ended meanwhile too.
+/// Cancel of all goals cancels running ones at once, and its answer waits for goals that arrive late: it also lists those that have ended
+/// meanwhile.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn answer_to_a_cancel_of_all_goals_lists_a_goal_that_has_ended_before_it() {
     let serving = node("quick_cancel");
@@ -346,7 +346,7 @@ async fn client_finds_the_reply_of_each_request_in_any_order() {
     for _ in numbers {
         open.push(timeout(LONG, server.next()).await.unwrap().unwrap());
     }
-    // The later one is answered first.
+    // The later request is answered first.
     while let Some(Request { message, reply }) = open.pop() {
         reply.send(AxesCommandResponse { success: true, message: message.axes[0].clone() }).await.unwrap();
     }
@@ -380,7 +380,7 @@ async fn goal_of_a_client_reports_feedback_and_ends_canceled() {
     let result = client.request_result(id).unwrap();
     let cancel = client.cancel(id).unwrap();
     assert_eq!(timeout(LONG, client.canceling(cancel)).await.unwrap().unwrap(), 0);
-    // The feedback topic may match later than the services.
+    // The feedback topic may be matched later than the services.
     let mut ticks = tokio::time::interval(Duration::from_millis(20));
     let seen = loop {
         tokio::select! {

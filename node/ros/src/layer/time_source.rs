@@ -1,4 +1,4 @@
-//! Where simulated time comes from: `/clock`, while it is used.
+//! Source of simulation time: the topic `/clock`, while it is used.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -9,12 +9,12 @@ use super::clock::Clock;
 use super::endpoint::CreateError;
 use super::subscription::Subscription;
 
-/// Sets the clock of a node by the messages of a topic, when it is told to.
+/// Sets the clock of a node from the messages of a topic while it is switched on.
 pub struct TimeSource {
     clock: Clock,
     subscribe: Box<dyn Fn() -> Result<Subscription<ClockMessage>, CreateError> + Send + Sync>,
     runtime: tokio::runtime::Handle,
-    /// What reads the topic, while it is used.
+    /// Task that reads the topic while it is used.
     reading: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -27,10 +27,10 @@ impl TimeSource {
         Self { clock, subscribe: Box::new(subscribe), runtime, reading: Mutex::default() }
     }
 
-    /// Begins or ends to use the topic; the subscription is there only while it does.
+    /// Starts or ends the use of the topic; the subscription exists only meanwhile.
     ///
     /// # Errors
-    /// The subscription cannot be made; the clock stays as it is.
+    /// The subscription cannot be created; the clock is unchanged then.
     pub fn switch(&self, is_on: bool) -> Result<(), CreateError> {
         let mut reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
         if is_on == reading.is_some() {

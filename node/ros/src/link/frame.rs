@@ -16,7 +16,7 @@ pub(crate) fn encode(message: &impl Serialize) -> io::Result<Vec<u8>> {
         let sentence = format!("a message of {length} bytes, at most {LONGEST} are allowed");
         return Err(io::Error::new(io::ErrorKind::InvalidInput, sentence));
     }
-    // LONGEST fits into 32 bits.
+    // `LONGEST` fits in 32 bits.
     frame[..4].copy_from_slice(&(length as u32).to_le_bytes());
     Ok(frame)
 }

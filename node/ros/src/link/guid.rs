@@ -26,22 +26,22 @@ impl Guid {
         Prefix(prefix)
     }
 
-    /// Whether it is a reader. RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
+    /// Returns true if it is a reader. RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
     pub(crate) fn is_reader(self) -> bool {
         self.0[15] & 0x04 != 0
     }
 
-    /// Whether it is a built-in endpoint (used for discovery); RTPS 2.5, table 9.1.
+    /// Returns true if it is a built-in endpoint (used for discovery); RTPS 2.5, table 9.1.
     pub(crate) fn is_builtin(self) -> bool {
         self.0[15] & 0xc0 == 0xc0
     }
 
-    /// Whether it belongs to a participant of eProsima Fast DDS.
+    /// Returns true if it belongs to a participant of eProsima Fast DDS.
     pub(crate) fn is_fast_dds(self) -> bool {
         self.0[..2] == FAST_DDS
     }
 
-    /// Whether it belongs to a participant of Eclipse Cyclone DDS.
+    /// Returns true if it belongs to a participant of Eclipse Cyclone DDS.
     pub(crate) fn is_cyclone(self) -> bool {
         self.0[..2] == CYCLONE
     }

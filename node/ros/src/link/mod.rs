@@ -1,8 +1,8 @@
 //! Connection between the program and its ROS side, and supervision of the ROS side.
 //!
-//! The DDS library runs in a separate process (`side/`), so a fault that the network causes in it does not affect the machine.
-//! `protocol` defines the messages. `supervisor` starts a side, and another one when it fails or has grown. `running` is a running
-//! side. `registry` stores the state with which each new side is initialized.
+//! The DDS library runs in a separate process (`side/`), so that a fault in it that the network causes does not affect the machine.
+//! `protocol` defines the messages. `supervisor` starts a side, and another one when the first one fails or uses too much memory. `running`
+//! is a running side. `registry` stores the state with which each new side is initialized.
 //!
 //! This module never imports the DDS library or `side/dds`, and does not depend on the meaning of a topic.
 

@@ -119,7 +119,7 @@ pub(crate) enum Report {
     Alive(u64),
     /// Answer to a probe: this part of the side does not work.
     Stuck(String),
-    /// A log line of the side.
+    /// Log message of the side.
     Line(Line),
 }
 
@@ -134,7 +134,7 @@ pub(crate) struct SampleId {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Related {
     pub(crate) guid: Guid,
-    /// Sequence number; `None` if the writer does not know it.
+    /// Sequence number; `None` if the writer does not give it.
     pub(crate) number: Option<i64>,
 }
 
@@ -170,7 +170,7 @@ pub(crate) enum ReplyFailure {
     Broken(String),
 }
 
-/// A log line of a side.
+/// Log message of a side.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Line {
     pub(crate) severity: u8,

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 /// How samples of a topic are delivered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Qos {
-    /// Whether lost samples are sent again (`reliable` in ROS 2, else `best_effort`).
+    /// Whether lost samples are sent again (`reliable` in ROS 2, otherwise `best_effort`).
     pub reliable: bool,
     /// Number of samples that are kept for a reader; at least 1.
     pub depth: u16,
-    /// Whether readers that join later get the kept samples (`transient_local` in ROS 2, else `volatile`).
+    /// Whether readers that join later get the kept samples (`transient_local` in ROS 2, otherwise `volatile`).
     pub latched: bool,
     /// Age after which readers drop a sample; `None`: never.
     pub lifespan: Option<Duration>,
@@ -32,7 +32,7 @@ impl Qos {
     pub const STATUS: Self = Self { latched: true, ..Self::volatile(1) };
     /// Latest values of a topic that is published rarely, also for readers that join later.
     pub const HISTORY: Self = Self { latched: true, ..Self::volatile(32) };
-    /// Log lines.
+    /// Log messages.
     pub const ROSOUT: Self =
         Self { latched: true, lifespan: Some(Duration::from_secs(10)), window: 1000, ..Self::volatile(1000) };
 
@@ -41,7 +41,7 @@ impl Qos {
 
     const fn volatile(depth: u16) -> Self {
         // With a finite window, every reader that joins later would block the writer until its first acknowledgement:
-        // the DDS layer counts all samples ever written as unacknowledged by that reader. A frozen reader holds samples
+        // the DDS layer counts all samples ever written as unacknowledged by that reader. A suspended reader holds samples
         // until its lease expires, after 10 to 20 s.
         Self { reliable: true, depth, latched: false, lifespan: None, window: i32::MAX }
     }

@@ -27,7 +27,7 @@ const START: Duration = Duration::from_secs(5);
 const LEAVE: Duration = Duration::from_secs(2);
 const EXIT_STATUS: Duration = Duration::from_millis(20);
 
-/// Limit of the log lines of all sides: a side that restarts repeatedly logs the same lines.
+/// Rate limit for the log messages of all sides: a side that restarts repeatedly logs the same messages.
 pub(super) type SideLines = LineLimit<(String, u32)>;
 
 /// A side and its state.
@@ -46,7 +46,7 @@ pub(super) struct Running {
     probe: Probe,
 }
 
-/// The last probe and its answer.
+/// Last probe and its answer.
 struct Probe {
     number: u64,
     is_answered: bool,
@@ -98,7 +98,7 @@ impl Running {
         Ok(Self { number, stream, started, threads, heard, since: now, joined, entry, has_answered, probe })
     }
 
-    /// Time since its start.
+    /// Returns the time since its start.
     pub(super) fn age(&self) -> Duration {
         self.since.elapsed()
     }
@@ -141,7 +141,7 @@ impl Running {
         SideEvent::Nothing
     }
 
-    /// Handles the answers to probes.
+    /// Handles an answer to a probe.
     fn on_report(&mut self, report: Report) {
         let probe = &mut self.probe;
         match report {
@@ -150,7 +150,7 @@ impl Running {
                 probe.silence.answered();
                 self.has_answered = true;
             }
-            // The next probe may find that it works again.
+            // The next probe may succeed again.
             Report::Stuck(what) => (probe.is_answered, probe.stuck) = (true, Some(what)),
             _ => {}
         }
@@ -170,7 +170,7 @@ impl Running {
         let died = self.started.end(if has_failed { EXIT_STATUS } else { LEAVE });
         let _ = self.stream.shutdown(Shutdown::Both);
         for thread in self.threads {
-            // A thread that panicked has ended, too.
+            // A thread that panicked has ended as well.
             let _ = thread.join();
         }
         if has_failed {
@@ -225,7 +225,7 @@ fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, heard:
     }
 }
 
-/// Repeats a log line of a side in the log of the program.
+/// Repeats a log message of a side in the log of the program.
 fn repeat(severity: u8, text: &str) {
     const TARGET: &str = "rustdds";
     match severity {

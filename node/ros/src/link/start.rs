@@ -64,10 +64,10 @@ impl Side {
 }
 
 impl Started {
-    /// The threads that have to answer.
+    /// Returns the threads that have to answer.
     pub(super) fn threads(&self) -> Threads {
         match self {
-            // Its threads are among those of the program; tests alone run one so.
+            // Its threads belong to the program; only tests run a side in this way.
             Self::Thread(_) => Threads::Process(std::process::id()),
             Self::Process(child) => Threads::Process(child.id()),
         }

@@ -1,10 +1,10 @@
-//! Supervises the ROS side: starts it, watches it, and starts another one when it fails or has grown.
+//! Supervises the ROS side: starts it, monitors it, and starts another one when it fails or uses too much memory.
 //!
 //! Law      a side works while it answers probes, which pass through its DDS library, within `loss_timeout` (2 s). A side that does not is
-//!          killed, the loss is reported at once, and the registry initializes the next side.
-//!          A side that exceeds a memory limit hands over to a new side, and so does one whose system clock was set back: its library
-//!          withholds best-effort samples until the clock shows the earlier time again, announcements of participants among them. Both sides run until the new one has matched as many
-//!          readers. No sample is lost, and no loss is reported
+//!          killed, the loss is reported at once, and the registry initializes the next side. A side that exceeds a memory limit hands over
+//!          to a new side, and so does a side whose system clock was set back: its library holds back best-effort samples, including
+//!          announcements of participants, until the clock reaches the earlier time again. Both sides run until the new one has matched as
+//!          many readers. No sample is lost, and no loss is reported
 //! Refuses  a side that cannot join at the first start; five in a row that never answered a probe end it permanently
 
 use std::io;
@@ -166,14 +166,14 @@ struct Supervisor {
     leaving: Option<JoinHandle<()>>,
     /// Time since which the next side has matched all readers.
     matched: Option<Instant>,
-    /// Whether the system clock was set back for the present side, and for the newest one.
+    /// Detectors for steps back of the system clock, of the present side and of the newest one.
     set_back: SetBack,
     next_set_back: SetBack,
-    /// When the present side last began to hand over.
+    /// Time of the last handover attempt of the present side.
     tried: Option<Instant>,
 }
 
-/// How a side ended.
+/// Cause of the end of a side.
 enum End {
     /// The link was closed.
     Closed,
@@ -297,12 +297,12 @@ impl Supervisor {
     /// Waits for the end of the previous side.
     fn wait_for_previous(&mut self) {
         if let Some(leaving) = self.leaving.take() {
-            // A thread that panicked has ended, too.
+            // A thread that panicked has ended as well.
             let _ = leaving.join();
         }
     }
 
-    /// Watches the next side, and puts it in charge when it is ready.
+    /// Monitors the next side, and puts it in charge when it is ready.
     fn watch_next(&mut self, side: &mut Running, mut next: Running) -> Option<Running> {
         match next.watch(Duration::ZERO, &self.registry) {
             SideEvent::Nothing => {}
@@ -330,7 +330,7 @@ impl Supervisor {
         tracing::info!("the new ROS side is in charge, {} ms after its start", next.age().as_millis());
         let previous = std::mem::replace(side, next);
         let registry = Arc::clone(&self.registry);
-        // In a thread, because this thread watches the new side meanwhile.
+        // In a separate thread, because this thread monitors the new side meanwhile.
         let leave = move || {
             let until = Instant::now() + MAX_REPLYING;
             while registry.previous_has_replies() && Instant::now() < until {
@@ -349,7 +349,7 @@ impl Supervisor {
         None
     }
 
-    /// Handles that a side has joined the domain.
+    /// Handles the report that a side has joined the domain.
     fn joined(&mut self, prefix: Prefix, side: &mut Running, left: &[(Departed, PathBuf)]) {
         let who = Departed { prefix, domain: self.settings.domain, networks: self.settings.networks.clone() };
         if let Some(folder) = &self.settings.participants {

@@ -1,13 +1,13 @@
 //! Detects stale samples, which were meant for an earlier run of the node.
 //!
-//! The DDS library requests from each writer all samples that it still has. Cyclone DDS still has the samples that it sent to a dead
-//! reader until the lease of that reader expires. So a restarted node would execute the commands to the previous node once more.
-//! The same holds for a client that was disconnected, and sent a request meanwhile.
+//! The DDS library requests from each writer all samples that it still has. Cyclone DDS still has the samples that it sent to a dead reader
+//! until the lease of that reader expires. So a restarted node would execute the commands to the previous node once more. The same holds
+//! for a client that was disconnected, and sent a request meanwhile.
 //!
-//! Law      writer on this host, with the same clock: a sample is stale if it was written before the reader existed.
-//!          Writer on another host, whose clock may differ: a sample is stale if its timestamp is not recent. This check applies only
-//!          within [`MOMENT`] of the match, and while the lease of a dead node may last. A later sample cannot be old, because
-//!          the writer sends all its old samples at once
+//! Law      writer on this host, with the same clock: a sample is stale if it was written before the reader existed. Writer on another
+//!          host, whose clock may differ: a sample is stale if its timestamp is not recent. This check applies only within [`MOMENT`] of
+//!          the match, and while the lease of a dead node may last. A later sample cannot be old, because the writer sends all its old
+//!          samples at once
 //! Source   issue "an axis moves that nobody moved"; before this check, dead participants are disposed (`dispose`)
 
 use std::time::Duration;
@@ -26,7 +26,7 @@ pub(super) struct Known {
     pub(super) written: Option<u64>,
     /// Time of this host's clock, in ticks of 2^-32 s.
     pub(super) now: u64,
-    /// Time since the reader was created, or since the writer's participant was heard again after a loss.
+    /// Time since the reader was created, or since the first announcement of the writer's participant after a loss.
     pub(super) reader: Duration,
     /// Time since the writer was matched.
     pub(super) matched: Duration,
@@ -88,9 +88,9 @@ mod tests {
         assert!(is_stale(far(115, 110)), "its clock is ahead, and nothing tells how old it is");
         assert!(!is_stale(far(108, 110)));
         assert!(!is_stale(far(110, 110)));
-        // The writer has sent all its old samples.
+        // The writer has already sent all its old samples.
         assert!(!is_stale(Known { matched: MOMENT, ..far(99, 110) }));
-        // No participant remembers an earlier node any more.
+        // No participant stores samples for an earlier node any more.
         assert!(!is_stale(Known { reader: LEASE, ..far(9, 110) }));
         // The reader is half a second old, and the sample one second.
         assert!(is_stale(Known { reader: Duration::from_millis(500), ..far(109, 110) }));

@@ -1,6 +1,6 @@
 //! The only file that uses the DDS library: participant, raw readers, raw writers, discovery.
 //!
-//! Samples are passed as bytes. Writing never blocks the caller. Returns an error if the writer is full.
+//! Samples are passed as bytes. Writing never blocks the caller; it returns an error if the writer is full.
 
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
@@ -28,9 +28,9 @@ use crate::link::guid::{Guid, Prefix};
 use crate::link::protocol::{Related, ReplyFailure, SampleId};
 use crate::link::qos::Qos;
 
-/// Log targets of the library that log the same lines repeatedly without a fault, and the level to keep for each.
+/// Log targets of the library that log the same messages repeatedly without a fault, and the level to keep for each.
 pub(crate) const NOISE: &[(&str, &str)] = &[
-    // On loopback without multicast: 30 lines per second about the participant itself.
+    // On loopback without multicast: 30 messages per second about the participant itself.
     ("rustdds::rtps::writer", "error"),
     ("rustdds::network", "error"),
     // At exit: groups that were never joined. An error that prevents the start of a participant is returned, not only logged.
@@ -39,7 +39,7 @@ pub(crate) const NOISE: &[(&str, &str)] = &[
     ("rustdds::structure::sequence_number", "off"),
     // A refused write; the caller reports it.
     ("rustdds::dds::with_key::datawriter", "error"),
-    // A system clock that was set back, many times per second; the side hands over then.
+    // The system clock was set back: many messages per second, until the side hands over.
     ("rustdds::structure::dds_cache", "off"),
     // Endpoints that outlive their participant.
     ("rustdds::dds::pubsub", "off"),
@@ -251,7 +251,8 @@ impl Participant {
         ipv4(found.map(|proxy| proxy.unicast_locator_list.into_iter().map(Into::into).collect()))
     }
 
-    /// Whether a remote reader wants the samples that were written before it joined. Returns false if the reader is unknown.
+    /// Whether a remote reader gets the samples that were written before it joined (transient local). Returns false if the reader is
+    /// unknown.
     pub(super) fn keeps_for(&self, reader: Guid) -> bool {
         let readers = self.participant.discovered_readers().into_iter();
         let found = readers.into_iter().find(|r| Guid::from(r.reader_proxy.remote_reader_guid) == reader);
@@ -348,7 +349,7 @@ pub(super) struct Barrier {
 }
 
 impl Barrier {
-    /// Far more than the library's thread ever needs if it works.
+    /// Far longer than the library's thread ever needs if it works.
     const PATIENCE: Duration = Duration::from_millis(500);
 
     /// Returns true as soon as the library's thread has finished its present work, or false if the thread does not work any more.

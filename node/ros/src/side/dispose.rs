@@ -1,8 +1,8 @@
 //! Disposes participants of this program (SPDP): those that were killed, and those that a successor replaces.
 //!
-//! Clients of a killed node keep their requests for the rest of its lease (50 s). Cyclone DDS sends the last ten requests, also
-//! those that were answered, to the readers of the next node, because the DDS library requests all samples from number 1. After
-//! the disposal no request is kept, and the killed node disappears from the graph at once.
+//! Clients of a killed node keep their requests for the rest of its lease (50 s). Cyclone DDS sends the last ten requests, also those that
+//! were answered, to the readers of the next node, because the DDS library requests all samples from number 1. After the disposal no
+//! request is kept, and the killed node disappears from the graph at once.
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;

@@ -39,7 +39,7 @@ const SENDING: Duration = GAP_REPEATS[0];
 pub(super) trait Target: Send + Sync + 'static {
     /// Writes a sample to one matched reader and returns its number.
     fn write(&self, value: &Bytes, reader: Guid) -> Result<i64, ReplyFailure>;
-    /// Whether the reader wants the values that were set before it joined.
+    /// Whether the reader gets the values that were set before it joined.
     fn is_owed(&self, reader: Guid) -> bool;
     /// Returns the addresses on which a reader reads.
     fn addresses(&self, reader: Guid) -> Vec<SocketAddrV4>;
@@ -169,7 +169,8 @@ impl<T: Target> Keeper<T> {
                     Ok(number) => {
                         self.last = number;
                         self.sending.push_back((now, number));
-                        // Those that were written to others since it joined: the library may not know it yet, and would send them to it.
+                        // Samples that were written to other readers since this one joined: the library may not have discovered it yet, and
+                        // would send them to it.
                         if !reader.has_sample {
                             (reader.first, reader.has_sample) = (number, true);
                         }

@@ -99,12 +99,12 @@ async fn run<T: Target>(
 ) {
     let mut changes = matches.changes();
     let mut has_room = true;
-    // When the values are written that were set since the last time.
+    // Time at which the values that were set since the last write are written.
     let mut due = None;
     loop {
         let again = if has_room { keeper.next_repeat() } else { Some(Instant::now() + RETRY) };
         let wake = due.into_iter().chain(again).min();
-        // A reader that comes must not wait: the library would send it what it has.
+        // A reader that joins must not wait: the library would send it the samples that it has.
         let is_due = tokio::select! {
             value = values.recv() => {
                 let Some(value) = value else { return };

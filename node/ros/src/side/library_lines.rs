@@ -1,12 +1,12 @@
-//! Severity of the log lines of the DDS library.
+//! Severity of the log messages of the DDS library.
 //!
 //! The library logs ordinary events as errors, for example a client that leaves while it is being discovered, as every call of `ros2` does.
-//! [`RULES`] lists such lines of version 0.15.1 by their target and first words. A line without a rule keeps its severity, and no rule
-//! raises one. `RUST_LOG=rustdds=debug` shows all of them.
+//! [`RULES`] lists such messages of version 0.15.1 by their target and first words. A message without a rule keeps its severity, and no
+//! rule raises one. `RUST_LOG=rustdds=debug` shows all of them.
 
 use crate::link::protocol::Line;
 
-/// Severity of lines that begin so.
+/// Severity of messages with a certain beginning.
 struct Rule {
     /// Module of the library.
     target: &'static str,
@@ -20,7 +20,7 @@ const fn harmless(target: &'static str, begins: &'static str) -> Rule {
     Rule { target, begins, severity: Line::DEBUG }
 }
 
-/// Another participant sent data that the library discards: worth a look, but no error of the node.
+/// Another participant sent data that the library discards: a warning, but no error of the node.
 const fn discarded(target: &'static str, begins: &'static str) -> Rule {
     Rule { target, begins, severity: Line::WARN }
 }
@@ -39,7 +39,7 @@ const RULES: &[Rule] = &[
     harmless("rustdds::rtps::rtps_reader_proxy", "ReaderProxy "),
     // A writer leaves while its message is being read.
     harmless("rustdds::rtps::reader", "Writer proxy "),
-    // The queue was emptied by the event before.
+    // The queue was emptied by the previous event.
     harmless("rustdds::rtps::reader", "There was no command. Spurious command event"),
     // An endpoint was closed before it was announced.
     harmless("rustdds::discovery::discovery", "Did not find a local writer"),
@@ -69,7 +69,7 @@ const RULES: &[Rule] = &[
     discarded("rustdds::discovery::discovery_db", "Inconsistent topic update"),
 ];
 
-/// Returns the severity of a line that was logged with `severity`.
+/// Returns the severity of a message that was logged with `severity`.
 pub(super) fn severity(target: &str, text: &str, severity: u8) -> u8 {
     let rule = RULES.iter().find(|rule| rule.target == target && text.starts_with(rule.begins));
     // Errors have the lowest number.
@@ -80,7 +80,7 @@ pub(super) fn severity(target: &str, text: &str, severity: u8) -> u8 {
 mod tests {
     use super::*;
 
-    /// Lines as rustdds 0.15.1 writes them; the first three appear at calls of `ros2`. Each reports an ordinary event.
+    /// Messages as rustdds 0.15.1 writes them; the first three appear at calls of `ros2`. Each reports an ordinary event.
     const HARMLESS: [(&str, &str, u8); 16] = [
         (
             "rustdds::rtps::writer",

@@ -1,4 +1,4 @@
-//! Sends the log of the process to the program. Only a few lines of each kind are sent, so that network events cannot flood the log.
+//! Sends the log of the process to the program. Only a few messages of each kind are sent, so that network events cannot flood the log.
 
 use std::fmt::Write;
 use std::sync::mpsc::Sender;
@@ -15,10 +15,10 @@ use crate::layer::log_filter;
 use crate::line_limit::LineLimit;
 use crate::link::protocol::{Line, Report};
 
-/// Maximum length of a line in bytes: some lines contain received data.
+/// Maximum length of a message in bytes: some messages contain received data.
 const LONGEST: usize = 500;
 
-/// Sends log lines as reports from now on; `RUST_LOG` selects them.
+/// Sends log messages as reports from now on; `RUST_LOG` selects them.
 pub(super) fn start(reports: Sender<Report>) {
     let given = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
     let filter = given.and_then(|text| EnvFilter::try_new(text).ok());
@@ -30,7 +30,7 @@ pub(super) fn start(reports: Sender<Report>) {
 
 struct Lines {
     reports: Mutex<Sender<Report>>,
-    /// Lines from the same place in the source code are of the same kind.
+    /// Messages from the same place in the source code are of the same kind.
     limit: LineLimit<(String, u32)>,
 }
 
@@ -64,7 +64,7 @@ impl<S: Subscriber> Layer<S> for Lines {
     }
 }
 
-/// Text of a line, and its place in the source code.
+/// Text of a message, and its place in the source code.
 struct Text {
     text: String,
     target: String,
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
     use std::sync::mpsc::channel;
 
-    /// The program shows a line at debug only where `RUST_LOG` or `--log-level` asks for it.
+    /// The program shows messages of level debug only if `RUST_LOG` or `--log-level` enables them.
     #[test]
     fn lines_of_the_library_are_sent_with_their_severity_for_users() {
         let (reports, sent) = channel();

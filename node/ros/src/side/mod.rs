@@ -1,10 +1,10 @@
 //! The ROS side: the only process that uses the DDS library.
 //!
-//! It executes the orders of the program (`link/protocol`) and knows neither messages nor axes. A fault of the library ends with this
-//! process, whose memory is limited; the program then starts another one.
+//! It executes the orders of the program (`link/protocol`) and is independent of message types and axes. A fault of the library ends with
+//! this process, whose memory is limited; the program then starts another one.
 //!
-//! `dds` is the only file that imports the library. docs/dds-library.md lists what the library (0.15.1) cannot do, and the files that
-//! work around it.
+//! `dds` is the only file that imports the library. docs/dds-library.md lists what the library (0.15.1) cannot do, and the files that work
+//! around it.
 
 mod acknowledge;
 mod age;

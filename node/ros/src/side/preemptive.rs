@@ -1,16 +1,15 @@
 //! Preemptive ACKNACKs: requests the samples of a Fast DDS writer as soon as our library has matched it.
 //!
-//! If a client has matched the service before the library (0.15.1) has matched the client, its request is lost, because the library does
-//! not know the writer yet. The library then sends an ACKNACK with base 1, and Fast DDS waits for its heartbeat period (3 s). Fast DDS
-//! answers an ACKNACK with base 0 at once. But it ignores ACKNACKs of a reader whose counts do not rise, also those that the library
-//! sends after ours.
+//! If a client has matched the service before the library (0.15.1) has matched the client, its request is lost, because the library has not
+//! discovered the writer yet. The library then sends an ACKNACK with base 1, and Fast DDS waits for its heartbeat period (3 s). Fast DDS
+//! answers an ACKNACK with base 0 at once. But it ignores ACKNACKs of a reader whose counts do not rise, also those that the library sends
+//! after ours.
 //!
-//! Sequence  at a match of one of our readers with a Fast DDS writer, except built-in endpoints:
-//!           1. send our library a HEARTBEAT without samples and with count 1, in the name of the writer; the answer goes to our socket.
-//!              If the library has heard from the writer already, whose counts start with 1, it ignores this HEARTBEAT, and no sample
-//!              is missing
-//!           2. the count of the library's answer is not used elsewhere. Send the writer an ACKNACK with base 0 and this count. The
-//!              writer answers with a HEARTBEAT with a count of at least 2
+//! Sequence  at a match of one of our readers with a Fast DDS writer, except built-in endpoints: 1. send our library a HEARTBEAT without
+//!           samples and with count 1, in the name of the writer; the answer goes to our socket. If the library has already received
+//!           messages of the writer, whose counts start with 1, it ignores this HEARTBEAT, and no sample is missing 2. the count of the
+//!           library's answer is not used elsewhere. Send the writer an ACKNACK with base 0 and this count. The writer answers with a
+//!           HEARTBEAT with a count of at least 2
 //! Waits     50 ms before step 1 if the writer is latched: its first HEARTBEAT may be in transit, and would be ignored after ours
 
 use std::collections::HashMap;
@@ -79,7 +78,7 @@ pub(super) async fn listen(socket: UdpSocket, shared: Weak<Shared>) {
     }
 }
 
-/// Requests the samples that our reader has missed from a writer, if our library did not hear from the writer yet.
+/// Requests the samples that our reader has missed from a writer, if our library has not received any message of the writer yet.
 pub(super) async fn ask(shared: Weak<Shared>, reader: Guid, writer: Guid) {
     if shared.upgrade().is_some_and(|shared| shared.participant.is_latched_writer(writer)) {
         sleep(FIRST_HEARTBEAT).await;

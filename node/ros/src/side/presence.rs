@@ -1,9 +1,9 @@
 //! State of all remote participants: present, lost, or back after a loss.
 //!
-//! Law      a participant is lost when its lease has expired in the DDS library. When it is heard again, it is coming. It is back when
-//!          the library has discovered it again; otherwise it is lost again. A participant that is disposed is removed. A lost
-//!          participant is asked to announce itself, for one hour
-//! Refuses  more than [`MOST`] participants: the one that was not heard for the longest time is removed
+//! Law      a participant is lost when its lease has expired in the DDS library. When an announcement of it is received again, it is
+//!          coming. It is back when the library has discovered it again; otherwise it is lost again. A participant that is disposed is
+//!          removed. A lost participant is requested to announce itself, for one hour
+//! Refuses  more than [`MOST`] participants: the one with the oldest announcement is removed
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -15,9 +15,9 @@ use crate::link::guid::Prefix;
 
 /// Maximum number of participants that are stored: more than a host and its network have.
 const MOST: usize = 256;
-/// Maximum number of lost participants that are asked in one round, in turn.
+/// Maximum number of lost participants that are requested to announce themselves in one round, in turn.
 const ASKED: usize = 16;
-/// Time after its loss for which a participant is asked. Later it only comes back when it announces itself.
+/// Time after its loss for which a participant is requested to announce itself. Later it is back only when it announces itself.
 const HOPE: Duration = Duration::from_secs(3600);
 
 /// Effect of an announcement on the DDS library. The library treats the announcements of a lost participant, and all later ones, as
@@ -26,7 +26,7 @@ const HOPE: Duration = Duration::from_secs(3600);
 pub(super) enum Heard {
     /// The library handles the announcement itself.
     Known,
-    /// A lost participant is heard again.
+    /// An announcement of a lost participant was received.
     Coming,
     /// A participant that is back announces a change, or disposes itself.
     Changed,
@@ -125,7 +125,7 @@ impl Presence {
         is_found
     }
 
-    /// Returns the time at which it was heard again, or `None` if it was never lost or is still lost.
+    /// Returns the time at which its first announcement after a loss was received, or `None` if it was never lost or is still lost.
     pub(super) fn since(&self, who: Prefix) -> Option<Instant> {
         match self.all.get(&who)?.state {
             State::There | State::Lost { .. } => None,
@@ -133,9 +133,9 @@ impl Presence {
         }
     }
 
-    /// Returns the addresses of the lost participants that are asked in this round.
+    /// Returns the addresses of the lost participants that are requested in this round.
     pub(super) fn ask(&mut self, now: Instant) -> Vec<SocketAddrV4> {
-        // Another participant may use the address of one that was killed, and is not asked.
+        // Another participant may use the address of a killed one, which is not requested then.
         let live = self.all.values().filter(|participant| !matches!(participant.state, State::Lost { .. }));
         let taken: HashSet<_> = live.flat_map(|participant| participant.addresses.clone()).collect();
         let mut lost = Vec::new();
@@ -230,7 +230,7 @@ mod tests {
         presence.found(who(1));
         presence.lost(who(1), now);
         assert!(!presence.told(who(1), now), "lost again meanwhile");
-        // With a sequence number of its own that the library did not know; its endpoints stay unknown.
+        // The announcement has a sequence number that the library did not know; the endpoints stay unknown.
         presence.found(who(1));
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
         assert!(presence.told(who(1), now));

@@ -1,10 +1,10 @@
 //! Checks whether the DDS library still works.
 //!
-//! Law      at each probe, its event loop must take a sample and send it (`Barrier`). Every 5 s a simulated participant announces
-//!          itself on the discovery socket of the library, and is disposed again. Both threads of the library have to handle an
-//!          announcement before the library reports it. While the library cannot, because the system clock was set back,
-//!          announcements are left out: for as long as it was set back, or for at most [`SUCCESSION`] where another side is about to take over. If the library does not report them, both datagrams are sent up to three times,
-//!          because a datagram may get lost
+//! Law      at each probe, its event loop must take a sample and send it (`Barrier`). Every 5 s a simulated participant announces itself on
+//!          the discovery socket of the library, and is disposed again. Both threads of the library have to handle an announcement before
+//!          the library reports it. While the library cannot handle announcements, because the system clock was set back, they are left
+//!          out: for as long as it was set back, or for at most [`SUCCESSION`] if another side is about to take over. If the library does
+//!          not report them, both datagrams are sent up to three times, because a datagram may get lost
 
 use std::sync::Mutex;
 use std::sync::PoisonError;
@@ -23,9 +23,9 @@ const ANNOUNCEMENTS: Duration = Duration::from_secs(5);
 /// Time after which an announcement is repeated, and the maximum number of attempts.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TRIES: u32 = 3;
-/// Maximum time for which the discovery of the library may be deaf after the system clock was set back.
+/// Maximum time for which the library may discover no participants after the system clock was set back.
 const SUCCESSION: Duration = Duration::from_secs(30);
-/// A step back by less (ns) is no reason for the library to be deaf.
+/// A smaller step back, in ns, does not stop the discovery of the library.
 const SMALL_STEP_NS: i64 = 10_000_000;
 /// Lease of the simulated participant in seconds; longer than it ever exists.
 const LEASE_S: i32 = 600;
@@ -44,18 +44,18 @@ struct Turn {
     next: Instant,
     sequence: i64,
     set_back: SetBack,
-    /// When it was noticed that the clock was set back, and by how much (ns).
+    /// Time when a step back of the clock was detected, and its size in ns.
     deaf: Option<(Instant, i64)>,
 }
 
 impl Turn {
-    /// Whether the library is deaf, because the clock was set back, and may be.
+    /// Returns true if the library discovers nothing because the clock was set back, and is still allowed to.
     fn is_excused(&mut self) -> bool {
         let by_ns = self.set_back.by_ns();
         if self.deaf.map_or(0, |(_, before)| before).saturating_add(SMALL_STEP_NS) < by_ns {
             self.deaf = Some((Instant::now(), by_ns));
         }
-        // Up to SET_BACK_NS the library is deaf until the clock shows the earlier time again.
+        // Up to `SET_BACK_NS` the library discovers nothing until the clock reaches the earlier time again.
         let most = if by_ns > SET_BACK_NS { SUCCESSION } else { Duration::from_nanos(by_ns.unsigned_abs()) };
         self.deaf.is_some_and(|(since, _)| since.elapsed() < most)
     }

@@ -38,7 +38,7 @@ pub(super) struct Replies {
     topic: String,
     /// Reader of each client, by the client's writer, if a search has found exactly one reader.
     known: Mutex<HashMap<Guid, Guid>>,
-    /// Locked while a reply is sent, so that a long reply knows its sequence number in advance.
+    /// Locked while a reply is sent, so that the sequence number of a long reply is known in advance.
     numbers: tokio::sync::Mutex<Numbers>,
 }
 
@@ -59,11 +59,11 @@ struct Reached {
 }
 
 impl Numbers {
-    /// Notes that a reply is sent to a reader. If one of the first to its addresses, returns these, and the first number of the GAP before
-    /// it.
+    /// Records that a reply is sent to a reader. If it is one of the first to the addresses of the reader, returns these and the first
+    /// number of the GAP before it.
     ///
-    /// The readers of a process with Cyclone DDS have the same address, and share what they know of a writer: the GAP covers no sample to
-    /// any of them, because that may still be under way.
+    /// The readers of a process with Cyclone DDS have the same address, and share the state of a writer. The GAP covers no sample to any of
+    /// them, because that sample may still be in transit.
     fn early(
         &mut self,
         reader: Guid,
@@ -80,7 +80,7 @@ impl Numbers {
         if self.to.len() >= KNOWN {
             self.to.retain(|reader, _| is_matched(*reader));
         }
-        // A reader that is gone may have had the port of this one.
+        // A reader that has left may have used the port of this one.
         let there = self.to.iter().filter(|(other, reached)| {
             reached.addresses.iter().any(|address| addresses.contains(address)) && is_matched(**other)
         });

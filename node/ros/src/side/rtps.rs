@@ -1,4 +1,4 @@
-//! RTPS messages that are sent in addition to the DDS library (little endian), and a parser of the ACKNACKs that answer them.
+//! RTPS messages that are sent in addition to those of the DDS library (little endian), and a parser of the ACKNACKs that answer them.
 
 use std::net::SocketAddrV4;
 
@@ -95,7 +95,7 @@ pub(super) const FINAL: u8 = 0b10;
 pub(super) struct AckNack {
     pub(super) reader: Entity,
     pub(super) writer: Entity,
-    /// All samples before this number are acknowledged; 0: preemptive, the reader does not know the writer's samples yet.
+    /// All samples before this number are acknowledged; 0: preemptive, before the reader has any information about the writer's samples.
     pub(super) base: i64,
     pub(super) count: i32,
     pub(super) is_final: bool,

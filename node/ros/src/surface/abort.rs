@@ -1,5 +1,5 @@
-//! `~/abort`: the Esc of MACS for the whole machine; answered when every axis stands, or has failed to. A type that every client
-//! has: an operator's panel needs no package of this program for it.
+//! `~/abort`: the Esc command of MACS for the whole machine; answered when every axis is at rest, or has failed to stop. It uses a standard
+//! type, so that an operator panel needs no package of this program.
 
 use super::axes::perform;
 use super::hub::Hub;
@@ -22,7 +22,7 @@ async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
     let axes = hub.host.config().axes.len();
     while let Some(Request { reply, .. }) = server.next().await {
         while open.try_join_next().is_some() {}
-        // Handed over here, one after the other: commands keep the order of their requests.
+        // Submitted here in sequence, so that commands keep the order of their requests.
         let given = hub.submit(Action::Abort);
         let hub = Arc::clone(&hub);
         open.spawn(async move {
@@ -30,7 +30,7 @@ async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
                 Ok(message) => TriggerResponse { success: true, message },
                 Err(message) => TriggerResponse { success: false, message },
             };
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response).await;
         });
     }

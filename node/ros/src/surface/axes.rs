@@ -1,4 +1,4 @@
-//! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have done it, or failed.
+//! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have finished the command, or failed.
 
 use super::host::Busy;
 use super::hub::{Answers, Hub};
@@ -13,13 +13,13 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinSet;
 
-/// Longer than any drive may take to switch on and any axis to stop: without an answer the machine stands.
+/// Longer than any drive may take to enable and any axis to stop: without an answer the machine has stopped running.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The command for a set of axes.
+/// Command for a set of axes.
 type Command = fn(AxisSet) -> Action;
 
-/// Which, what it does, and its past participle for the answer.
+/// Service, command, and past participle for the answer.
 const SERVICES: [(Served<AxesCommand>, Command, &str); 5] = [
     (table::ENABLE, Action::Enable, "enabled"),
     (table::DISABLE, Action::Disable, "disabled"),
@@ -50,7 +50,7 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
                 continue;
             }
         };
-        // Handed over here, one after the other: commands keep the order of their requests.
+        // Submitted here in sequence, so that commands keep the order of their requests.
         let given = hub.submit(action(axes));
         let hub = Arc::clone(&hub);
         open.spawn(async move {
@@ -58,7 +58,7 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
                 Ok(message) => AxesCommandResponse { success: true, message },
                 Err(message) => AxesCommandResponse { success: false, message },
             };
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response).await;
         });
     }
@@ -68,7 +68,7 @@ fn summary(count: usize, done: &str) -> String {
     if count == 1 { format!("1 axis {done}") } else { format!("{count} axes {done}") }
 }
 
-/// Waits until each axis of a command has told its end; what was done, or why it was not.
+/// Waits until each axis has reported the end of the command. Returns a summary, or the reason for a failure.
 pub(super) async fn perform(
     hub: &Hub,
     given: Result<Answers, Busy>,
@@ -81,7 +81,7 @@ pub(super) async fn perform(
     }
 }
 
-/// Waits until each axis of a command has told its end.
+/// Waits until each axis has reported the end of the command.
 async fn ends(hub: &Hub, given: Result<Answers, Busy>, axes: usize) -> Result<(), String> {
     let sentence = |event: &Event| text::sentence(event, hub.host.config());
     let mut answers = given.map_err(|busy| busy.to_string())?;

@@ -1,4 +1,4 @@
-//! `~/cycle_statistics`: how well the cycle keeps its time, once a second.
+//! `~/cycle_statistics`: timing of the cycle, once a second.
 
 use super::host::Statistics;
 use super::hub::Hub;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
-/// Between two messages.
+/// Time between two messages.
 const PERIOD: Duration = Duration::from_secs(1);
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -40,7 +40,7 @@ async fn publish(publisher: Publisher<CycleStatistics>, hub: Arc<Hub>) {
     }
 }
 
-/// The message of the time from `last` to `newest`.
+/// Returns the message for the time from `last` to `newest`.
 fn message(last: &Statistics, newest: &Statistics, cycle: u64, stamp_ns: u64, cycle_ns: u64) -> CycleStatistics {
     let period_cycles = newest.cycles.saturating_sub(last.cycles);
     let mean = |newest: u64, last: u64| match period_cycles {

@@ -1,4 +1,4 @@
-//! `~/gear_out`: the end of a coupling at a place; answered when the machine has accepted or refused it.
+//! `~/gear_out`: ends a coupling at a position; answered when the machine has accepted or refused it.
 
 use super::hub::Hub;
 use super::{one_command, table};

@@ -1,4 +1,4 @@
-//! What all actions of the machine have in common: from the request to the end of its goal.
+//! Common part of all actions of the machine: from the request to the end of its goal.
 
 use super::host::{Busy, Snapshot};
 use super::hub::{Answers, Hub};
@@ -19,44 +19,44 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::{Interval, MissedTickBehavior};
 
-/// Between two feedback messages.
+/// Time between two feedback messages.
 const FEEDBACK: Duration = Duration::from_millis(50);
 
-/// The moments of feedback.
+/// Returns the timer for feedback.
 pub(super) fn feedback_ticks() -> Interval {
     let mut ticks = tokio::time::interval(FEEDBACK);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     ticks
 }
 
-/// How far a goal has come.
+/// Progress of a goal.
 #[derive(Clone, Copy)]
 pub(super) struct Progress {
     /// Number of its command.
     pub sequence: u64,
-    /// Position of the axis at the mark that the goal searched for, where it found one.
+    /// Position of the axis at the mark that the goal searched for, if one was found.
     pub mark: Option<Position>,
 }
 
-/// How a goal ended.
+/// End of a goal.
 pub(super) struct Ending {
     pub code: Code,
-    /// Why, where it did not succeed, or by what it was ended that has.
+    /// Reason if it did not succeed; otherwise the condition that ended it.
     pub message: String,
     /// Command position at the end.
     pub position: Position,
-    /// Position of the axis at the mark that the goal searched for, where it found one.
+    /// Position of the axis at the mark that the goal searched for, if one was found.
     pub mark: Option<Position>,
-    /// The new zero in the old coordinate (inc), where the goal gave the axis one.
+    /// New zero in the old coordinate system, in increments, if the goal has set one.
     pub shift: Option<i64>,
 }
 
-/// Where what a goal is about stands on the board.
+/// Signals of a goal's object on the board.
 pub(super) trait View: Clone + Send + Sync + 'static {
-    /// Those of all objects of its kind, by their places.
+    /// Returns the views of all objects of this kind, by index.
     fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self>;
 
-    /// Where it is commanded to be.
+    /// Returns the command position.
     fn position(&self, board: &Board) -> Position;
 }
 
@@ -70,18 +70,18 @@ impl View for AxisView {
     }
 }
 
-/// An action of the interface that is about one object, with what is its own.
+/// Action of the interface for one object, with its specific functions.
 pub(super) trait GoalAction: lineshaft_msgs::Action + Sized {
-    /// How it sees its object.
+    /// View of the object.
     type View: View;
 
-    /// Its row of the table.
+    /// Row of the interface table.
     const SERVED_AS: Acted<Self>;
 
-    /// The place of the object, and the command that a goal asks for.
+    /// Returns the index of the object, and the command for a goal.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
 
-    /// Feedback from its signals, where there is something to tell.
+    /// Returns feedback from the signals, if there is any.
     fn feedback(
         view: &Self::View,
         snapshot: &Snapshot,
@@ -89,11 +89,11 @@ pub(super) trait GoalAction: lineshaft_msgs::Action + Sized {
         progress: Progress,
     ) -> Option<Self::Feedback>;
 
-    /// The result of a goal.
+    /// Returns the result of a goal.
     fn result(view: &Self::View, ending: Ending) -> Self::Result;
 }
 
-/// Serves one action.
+/// Starts the server of one action.
 pub(super) fn start<A: GoalAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let server = A::SERVED_AS.server(node)?;
     tasks.spawn(serve(server, Arc::clone(hub)));
@@ -102,16 +102,16 @@ pub(super) fn start<A: GoalAction>(node: &Node, hub: &Arc<Hub>, tasks: &mut Join
 
 async fn serve<A: GoalAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
     let views = A::View::all(hub.host.config(), hub.host.directory());
-    // Goals that run end with the action.
+    // Running goals end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
         match A::resolve(hub.host.config(), request.goal()) {
             Ok((place, command)) => {
-                // Every object that resolves has a view; without one the goal could not be watched, and is not begun.
+                // Every resolved object has a view; without one the goal could not be monitored, and is not started.
                 let Some(view) = views.get(usize::from(place)) else { continue };
-                // Handed over here, one after the other: of two goals for one object the later one is the later one.
+                // Submitted here in sequence, so that of two goals for one object the later one is executed later.
                 let handle = request.accept();
                 let given = hub.submit(command);
                 open.spawn(run(Arc::clone(&hub), handle, given, view.clone()));
@@ -124,7 +124,7 @@ async fn serve<A: GoalAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
     }
 }
 
-/// Works on an accepted goal until it ends.
+/// Executes an accepted goal until it ends.
 async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<Answers, Busy>, view: A::View) {
     let ending = match given {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
@@ -164,14 +164,14 @@ async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answe
             () = handle.cancel_requested(), if !cancelled => {
                 cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
                 if !cancelled {
-                    // The lane is full: again a little later.
+                    // The command queue is full; tried again a little later.
                     ticks.tick().await;
                 }
             }
-            // Before that the signals are not yet of this goal.
+            // Before that, the signals do not belong to this goal yet.
             _ = ticks.tick(), if accepted => {
                 if let Some(feedback) = A::feedback(view, &hub.host.snapshot(), handle.goal(), Progress { sequence: goal, mark }) {
-                    // A client that does not read feedback is its own matter.
+                    // Feedback that a client does not read is dropped.
                     let _ = handle.feedback(&feedback);
                 }
             }
@@ -179,7 +179,7 @@ async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answe
     }
 }
 
-/// The new zero in the old coordinate, which the end of homing tells.
+/// Returns the new zero in the old coordinate system, which the end of homing reports.
 fn new_zero(event: &Event) -> Option<i64> {
     match event.asked {
         Number::Position(shift) if event.kind == Kind::Done && event.code.is_none() => Some(shift),
@@ -192,7 +192,7 @@ fn ending(hub: &Hub, event: &Event) -> Ending {
     Ending { code: event.code, message, position: event.position, mark: None, shift: new_zero(event) }
 }
 
-/// The end of a goal that the machine has not answered: where its object stands now.
+/// Returns the end of a goal without an answer of the machine, with the present position of its object.
 fn stands(view: &impl View, snapshot: &Snapshot, code: Code, message: String) -> Ending {
     Ending { code, message, position: view.position(&snapshot.board), mark: None, shift: None }
 }

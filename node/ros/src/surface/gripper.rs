@@ -1,8 +1,9 @@
-//! `~/<group>/gripper_cmd` and `~/<group>/parallel_gripper_cmd`, for groups of one axis that are grippers.
+//! `~/<group>/gripper_cmd` and `~/<group>/parallel_gripper_cmd`, for groups with one axis that are grippers.
 //!
-//! Law      a goal is an absolute move of the axis. A gripper that has been asked for all of its way, and does not move for
-//!          [`STALL_TIMEOUT`] without reaching its goal, has stalled: the goal ends, and the axis goes on holding its target
-//! Refuses  all goals of an inactive group; a largest effort, as axes have no limit of it; another joint, other lists than of one number, numbers that are none
+//! Law      a goal is an absolute move of the axis. If the gripper has been commanded to its target and does not move for [`STALL_TIMEOUT`]
+//!          without reaching it, it has stalled: the goal ends, and the axis continues to hold its target
+//! Refuses  all goals of an inactive group; a maximum effort, because axes cannot limit it; another joint, lists with other than one
+//!          number, numbers that are not finite
 //! Source   gripper_action_controller and parallel_gripper_controller of ros2_controllers (Jazzy)
 
 use super::controllers::Controllers;
@@ -33,32 +34,32 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, Interval, MissedTickBehavior};
 
-/// This near to its target (m, rad) a gripper has reached it, whatever in_position_window says: with 0 a command is enough, and that of a
-/// gripper that holds something arrives, too.
+/// Distance to the target (m, rad) at which the gripper has reached it, regardless of in_position_window. With a window of 0 the command
+/// position alone would count, which reaches the target even if the gripper holds an object.
 const GOAL_TOLERANCE: f64 = 0.001;
-/// Below this velocity (m/s, rad/s) a gripper does not move, and after this time it has stalled: the values of the controllers.
+/// Velocity below which a gripper counts as at rest (m/s, rad/s), and time after which it has stalled: values of the ROS controllers.
 const STALL_VELOCITY: f64 = 0.001;
 const STALL_TIMEOUT: Duration = Duration::from_secs(1);
-/// How far beyond a position limit a target is still on it (m, rad): clients round limits to six decimals.
+/// Distance by which a target may exceed a position limit (m, rad): clients round limits to six decimals.
 const ROUNDING: f64 = 1e-6;
-/// Between two looks at it, and two feedback messages.
+/// Time between two checks, and between two feedback messages.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// The axis of a gripper.
+/// Axis of a gripper.
 #[derive(Clone)]
 struct Gripper {
-    /// Its object name, and its joint name.
+    /// Object name of the axis, and its joint name.
     axis: String,
     joint: String,
     view: AxisView,
-    /// A goal that ends because the gripper has stalled has succeeded.
+    /// Whether a goal that ends because the gripper has stalled has succeeded.
     allows_stalling: bool,
     controllers: Arc<Controllers>,
-    /// Place of its group among the controllers.
+    /// Index of its group among the controllers.
     place: usize,
 }
 
-/// What a goal asks for (m or rad, and per s); velocity 0 is the usual one.
+/// Target of a goal (m or rad, and per s); velocity 0 means the default.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wish {
     position: f64,
@@ -66,7 +67,7 @@ struct Wish {
     effort: f64,
 }
 
-/// Where a gripper is.
+/// State of a gripper.
 struct Found {
     position: f64,
     velocity: f64,
@@ -75,14 +76,14 @@ struct Found {
     reached: bool,
 }
 
-/// One of the two types of goals.
+/// One of the two action types.
 trait GripperAction: lineshaft_msgs::Action + Sized {
     const SERVED_AS: Acted<Self>;
 
-    /// What a goal asks for.
+    /// Returns the target of a goal.
     ///
     /// # Errors
-    /// One sentence about the error in the goal.
+    /// The goal is invalid; with a message.
     fn wish(joint: &str, goal: &Self::Goal) -> Result<Wish, String>;
 
     fn result(joint: &str, found: &Found) -> Self::Result;
@@ -152,7 +153,7 @@ fn state(joint: &str, found: &Found) -> JointState {
 }
 
 impl Gripper {
-    /// Where it is, for a goal to `target` (m, rad).
+    /// Returns the state for a goal to `target` (m, rad).
     fn found(&self, board: &Board, target: f64, stalled: bool) -> Found {
         let view = &self.view;
         let position = view.si(view.int(board, AxisSignal::ActualPosition), 0.0);
@@ -165,7 +166,7 @@ impl Gripper {
         }
     }
 
-    /// The command of a goal.
+    /// Returns the command for a goal.
     fn command(&self, hub: &Hub, wish: &Wish) -> Result<Action, String> {
         self.controllers.check(self.place)?;
         if wish.effort != 0.0 {
@@ -193,7 +194,7 @@ impl Gripper {
     }
 }
 
-/// The move to a position limit where its target exceeds that by [`ROUNDING`] at most.
+/// Returns the move with its target on the position limit if it exceeds the limit by at most [`ROUNDING`].
 fn on_limit(command: Move, axis: &AxisConfig, parameters: &AxisParameters) -> Move {
     let per_increment = axis.scale.rate_to_si(1.0).abs();
     let is_near = |beyond: i64| beyond > 0 && beyond as f64 * per_increment <= ROUNDING;
@@ -203,7 +204,7 @@ fn on_limit(command: Move, axis: &AxisConfig, parameters: &AxisParameters) -> Mo
     high.or(low).map_or(command, |limit| Move { target: Length::whole(limit), ..command })
 }
 
-/// Opens both actions for each group that is a gripper.
+/// Creates both actions for each group that is a gripper.
 pub(super) fn start(
     node: &Node,
     hub: &Arc<Hub>,
@@ -243,7 +244,7 @@ fn open<A: GripperAction>(
 
 async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gripper: Gripper) {
     let name = server.name().to_string();
-    // Goals that run end with the action.
+    // Running goals end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
@@ -272,7 +273,7 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
     }
 }
 
-/// Works on an accepted goal of the action with that name until it ends. Its result has no room for a sentence: what ended it is on
+/// Executes an accepted goal of the action with this name until it ends. The result has no field for a message: the reason of the end is on
 /// `/rosout` and in `~/events`.
 async fn run<A: GripperAction>(
     hub: Arc<Hub>,
@@ -284,7 +285,7 @@ async fn run<A: GripperAction>(
     let mut ticks = tokio::time::interval(PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
-    // The machine has accepted the move, and ended it well: its command is at the target.
+    // Whether the machine has accepted the move, and whether it has ended it successfully, with the command position at the target.
     let (mut accepted, mut arrived, mut cancelled) = (false, false, false);
     let (mut still_since, mut stalled) = (None::<Instant>, false);
     let code = loop {
@@ -313,11 +314,11 @@ async fn run<A: GripperAction>(
                 }
                 cancelled = cancel(&hub, goal, &mut ticks).await;
             }
-            // Before that the signals are not yet of this goal.
+            // Before that, the signals do not belong to this goal yet.
             _ = ticks.tick(), if accepted => {
                 let snapshot = hub.host.snapshot();
                 let found = gripper.found(&snapshot.board, target, stalled);
-                // A client that does not read feedback is its own matter.
+                // Feedback that a client does not read is dropped.
                 let _ = handle.feedback(&A::feedback(&gripper.joint, &found));
                 if arrived && found.reached {
                     break Code::NONE;
@@ -343,7 +344,7 @@ async fn run<A: GripperAction>(
     }
 }
 
-/// Ends a goal of the machine; false where the lane is full: again a little later.
+/// Cancels a goal of the machine; returns false if the command queue is full, after a short pause.
 async fn cancel(hub: &Hub, goal: u64, ticks: &mut Interval) -> bool {
     let is_given = hub.submit_unheard(Action::Cancel { goal }).is_ok();
     if !is_given {

@@ -1,37 +1,37 @@
-//! Groups of axes that take trajectories together.
+//! Groups of axes that execute trajectories together.
 
 use lineshaft_core::trajectory::TrajectoryLimits;
 
-/// A group of the cell.
+/// Group of the cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Its name.
+    /// Name of the group.
     pub name: String,
-    /// Places of its axes in the cell, each once.
+    /// Indices of its axes in the cell, each once.
     pub axes: Vec<u16>,
-    /// How its trajectories are taken.
+    /// Settings for trajectories.
     pub trajectories: TrajectorySettings,
-    /// Where it is a gripper, of one axis.
+    /// Settings of a gripper, for a group with one axis.
     pub gripper: Option<GripperSettings>,
 }
 
-/// How goals of a gripper end.
+/// Settings of a gripper.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GripperSettings {
-    /// A goal that ends because the gripper has stalled has succeeded.
+    /// Whether a goal that ends because the gripper has stalled has succeeded.
     pub allow_stalling: bool,
 }
 
-/// How trajectories of a group are taken.
+/// Settings for trajectories of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectorySettings {
-    /// What happens where they exceed limits of axes.
+    /// Reaction to trajectories that exceed limits of axes.
     pub limits: TrajectoryLimits,
-    /// Whether points of modulo axes are moved by whole turns until the first one is nearest to the axis.
+    /// Whether points of modulo axes are shifted by whole turns so that the first one is nearest to the axis.
     pub angle_wraparound: bool,
-    /// Longest time from start to end (s); 0: without limit.
+    /// Maximum duration, in s; 0: no limit.
     pub max_duration: f64,
-    /// Messages of `~/controller_state` per second; 0: none.
+    /// Rate of `~/controller_state`, in messages per second; 0: not published.
     pub state_rate: f64,
 }
 
@@ -42,13 +42,13 @@ impl Default for TrajectorySettings {
 }
 
 impl TrajectorySettings {
-    /// Largest `max_duration`: a day (s).
+    /// Maximum of `max_duration`: one day, in s.
     pub const LONGEST: u32 = 86_400;
 
-    /// Allowed rates of `~/controller_state` (1/s).
+    /// Allowed range of the rate of `~/controller_state`, in 1/s.
     pub const STATE_RATES: (f64, f64) = (0.0, 1000.0);
 
-    /// `max_duration` (ns); none: without limit.
+    /// Returns `max_duration` in ns; `None`: no limit.
     pub fn max_duration_ns(&self) -> Option<u64> {
         (self.max_duration > 0.0).then(|| (self.max_duration * 1e9).round() as u64)
     }

@@ -1,4 +1,4 @@
-//! `~/errors`: the last errors and resets, for who comes later.
+//! `~/errors`: the last errors and resets, for subscribers that join later.
 
 use super::host::Host;
 use super::messages::AxisView;
@@ -10,7 +10,7 @@ use lineshaft_core::signal::Board;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::msg::Event;
 
-/// Publishes what is worth keeping.
+/// Publisher of errors and resets.
 pub(super) struct History {
     publisher: Publisher<Event>,
     views: Vec<AxisView>,
@@ -22,7 +22,7 @@ impl History {
         Ok(Self { publisher, views: AxisView::all(host.config(), host.directory()) })
     }
 
-    /// Tells an error or a reset, with how the axis stood and what to do.
+    /// Publishes an error or a reset, with the state of the axis and the recommended action.
     pub(super) fn keep(&self, host: &dyn Host, event: &CoreEvent, message: &Event) {
         if !matches!(event.kind, Kind::Error | Kind::Reset) {
             return;
@@ -41,7 +41,7 @@ impl History {
         }
     }
 
-    /// How the axis stood, if nothing newer has come since.
+    /// Returns the state of the axis at the error, if no newer error has occurred since.
     fn stood(&self, host: &dyn Host, event: &CoreEvent) -> Option<String> {
         let Object::Axis(axis) = event.source else { return None };
         let view = self.views.get(usize::from(axis))?;
@@ -53,7 +53,7 @@ impl History {
     }
 }
 
-/// How an axis stood when its last error came.
+/// Returns the state of an axis at its last error.
 pub(super) fn fault(view: &AxisView, board: &Board) -> String {
     let length = |signal| view.length_text(board, signal);
     format!(

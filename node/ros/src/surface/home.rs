@@ -1,5 +1,5 @@
-//! `~/home`: starts homing of several axes and answers at once, when each has accepted or refused; `~/events` and
-//! `~/axis_states` tell how it ends.
+//! `~/home`: starts homing of several axes, and answers at once when each has accepted or refused; `~/events` and `~/axis_states` report
+//! the end.
 
 use super::hub::Hub;
 use super::table;
@@ -30,7 +30,7 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>) {
                 continue;
             }
         };
-        // Handed over here, one after the other: the commands of two requests keep their order.
+        // Submitted here in sequence, so that the commands of two requests keep their order.
         let asked: Vec<_> = axes.iter().map(|axis| (axis, hub.submit(home(axis)))).collect();
         let hub = Arc::clone(&hub);
         open.spawn(async move {
@@ -45,9 +45,9 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>) {
                     Err(sentence) => failures.push(sentence),
                 }
             }
-            // What concerns all of them is said once.
+            // A failure that concerns all axes is reported once.
             failures.dedup();
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response(&homing, &failures)).await;
         });
     }
@@ -57,7 +57,7 @@ fn home(axis: u16) -> Action {
     Action::HomeAxis(HomeAxis { axis, method: HomingMethod::Configured })
 }
 
-/// The axes of a request: those that it names, or all that have a method.
+/// Returns the axes of a request: the named ones, or all with a homing method.
 fn choose(hub: &Hub, names: &[String]) -> Result<AxisSet, String> {
     let config = hub.host.config();
     if !names.is_empty() {
@@ -76,7 +76,7 @@ fn name(hub: &Hub, axis: u16) -> String {
     hub.host.config().axes.get(usize::from(axis)).map(|axis| axis.name.clone()).unwrap_or_default()
 }
 
-/// A refused axis does not keep the others from homing, so the answer names those that have started all the same.
+/// A refused axis does not prevent homing of the others, so the answer also names those that have started.
 fn response(homing: &[String], failures: &[String]) -> AxesCommandResponse {
     let homing = match homing {
         [] => None,

@@ -21,7 +21,7 @@ impl GoalAction for HomeAxis {
         Ok((request.axis, Action::HomeAxis(request)))
     }
 
-    /// Nothing while the axis is in no phase: not yet, or not any more.
+    /// Returns `None` before the first phase and after the last one.
     fn feedback(
         view: &AxisView,
         snapshot: &Snapshot,

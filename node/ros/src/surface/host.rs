@@ -1,4 +1,4 @@
-//! What the surface needs of the program that runs the machine.
+//! Interface of the surface to the program that runs the machine.
 
 use super::joint_names::JointNames;
 use super::topic_commands::TopicCommands;
@@ -17,49 +17,49 @@ use std::pin::Pin;
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
-/// There is nobody who could have objects.
+/// Error if no backend can have objects.
 pub const NO_BUS: &str = "the cell has no backend on CAN";
 
-/// An answer that comes within a bounded time.
+/// Answer that arrives within a bounded time.
 pub type Coming<T> = Pin<Box<dyn Future<Output = T> + Send>>;
 
-/// The signals of one cycle, and when it was.
+/// Signals of one cycle, with its time.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
-    /// k
+    /// Cycle number k.
     pub cycle: u64,
-    /// t_k: nanoseconds since the Unix epoch.
+    /// Cycle time stamp t_k, in nanoseconds since the Unix epoch.
     pub stamp_ns: u64,
-    /// The signals at the end of the cycle.
+    /// Signals at the end of the cycle.
     pub board: Board,
 }
 
-/// An event, and when its cycle was.
+/// Event with the time of its cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct StampedEvent {
     /// The event.
     pub event: Event,
-    /// t_k: nanoseconds since the Unix epoch.
+    /// Cycle time stamp t_k, in nanoseconds since the Unix epoch.
     pub stamp_ns: u64,
 }
 
-/// Commands that may wait for a cycle in each of two lanes, that of the stops and that of all others: of ten clients each has one
-/// for each of 64 axes under way, three times over. Of each lane a cycle takes 64, the stops first.
+/// Maximum number of commands that wait for a cycle in each of two queues, one for stops and one for all other commands: ten clients with
+/// one command in progress for each of 64 axes, times three. A cycle reads 64 commands of each queue, stops first.
 pub const MOST_COMMANDS: usize = 2048;
 
-/// A command is not even taken.
+/// Reason why a command is not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Busy {
-    /// The lanes are full: the machine does not keep up with what it is asked.
+    /// The queues are full: the machine does not keep up with the commands.
     #[error("{MOST_COMMANDS} commands wait for the machine already; try again")]
     Full,
-    /// No cycle runs, so none would take it.
+    /// No cycles run, so that no command would be read.
     #[error("the node is unconfigured and no cycle runs; configure and activate it first (~/change_state)")]
     Unconfigured,
 }
 
 impl Busy {
-    /// The code for a result.
+    /// Returns the code for a result.
     pub fn code(self) -> Code {
         match self {
             Self::Full => Code::TOO_MANY_WAITING,
@@ -68,271 +68,271 @@ impl Busy {
     }
 }
 
-/// Whether cycles run.
+/// State of the cycles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GateState {
-    /// They run, and the backends exchange.
+    /// Cycles run, and the backends exchange data.
     Open,
-    /// They do not.
+    /// No cycles run.
     Closed,
-    /// They do not, because a backend did not start: why.
+    /// No cycles run, because a backend did not start, with the reason.
     Failed(String),
 }
 
-/// Percentiles of a time (ns). Each is at most 1/32 (3.1 %) above the exact one, and never above the maximum; 0 without cycles.
+/// Percentiles of a time, in ns. Each is at most 1/32 (3.1 %) above the exact value, and never above the maximum; 0 without cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Percentiles {
     /// Median.
     pub p50: u64,
-    /// 99 % of the cycles have at most this.
+    /// Maximum of 99 % of the cycles.
     pub p99: u64,
-    /// 99.9 % of the cycles have at most this.
+    /// Maximum of 99.9 % of the cycles.
     pub p999: u64,
 }
 
-/// How well the cycle keeps its time, since the program began unless it says otherwise.
+/// Timing of the cycle, since the program start unless noted otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Cycles run.
+    /// Number of cycles.
     pub cycles: u64,
-    /// Cycles missed.
+    /// Number of missed cycles.
     pub missed: u64,
-    /// Sum of the wake-ups after their deadlines (ns); it may be a cycle ahead of `cycles`, or behind.
+    /// Sum of the wake-up latencies, in ns; it may differ from `cycles` by one cycle.
     pub lateness_ns: u64,
-    /// Sum of the lengths of the cycles (ns), likewise.
+    /// Sum of the cycle durations, in ns; it may differ from `cycles` by one cycle.
     pub duration_ns: u64,
-    /// Latest wake-up since the last time it was asked for (ns).
+    /// Maximum wake-up latency since the last request of the statistics, in ns.
     pub newest_lateness_ns: u64,
-    /// Longest cycle since the last time it was asked for (ns).
+    /// Maximum cycle duration since the last request of the statistics, in ns.
     pub newest_duration_ns: u64,
-    /// Latest wake-up (ns).
+    /// Maximum wake-up latency, in ns.
     pub worst_lateness_ns: u64,
-    /// Longest cycle (ns).
+    /// Maximum cycle duration, in ns.
     pub worst_duration_ns: u64,
-    /// Percentiles of the wake-ups since the last time they were asked for. A cycle at that moment may be counted here and its
-    /// value in the maximum of the other period, or the other way round.
+    /// Percentiles of the wake-up latencies since the last request. A cycle at that moment may be counted in one period and have its value
+    /// in the maximum of the other one.
     pub newest_lateness: Percentiles,
-    /// Percentiles of the lengths of the cycles since the last time they were asked for, likewise.
+    /// Percentiles of the cycle durations since the last request, with the same restriction.
     pub newest_duration: Percentiles,
-    /// Percentiles of the wake-ups.
+    /// Percentiles of the wake-up latencies.
     pub lateness: Percentiles,
-    /// Percentiles of the lengths of the cycles.
+    /// Percentiles of the cycle durations.
     pub duration: Percentiles,
-    /// Events that found no room.
+    /// Number of events that had no room.
     pub events_lost: u64,
 }
 
-/// How a backend does that has more to say than its drives.
+/// Health of a backend that reports more than its drives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BackendHealth {
-    /// Its name in the cell.
+    /// Name in the cell.
     pub name: String,
-    /// What it hangs on.
+    /// Hardware to which it is connected.
     pub hardware: String,
-    /// How it does; none before it has started.
+    /// Health; `None` before its start.
     pub health: Option<Health>,
 }
 
-/// Which parameters are listed.
+/// Selection of parameters to list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listing {
-    /// All.
+    /// All parameters.
     All,
-    /// Those that are not at the default of the catalogue.
+    /// Parameters that differ from the default of the catalogue.
     NotDefault,
-    /// Those that the cell does not give so: what was set or saved.
+    /// Parameters that differ from the cell, because they were set or saved.
     NotCell,
-    /// Those that differ from what is saved.
+    /// Parameters that differ from the saved ones.
     NotSaved,
 }
 
-/// How an axis is to be tuned; none: as the axis has it.
+/// Settings of a tuning run; `None`: value of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TuneOrder {
-    /// Place of the axis.
+    /// Index of the axis.
     pub axis: u16,
-    /// Largest way either side of where it stands (inc).
+    /// Maximum travel in each direction from the present position, in increments.
     pub travel: Option<f64>,
-    /// Largest velocity (inc/s).
+    /// Maximum velocity, in inc/s.
     pub velocity: Option<f64>,
-    /// Largest effort in parts of the permitted one.
+    /// Maximum effort, as a fraction of the permitted one.
     pub effort: Option<f64>,
-    /// Time of the motion to and fro (s).
+    /// Duration of the excitation, in s.
     pub duration: Option<f64>,
-    /// Inertia of the load in parts of the motor's, where there may be play between them.
+    /// Load inertia as a multiple of the motor inertia, if there may be backlash between them.
     pub inertia_ratio: Option<f64>,
-    /// A real drive may be moved.
+    /// Whether a real drive may be moved.
     pub real: bool,
 }
 
-/// Tuning that is under way.
+/// Tuning run in progress.
 pub struct Tuning {
-    /// How it does, and how it is stopped.
+    /// Progress, and the means to cancel the run.
     pub watch: Arc<dyn TuningWatch>,
-    /// What it has found, once the axis is off.
+    /// Result, once the axis is off.
     pub found: Coming<Result<Tuned, Untuned>>,
 }
 
-/// How tuning does.
+/// Progress of a tuning run.
 pub trait TuningWatch: Send + Sync {
-    /// Its phase, and the part of the excitation that is over, 0 to 1.
+    /// Returns the phase, and the finished part of the excitation, 0 to 1.
     fn progress(&self) -> (TuningPhase, f64);
 
-    /// Stops the axis and switches it off; nothing is found then.
+    /// Stops and disables the axis; there is no result then.
     fn cancel(&self);
 }
 
-/// What tuning does, in the order of it.
+/// Phases of a tuning run, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum TuningPhase {
-    /// The axis is switched on.
+    /// The axis is being enabled.
     Enabling = 1,
-    /// It is shaken.
+    /// The axis is being excited.
     Exciting = 2,
-    /// It stops and is switched off.
+    /// The axis is being stopped and disabled.
     Disabling = 3,
-    /// It is off; its model and its gains are computed.
+    /// The axis is off; its model and its gains are being calculated.
     Designing = 4,
 }
 
-/// What tuning has found.
+/// Result of a tuning run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tuned {
-    /// For people.
+    /// Report for the user.
     pub report: String,
-    /// Gains by the keys of their parameters; empty where there are none.
+    /// Gains by parameter key; empty if there are none.
     pub gains: Vec<(&'static str, f64)>,
 }
 
-/// Why tuning has found nothing.
+/// Reason why tuning has no result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Untuned {
     /// Code.
     pub code: Code,
-    /// Sentence.
+    /// Message.
     pub message: String,
 }
 
-/// The running machine, as the surface sees it.
+/// Running machine, as the surface sees it.
 pub trait Host: Send + Sync + 'static {
-    /// What the machine is made of.
+    /// Returns the configuration of the machine.
     fn config(&self) -> &MachineConfig;
 
-    /// Joint names of its axes.
+    /// Returns the joint names of the axes.
     fn joint_names(&self) -> &JointNames;
 
-    /// Names of its signals.
+    /// Returns the names of the signals.
     fn directory(&self) -> &Directory;
 
-    /// Hands a command over and returns its sequence number; the answer comes as an event.
+    /// Submits a command and returns its sequence number; the answer is an event.
     ///
     /// # Errors
-    /// The lane is full, or no cycle runs; nothing was handed over.
+    /// The queue is full, or no cycles run; nothing was submitted.
     fn submit(&self, action: Action) -> Result<u64, Busy>;
 
-    /// Commands that came as messages of topics, if events are to name these topics.
+    /// Returns the store of commands from messages of topics, if events name these topics.
     fn topic_commands(&self) -> Option<&TopicCommands> {
         None
     }
 
-    /// Hands streamed setpoints over: each takes the place of the last one of its axis, and all of them enter the same cycle. None
-    /// is answered; what an axis does not follow it tells by a warning.
+    /// Submits streamed setpoints: each replaces the last one of its axis, and all take effect in the same cycle. There is no answer; an
+    /// axis that does not follow a setpoint reports a warning.
     ///
     /// # Errors
-    /// No cycle runs; nothing was handed over.
+    /// No cycles run; nothing was submitted.
     fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy>;
 
-    /// The command that a verb of an old controller asks for; `arguments` are YAML. It may take its time.
+    /// Returns the command for a verb of an earlier controller; `arguments` are YAML. May block.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence.
+    /// The request is invalid, as a message.
     fn read_vocabulary(&self, axis: &str, verb: &str, arguments: &str) -> Result<Action, String>;
 
-    /// The command that sets parameters as a text of lines `x.max_velocity: 0.8 m/s` says. It may take its time.
+    /// Returns the command that sets parameters from a text with lines such as `x.max_velocity: 0.8 m/s`. May block.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence.
+    /// The text is invalid, as a message.
     fn read_parameters(&self, text: &str) -> Result<Action, String>;
 
-    /// Parameters in force as a text that [`Host::read_parameters`] takes. It may take its time.
+    /// Returns the active parameters as a text for [`Host::read_parameters`]. May block.
     fn write_parameters(&self, axes: AxisSet, what: Listing) -> String;
 
-    /// Begins to tune an axis.
+    /// Starts to tune an axis.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence; nothing has moved.
+    /// The request is invalid, as a message; nothing has moved.
     fn tune(&self, _order: &TuneOrder) -> Result<Tuning, String> {
         Err("this machine tunes no axis".to_owned())
     }
 
-    /// Writes layer User of the newest parameters down, if it has changed; the answer comes when it is on the disk, or says
-    /// why it is not. An answer that is dropped means that the machine has stopped.
+    /// Stores layer User of the newest parameters if it has changed. The answer is sent when it is on the disk, or with the reason of the
+    /// failure. A dropped answer means that the machine has stopped.
     fn store_parameters(&self, answer: oneshot::Sender<Result<(), String>>);
 
-    /// Asks the recorder, which answers when it is done or has failed. An answer that is dropped means that the machine has
+    /// Sends a request to the recorder, which answers when it is finished or has failed. A dropped answer means that the machine has
     /// stopped.
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>);
 
-    /// Has an object of a device on a bus read. Requests are begun in the order of these calls.
+    /// Starts to read an object of a device on a bus. Requests are executed in the order of these calls.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence; no device was asked.
+    /// The request is invalid, as a message; no device was accessed.
     fn read_object(&self, _request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
         Err(NO_BUS.to_owned())
     }
 
-    /// Has one written, likewise.
+    /// Starts to write an object of a device on a bus. Requests are executed in the order of these calls.
     ///
     /// # Errors
-    /// What is wrong with it, in one sentence; no device was asked.
+    /// The request is invalid, as a message; no device was accessed.
     fn write_object(&self, _request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
         Err(NO_BUS.to_owned())
     }
 
-    /// The description of the robot (URDF) that is published; none: nothing is.
+    /// Returns the robot description (URDF) to be published; `None`: it is not published.
     fn robot_description(&self) -> Option<&str> {
         None
     }
 
-    /// Absolute name of the controller manager whose services are offered; none: they do not exist.
+    /// Returns the absolute name of the controller manager; `None`: its services do not exist.
     fn controller_manager(&self) -> Option<&str> {
         None
     }
 
-    /// Do cycles run from the start, with axes that may be switched on? Else they wait for [`Host::open`].
+    /// Returns true if cycles run from the start, and axes may be enabled; otherwise cycles start with [`Host::open`].
     fn begins_active(&self) -> bool;
 
-    /// Has the backends start and cycles run, the first one with a deactivated machine. [`Host::gate`] tells when they do. The
-    /// machine goes on from the state that it had.
+    /// Starts the backends and the cycles, with a deactivated machine in the first cycle. [`Host::gate`] reports when they run. The machine
+    /// continues from its previous state.
     fn open(&self);
 
-    /// Takes commands again, once cycles run.
+    /// Accepts commands again, once cycles run.
     fn take_commands(&self);
 
-    /// Takes no more commands, gives those that wait their cycle, then ends the cycles and stops the backends.
+    /// Stops accepting commands, executes those that wait, then ends the cycles and stops the backends.
     fn close(&self);
 
-    /// Whether cycles run.
+    /// Returns the state of the cycles.
     fn gate(&self) -> GateState;
 
-    /// How well the cycle keeps its time. What is newest begins anew with each call: one asker may call it.
+    /// Returns the timing of the cycle. The newest values start again with each call, so there must be only one caller.
     fn statistics(&self) -> Statistics;
 
-    /// What the drive of an axis is called, `backend:address`; none for a virtual axis.
+    /// Returns the name of the drive of an axis, `backend:address`; `None` for a virtual axis.
     fn hardware(&self, axis: u16) -> Option<&str>;
 
-    /// Backends that have more to say than their drives: those that had to be started.
+    /// Returns the backends that report more than their drives: those that had to be started.
     fn backends(&self) -> Vec<BackendHealth> {
         Vec::new()
     }
 
-    /// Learns that an event was published on ~/events.
+    /// Called when an event was published on ~/events.
     fn published(&self, _event: &Event) {}
 
-    /// The newest signals.
+    /// Returns the newest signals.
     fn snapshot(&self) -> Arc<Snapshot>;
 
-    /// The newest parameters: at least as new as every event that was passed on.
+    /// Returns the newest parameters: at least as new as every event that was delivered.
     fn parameters(&self) -> Arc<ParameterImage>;
 }

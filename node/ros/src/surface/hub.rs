@@ -1,4 +1,4 @@
-//! The hub: hands commands over, and brings every event to `~/events` and to the one who waits for it.
+//! Hub: submits commands, and delivers every event to `~/events` and to the waiting requester.
 
 use super::history::History;
 use super::host::{Busy, Host, StampedEvent};
@@ -19,10 +19,10 @@ use std::time::Duration;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::task::JoinSet;
 
-/// Errors of one axis whose sentences are kept.
+/// Number of stored error messages of one axis.
 const ERRORS: usize = 4;
 
-/// Longer than the machine ever takes to say yes or no: without an answer it stands.
+/// Longer than the machine ever takes to accept or refuse a command: without an answer it is not running.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Commands and events of one surface.
@@ -30,25 +30,26 @@ pub(super) struct Hub {
     pub host: Arc<dyn Host>,
     /// Parameters of the node itself.
     pub own: OwnParameters,
-    /// Who waits for which command. Taken before a command is handed over, so that no answer can come before its asker.
+    /// Waiting requesters by command number. Locked before a command is submitted, so that its answer cannot arrive before the entry
+    /// exists.
     waiting: Mutex<HashMap<u64, Place>>,
-    /// The newest errors of each axis, with their sentences: beside the first one others may be told.
+    /// Newest errors of each axis with their messages: several errors may be reported at once.
     errors: Mutex<HashMap<u16, VecDeque<(Code, String)>>>,
     rosout: Rosout,
-    /// What stamps show.
+    /// Clock for stamps.
     pub clock: Clock,
-    /// A kind is what is asked for, which stands before the colon.
+    /// The kind of a refusal is the requested name, the text before the colon.
     refusals: LineLimit<String>,
 }
 
 enum Place {
-    /// Gets the events of its command.
+    /// Receives the events of its command.
     Asker(UnboundedSender<StampedEvent>),
-    /// Sentence of a request that was refused before it became a command.
+    /// Message about a request that was refused before it became a command.
     Refused(String),
 }
 
-/// The events of one command; dropping it ends the waiting.
+/// Events of one command; dropping it ends the waiting.
 pub(super) struct Answers {
     pub sequence: u64,
     events: UnboundedReceiver<StampedEvent>,
@@ -56,7 +57,7 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    /// The next event of the command; none once the machine is gone.
+    /// Returns the next event of the command; `None` once the machine has ended.
     pub(super) async fn next(&mut self) -> Option<StampedEvent> {
         self.events.recv().await
     }
@@ -64,7 +65,7 @@ impl Answers {
     /// Waits until the machine has accepted the command.
     ///
     /// # Errors
-    /// Its sentence.
+    /// The command was refused, with the message of the machine, or there was no answer.
     pub(super) async fn accepted(self) -> Result<(), String> {
         let hub = Arc::clone(&self.hub);
         let answer = self.answer().await?;
@@ -74,7 +75,7 @@ impl Answers {
     /// Waits until the machine has accepted or refused the command.
     ///
     /// # Errors
-    /// Why it never will.
+    /// Reason why there will be no answer.
     pub(super) async fn answer(mut self) -> Result<CoreEvent, String> {
         let answer = async {
             while let Some(answer) = self.next().await {
@@ -121,18 +122,18 @@ impl Hub {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Hands a command over; its events come as answers.
+    /// Submits a command; its events arrive as answers.
     ///
     /// # Errors
-    /// The machine's lane is full.
+    /// The command queue is full, or no cycles run.
     pub(super) fn submit(self: &Arc<Self>, action: Action) -> Result<Answers, Busy> {
         self.submit_with(|| self.host.submit(action))
     }
 
-    /// The same for a message of a topic, which the event names if the machine refuses it.
+    /// Submits a command from a message of a topic. If the machine refuses it, the event names the topic.
     ///
     /// # Errors
-    /// Likewise.
+    /// As for [`Self::submit`].
     pub(super) fn submit_message(self: &Arc<Self>, topic: &str, action: Action) -> Result<Answers, Busy> {
         self.submit_with(|| match self.host.topic_commands() {
             Some(commands) => commands.submit(topic, || self.host.submit(action)),
@@ -149,46 +150,46 @@ impl Hub {
         Ok(Answers { sequence, events, hub: Arc::clone(self) })
     }
 
-    /// Hands a command over for which nobody waits.
+    /// Submits a command without waiting for its events.
     pub(super) fn submit_unheard(&self, action: Action) -> Result<u64, Busy> {
         self.host.submit(action)
     }
 
-    /// Takes each lock once.
+    /// Takes each lock once, which proves that none is held permanently.
     pub(super) fn pulse(&self) {
         drop(self.waiting());
         drop(self.errors.lock());
     }
 
-    /// Tells all who still wait for an answer that none will come: no cycle runs any more.
+    /// Ends the waiting of all requesters, because no cycles run any more.
     pub(super) fn forget_askers(&self) {
         self.waiting().clear();
     }
 
-    /// The newest sentence of that error of an axis, if it is one of its last few.
+    /// Returns the newest message about this error of an axis, if it is among the last few.
     pub(super) fn error_of(&self, axis: u16, code: Code) -> Option<String> {
         let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
         errors.get(&axis)?.iter().find(|(known, _)| *known == code).map(|(_, sentence)| sentence.clone())
     }
 
-    /// The time that stamps of requests are compared with: nanoseconds since the Unix epoch.
+    /// Returns the time with which stamps of requests are compared, in nanoseconds since the Unix epoch.
     pub(super) fn now_ns(&self) -> i64 {
         i64::try_from(self.clock.request_ns()).unwrap_or(i64::MAX)
     }
 
-    /// Tells of a request that was refused before it became a command: on `/rosout`, and as an event.
+    /// Reports a request that was refused before it became a command, on `/rosout` and as an event.
     pub(super) fn refuse(&self, sentence: String) {
         let asked = sentence.split_once(':').map_or("", |(asked, _)| asked).to_owned();
         self.refusals.say(asked, |more| tracing::warn!(target: TOLD, "{sentence}{more}"));
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
-        // With a full lane the sentence stays on /rosout alone.
+        // If the queue is full, the message is only on /rosout.
         if let Ok(sequence) = self.host.submit(Action::Refuse(sentence.as_str().into())) {
             waiting.insert(sequence, Place::Refused(sentence));
         }
     }
 
-    /// A line on `/rosout`.
+    /// Logs a message on `/rosout`.
     pub(super) fn say(&self, severity: Severity, sentence: &str) {
         self.rosout.log(severity, sentence, Source { function: "surface".to_owned(), ..Source::default() });
     }
@@ -226,12 +227,12 @@ impl Hub {
         }
     }
 
-    /// Brings an event to its asker; gives the sentence of a request that never became a command.
+    /// Delivers an event to its requester. Returns the message about a request that never became a command.
     fn deliver(&self, event: &StampedEvent) -> Option<String> {
         let mut waiting = self.waiting();
         let refused = match waiting.get(&event.event.command)? {
             Place::Asker(asker) => {
-                // An asker that has gone takes its place away itself.
+                // A requester that has ended removes its entry itself.
                 let _ = asker.send(*event);
                 return None;
             }
@@ -241,7 +242,7 @@ impl Hub {
         Some(refused)
     }
 
-    /// Errors and refusals are also on `/rosout`, with their remedies.
+    /// Logs errors and refusals on `/rosout`, with their remedies.
     fn tell(&self, event: &StampedEvent, sentence: &str) {
         if let Some(severity) = told(&event.event) {
             self.say(severity, &text::with_remedy(sentence, event.event.code));
@@ -249,23 +250,23 @@ impl Hub {
     }
 }
 
-/// How an event is told on `/rosout`, if it is.
+/// Returns the severity of an event on `/rosout`, if it is logged there.
 fn told(event: &CoreEvent) -> Option<Severity> {
     use lineshaft_core::event::Severity as Matters;
-    // What never became a command was told when it was refused.
+    // A request that never became a command was already logged when it was refused.
     if event.code == Code::BAD_REQUEST {
         return None;
     }
     match (event.severity, event.kind) {
         (Matters::Error, _) => Some(Severity::Error),
         (Matters::Warn, Kind::Refused | Kind::Limit | Kind::Warning) => Some(Severity::Warn),
-        // A trajectory of the topic has nobody else to tell.
+        // No client receives the result of a trajectory of the topic.
         (Matters::Warn, Kind::Done) if missed_its_tolerance(event.code) => Some(Severity::Warn),
         _ => None,
     }
 }
 
-/// Whether the surface tells an event on `/rosout`, so that a line of the log about it does not go there once more.
+/// Returns true if the surface logs an event on `/rosout`, so that the log message about it is not sent there again.
 pub fn is_told(event: &CoreEvent) -> bool {
     told(event).is_some()
 }

@@ -11,42 +11,42 @@ use lineshaft_core::unit::excerpt;
 pub struct JointNames(Vec<String>);
 
 impl JointNames {
-    /// The given names, one for each axis in file order.
+    /// Creates the names, one for each axis in file order.
     pub fn new(names: Vec<String>) -> Self {
         Self(names)
     }
 
-    /// The object names of the axes: what a cell without a key `joint` has.
+    /// Returns the object names of the axes as joint names, for a cell without a key `joint`.
     pub fn of_objects(config: &MachineConfig) -> Self {
         Self(config.axes.iter().map(|axis| axis.name.clone()).collect())
     }
 
-    /// All of them, in file order.
+    /// Returns all joint names, in file order.
     pub fn iter(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(String::as_str)
     }
 
-    /// Joint name of an axis; empty where there is no such axis.
+    /// Returns the joint name of an axis; empty if the axis does not exist.
     pub fn get(&self, axis: u16) -> &str {
         self.0.get(usize::from(axis)).map_or("", String::as_str)
     }
 
-    /// Place of the axis with this joint name.
+    /// Returns the index of the axis with this joint name.
     pub fn find(&self, joint: &str) -> Option<u16> {
         let place = self.0.iter().position(|known| known == joint)?;
         u16::try_from(place).ok()
     }
 
-    /// Object names of the axes with their joint names, where the two differ.
+    /// Returns the object names of axes with a different joint name, with that joint name.
     pub fn renamed<'a>(&'a self, config: &'a MachineConfig) -> impl Iterator<Item = (&'a str, &'a str)> {
         let pairs = config.axes.iter().map(|axis| axis.name.as_str()).zip(self.iter());
         pairs.filter(|(object, joint)| object != joint)
     }
 
-    /// Object name of the axis with this joint name, which stands in `field` of a message.
+    /// Returns the object name of the axis with this joint name, which is in `field` of a message.
     ///
     /// # Errors
-    /// No axis has that joint name: which one was meant, or all there are.
+    /// No axis has the joint name; the message suggests the intended one, or lists all.
     pub fn object<'c>(&self, joint: &str, field: &str, config: &'c MachineConfig) -> Result<&'c str, String> {
         if let Some(axis) = self.find(joint).and_then(|axis| config.axes.get(usize::from(axis))) {
             return Ok(&axis.name);
@@ -59,7 +59,7 @@ impl JointNames {
     }
 }
 
-/// A sentence that begins with an axis, with its joint name as well where that is another one: `axis x (joint Shoulder_Pan): ..`.
+/// Adds the joint name to a message that starts with an axis, if it differs: `axis x (joint Shoulder_Pan): ..`.
 pub(super) fn with_joint(sentence: String, axis: &str, joint: &str) -> String {
     match sentence.strip_prefix(axis) {
         Some(rest) if joint != axis => format!("axis {axis} (joint {joint}){rest}"),
@@ -67,7 +67,7 @@ pub(super) fn with_joint(sentence: String, axis: &str, joint: &str) -> String {
     }
 }
 
-/// Why a name that stands in `field` is refused: it is the object name of an axis.
+/// Returns the message that a name in `field` is refused because it is the object name of an axis.
 pub(super) fn object_name(field: &str, axis: &str, joint: &str) -> String {
     format!("{field} has `{axis}`, the object name of an axis; its joint name is `{joint}`")
 }

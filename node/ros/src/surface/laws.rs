@@ -1,4 +1,4 @@
-//! What must hold for every goal, whatever stands in it: refused shortly, or a motion within the limits.
+//! Properties that must hold for any goal: it is refused with a short message, or the motion stays within the limits.
 
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig, SinkConfig, SlotConfig};
@@ -15,11 +15,11 @@ use lineshaft_msgs::cdr::{Endian, decode};
 use super::goal::GoalAction;
 use crate::fuzz::LONGEST_SENTENCE;
 
-/// Of both axes (inc/s, inc/s^2).
+/// Limits of both axes, in inc/s and inc/s^2.
 const VELOCITY: f64 = 1_000_000.0;
 const ACCELERATION: f64 = 5_000_000.0;
 
-/// Two axes without a motor, which are always enabled: what they are asked, they do.
+/// Returns a machine with two axes without a motor, which are always enabled and execute all commands.
 fn config() -> MachineConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).and_then(|scale| scale.with_unit(Unit::MILLIMETRE));
@@ -35,7 +35,7 @@ fn config() -> MachineConfig {
     }
 }
 
-/// Moves x by orders.
+/// Returns a function slot that moves x by commands.
 fn indexer() -> SlotConfig {
     let mut slot = SlotConfig::new("index".to_owned(), 0, Kind::Epos);
     slot.sink = SinkConfig::Axis(1);
@@ -49,10 +49,10 @@ fn indexer() -> SlotConfig {
     slot
 }
 
-/// The first byte chooses the action; the others are the goal as it stands on the wire.
+/// Checks the properties. The first byte selects the action; the others are the serialized goal.
 ///
 /// # Panics
-/// When a law does not hold.
+/// A property does not hold.
 pub fn any_goal(bytes: &[u8]) {
     let [kind, bytes @ ..] = bytes else { return };
     match kind % 7 {
@@ -66,7 +66,7 @@ pub fn any_goal(bytes: &[u8]) {
     }
 }
 
-/// Refused, or an order of numbers.
+/// A tuning goal is refused, or its settings are finite numbers.
 fn tune_law(bytes: &[u8]) {
     let goal = match decode::<TuneGoal>(bytes, Endian::Little) {
         Ok(goal) => goal,
@@ -91,11 +91,11 @@ fn law<A: GoalAction>(bytes: &[u8]) {
     }
 }
 
-/// The machine refuses it and stands, or moves within its limits.
+/// Checks that the machine refuses the command and stays at rest, or moves within its limits.
 fn moved(action: Action) {
     let mut machine = Machine::new(config()).expect("a sound machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
-    // Without a leader no phase is shifted.
+    // Without a master there is no phase to be shifted.
     let coupled = SynchronizeGoal {
         axis: "x".to_owned(),
         master: "line".to_owned(),
@@ -134,7 +134,7 @@ mod tests {
     use lineshaft_msgs::cdr::encode;
     use proptest::prelude::*;
 
-    /// Numbers that clients send by mistake, and good ones.
+    /// Generates numbers that clients send by mistake, and valid ones.
     fn number() -> impl Strategy<Value = f64> {
         let special = vec![
             0.0,

@@ -1,6 +1,7 @@
-//! `~/shaft`: what leads, for other hosts and tools.
+//! `~/shaft`: positions and velocities of masters, for other hosts and tools.
 //!
-//! Law      a leader is told as its followers of that cycle have seen it, exact to 2^-32 inc; m or rad by its scale, of a sum by that of all its members
+//! Law      a master is published as its slaves have seen it in that cycle, exact to 2^-32 inc; in m or rad by its own scale, or for a sum
+//!          by the common scale of its members
 //! Reads    the signals of a cycle
 
 use super::messages::header;
@@ -10,31 +11,31 @@ use lineshaft_core::signal::{Board, Directory, Signal};
 use lineshaft_core::unit::SiScale;
 use lineshaft_msgs::msg::{LeaderState, ShaftStates};
 
-/// Where a leader stands on the board, and how its increments read.
+/// Signals of a master on the board, with its scale.
 #[derive(Clone, Debug)]
 pub(super) struct LeaderView {
     name: String,
     scale: Option<SiScale>,
     position: Signal,
     velocity: Signal,
-    /// None of what is counted.
+    /// Fraction of an increment; `None` if the master is counted in whole increments.
     fraction: Option<Signal>,
     valid: Valid,
 }
 
-/// Where it stands whether it leads.
+/// Signal for the validity of a master.
 #[derive(Clone, Copy, Debug)]
 enum Valid {
-    /// Nothing of it can be lost.
+    /// The master is always valid.
     Always,
-    /// A bit says so.
+    /// A bit reports the validity.
     Bit(Signal),
-    /// A code says what is wrong.
+    /// An error code of 0 means valid.
     Error(Signal),
 }
 
 impl LeaderView {
-    /// The views of all leaders that are told, in their order.
+    /// Returns the views of all published masters, in their order.
     pub(super) fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
         let encoders = (0..).zip(&config.encoders).map(|(place, of)| (Leader::Encoder(place), of.name.as_str()));
         let axes = (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_none());
@@ -84,7 +85,7 @@ impl LeaderView {
     }
 }
 
-/// ~/shaft: all leaders. `stamp_ns` is t_k (ns).
+/// Returns the message of `~/shaft` with all masters. `stamp_ns` is t_k, in ns.
 pub(super) fn shaft_states(views: &[LeaderView], board: &Board, cycle: u64, stamp_ns: u64) -> ShaftStates {
     ShaftStates { header: header(stamp_ns), cycle, leaders: views.iter().map(|view| view.state(board)).collect() }
 }

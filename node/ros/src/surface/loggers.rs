@@ -1,4 +1,4 @@
-//! `~/get_logger_levels` and `~/set_logger_levels`, as a node of rclcpp with its logger service answers them.
+//! `~/get_logger_levels` and `~/set_logger_levels`, as a node of rclcpp with logger services answers them.
 
 use super::table;
 use crate::layer::{CreateError, Loggers, NodeHandle, Request};
@@ -24,13 +24,13 @@ pub(super) fn start(node: &NodeHandle, tasks: &mut JoinSet<()>) -> Result<(), Cr
     Ok(())
 }
 
-/// A logger without a level of its own is unknown.
+/// Returns the levels; a logger without a level has level unknown.
 fn get(loggers: &Loggers, request: GetLoggerLevelsRequest) -> GetLoggerLevelsResponse {
     let level = |name: String| LoggerLevel { level: loggers.get(&name).into(), name };
     GetLoggerLevelsResponse { levels: request.names.into_iter().map(level).collect() }
 }
 
-/// Sets each by itself, in order.
+/// Sets each level separately, in their order.
 fn set(loggers: &Loggers, request: SetLoggerLevelsRequest) -> SetLoggerLevelsResponse {
     let one = |LoggerLevel { name, level }: LoggerLevel| {
         let outcome = loggers.set_number(&name, level);

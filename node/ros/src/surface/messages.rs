@@ -1,4 +1,4 @@
-//! Messages of a cycle, the same on a topic and in a recording.
+//! Messages of a cycle, identical on topics and in recordings.
 
 pub use super::signals::AxisView;
 
@@ -14,17 +14,17 @@ use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use lineshaft_msgs::msg::{AxisStates, Event};
 
 fn time(stamp_ns: u64) -> Time {
-    // Seconds since 1970 fit until 2038, as ROS 2 has it.
+    // Seconds since 1970 fit until 2038, as in ROS 2.
     let sec = i32::try_from(stamp_ns / 1_000_000_000).unwrap_or(i32::MAX);
     Time { sec, nanosec: (stamp_ns % 1_000_000_000) as u32 }
 }
 
-/// A header of that time (ns).
+/// Returns a header with this time (ns).
 pub fn header(stamp_ns: u64) -> Header {
     Header { stamp: time(stamp_ns), frame_id: String::new() }
 }
 
-/// joint_states: all axes but virtual ones, by their joint names. `stamp_ns` is t_k (ns).
+/// Returns the message of joint_states: all axes except virtual ones, with their joint names. `stamp_ns` is t_k, in ns.
 pub fn joint_states(views: &[AxisView], names: &JointNames, board: &Board, stamp_ns: u64) -> JointState {
     let joints = || views.iter().zip(names.iter()).filter(|(view, _)| !view.is_virtual);
     let each = |value: &dyn Fn(&AxisView) -> f64| joints().map(|(view, _)| value(view)).collect::<Vec<_>>();
@@ -37,12 +37,12 @@ pub fn joint_states(views: &[AxisView], names: &JointNames, board: &Board, stamp
     }
 }
 
-/// ~/axis_states: all axes. `stamp_ns` is t_k (ns).
+/// Returns the message of `~/axis_states`: all axes. `stamp_ns` is t_k, in ns.
 pub fn axis_states(views: &[AxisView], board: &Board, cycle: u64, stamp_ns: u64) -> AxisStates {
     AxisStates { header: header(stamp_ns), cycle, axes: views.iter().map(|view| view.state(board)).collect() }
 }
 
-/// ~/events: `text` is the event's sentence, `stamp_ns` is t_k (ns) of its cycle.
+/// Returns the message of `~/events`: `text` is the message of the event, `stamp_ns` is t_k of its cycle, in ns.
 pub fn event(event: &CoreEvent, stamp_ns: u64, config: &MachineConfig, text: String) -> Event {
     Event {
         header: header(stamp_ns.saturating_sub(event.age_ns.into())),
@@ -60,7 +60,7 @@ pub fn event(event: &CoreEvent, stamp_ns: u64, config: &MachineConfig, text: Str
     }
 }
 
-/// What was asked or found, in SI units.
+/// Returns the requested or found value, in SI units.
 fn value(event: &CoreEvent, config: &MachineConfig) -> f64 {
     let scale = match event.source {
         Object::Axis(index) => config.axes.get(usize::from(index)).map(|axis| axis.scale),

@@ -1,6 +1,6 @@
-//! The surface: what Lineshaft shows of its machine in ROS 2 (contract section 7).
+//! Surface: the ROS 2 interface of the machine (contract section 7).
 //!
-//! It reads snapshots and events, and gives commands; it never touches the machine and nothing it does can make a cycle wait.
+//! It reads snapshots and events, and submits commands. It does not access the machine directly, and cannot delay a cycle.
 
 pub mod host;
 
@@ -69,20 +69,20 @@ use std::sync::Arc;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::task::JoinSet;
 
-/// The surface of a running machine. Dropping it takes the node from the graph.
+/// Surface of a running machine. Dropping it removes the node from the graph.
 pub struct Surface {
-    // Before the node: its tasks hold endpoints of it.
+    // Declared before the node, because its tasks hold endpoints of the node.
     tasks: JoinSet<()>,
     hub: Arc<Hub>,
     _node: Node,
 }
 
 impl Surface {
-    /// Opens all topics, services and actions on `node`. `events` are all events of the machine, in order, `states` the cycles of the
-    /// state topics; `groups` are the groups of axes that take trajectories together, none for all axes with a drive.
+    /// Creates all topics, services and actions on `node`. `events` are all events of the machine, in order; `states` are the cycles of the
+    /// state topics; `groups` are the groups of axes that execute trajectories together, empty for all axes with a drive.
     ///
     /// # Errors
-    /// An endpoint that cannot be made, or a parameter that was given to the node and cannot be.
+    /// An endpoint cannot be created, or a parameter override of the node is invalid.
     pub fn start(
         node: Node,
         host: Arc<dyn Host>,
@@ -123,17 +123,17 @@ impl Surface {
         gripper::start(&node, &hub, groups, &controllers, &mut tasks)?;
         controllers::start(&node, &hub, &controllers, &life, &mut tasks)?;
         tune::start(&node, &hub, &mut tasks)?;
-        // Last: it shows what the others have declared, and refuses what was given for none of them.
+        // Last: it publishes the parameters that the others have declared, and refuses overrides that match none.
         parameters::start(&node, &hub, &mut tasks)?;
         Ok(Self { tasks, hub, _node: node })
     }
 
-    /// Whether a task of it has panicked: what that one served is answered no more.
+    /// Returns true if a task has panicked, so that its requests are no longer answered.
     pub fn has_failed(&mut self) -> bool {
         std::iter::from_fn(|| self.tasks.try_join_next()).any(|ended| ended.is_err())
     }
 
-    /// Takes what every request takes, and gives it back.
+    /// Returns a function that takes and releases all locks that requests need.
     pub fn pulse(&self) -> impl Fn() + Send + Sync + 'static {
         let hub = Arc::clone(&self.hub);
         move || hub.pulse()

@@ -1,4 +1,4 @@
-//! `~/move_axis`.
+//! `~/move_axis`: moves one axis.
 
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;

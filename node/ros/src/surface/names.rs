@@ -1,16 +1,16 @@
-//! Names of the surface after remapping: no two services, actions or topics may fall together.
+//! Checks the names of the surface after remapping: no two services, actions or topics may have the same name.
 
 use super::table::{Kind, ROWS};
 use crate::layer::Names;
 use std::collections::HashMap;
 
-/// The services of an action.
+/// Services of an action.
 const PARTS: [&str; 3] = ["send_goal", "get_result", "cancel_goal"];
 
-/// Would every endpoint have a name of its own? With one name for two services a request would be done by both.
+/// Checks that all endpoints have different names. If two services had the same name, both would execute each request.
 ///
 /// # Errors
-/// Which two are called the same, or a name that ROS does not allow.
+/// Two endpoints have the same name, or ROS does not allow a name.
 pub fn check_names(names: &Names) -> Result<(), String> {
     let (mut topics, mut services) = (HashMap::new(), HashMap::new());
     for row in ROWS {
@@ -48,7 +48,7 @@ mod tests {
     fn two_of_a_kind_do_not_get_one_name() {
         check(&[]).unwrap();
         check(&["~/enable:=on", "~/events:=on", "~/move_axis:=on"]).unwrap();
-        // Places change.
+        // The names are swapped.
         check(&["~/enable:=~/disable", "~/disable:=~/enable"]).unwrap();
         let sentence = "-r: ~/enable and ~/disable are both called /shaft/disable; each needs a name of its own";
         assert_eq!(check(&["~/enable:=~/disable"]), Err(sentence.to_owned()));

@@ -1,4 +1,4 @@
-//! Services of which each request is one command, answered when the machine has accepted or refused it.
+//! Services whose requests are single commands, answered when the machine has accepted or refused them.
 
 use super::hub::Hub;
 use crate::layer::{Request, ServiceServer};
@@ -8,7 +8,7 @@ use lineshaft_msgs::Service;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Serves until the node is gone. `resolve` reads a request or tells what is wrong with it.
+/// Serves until the node has ended. `resolve` returns the command of a request, or an error message.
 pub(super) async fn serve<S: Service>(
     server: ServiceServer<S>,
     hub: Arc<Hub>,
@@ -19,7 +19,7 @@ pub(super) async fn serve<S: Service>(
     serve_with(server, hub, resolve, move |_: &Hub, (), outcome| response(outcome)).await;
 }
 
-/// The same where the response needs something of its request beside the outcome.
+/// Serves until the node has ended. `resolve` in addition returns data of the request that the response needs.
 pub(super) async fn serve_with<S: Service, K: Send + 'static>(
     mut server: ServiceServer<S>,
     hub: Arc<Hub>,
@@ -33,13 +33,13 @@ pub(super) async fn serve_with<S: Service, K: Send + 'static>(
         while open.try_join_next().is_some() {}
         let (kept, given) = resolve(hub.host.config(), message);
         let given = given.inspect_err(|sentence| hub.refuse(format!("{service}: {sentence}")));
-        // Handed over here, one after the other: commands keep the order of their requests.
+        // Submitted here in sequence, so that commands keep the order of their requests.
         match given.and_then(|command| hub.submit(command).map_err(|busy| busy.to_string())) {
             Ok(answers) => {
                 let hub = Arc::clone(&hub);
                 open.spawn(async move {
                     let outcome = answers.accepted().await;
-                    // A client that has gone is no fault of the machine; the layer logs it.
+                    // A client that has left is not an error of the machine; the layer logs it.
                     let _ = reply.send(response(&hub, kept, outcome)).await;
                 });
             }

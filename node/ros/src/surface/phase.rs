@@ -1,4 +1,4 @@
-//! `~/phase`: a shift of an axis against its leader.
+//! `~/phase`: shifts the phase of an axis against its master.
 
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;

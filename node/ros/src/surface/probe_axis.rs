@@ -1,4 +1,4 @@
-//! `~/probe_axis`: touch probe to position.
+//! `~/probe_axis`: moves an axis to a touch probe edge.
 
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;

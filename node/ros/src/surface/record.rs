@@ -1,4 +1,4 @@
-//! `~/record`: the recorder of the running machine.
+//! `~/record`: controls the recorder of the running machine.
 
 use super::hub::Hub;
 use super::table;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
-/// Longest path (bytes): of the system (PATH_MAX of Linux, with its zero). What is refused here is not in the log.
+/// Maximum length of a path, in bytes: limit of the system (PATH_MAX of Linux, which includes a zero byte). A refusal here is not logged.
 const MAX_PATH: usize = 4095;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -33,13 +33,13 @@ async fn serve(mut server: ServiceServer<Record>, hub: Arc<Hub>) {
         open.spawn(async move {
             let gone =
                 |_| RecordResponse { message: "the machine has stopped".to_owned(), ..RecordResponse::default() };
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(answered.await.unwrap_or_else(gone)).await;
         });
     }
 }
 
-/// What is wrong with a path before the system is asked.
+/// Returns what is wrong with a path, before the system is called.
 fn refusal(path: &str) -> Option<String> {
     let length = path.len();
     (length > MAX_PATH).then(|| format!("the path is {length} bytes long; {MAX_PATH} are allowed"))

@@ -1,4 +1,4 @@
-//! Answers that refuse a request before it becomes a command.
+//! Responses that refuse a request before it becomes a command.
 
 use lineshaft_msgs::foreign::controller_manager_msgs::srv::{SwitchControllerRequest, SwitchControllerResponse};
 use lineshaft_msgs::foreign::lifecycle_msgs::srv::{ChangeStateRequest, ChangeStateResponse};
@@ -16,9 +16,9 @@ use lineshaft_msgs::srv::{
     SetPositionResponse, TouchProbeRequest, TouchProbeResponse, VocabularyRequest, VocabularyResponse,
 };
 
-/// An answer to requests of type `Q`.
+/// Response to requests of type `Q`.
 pub(super) trait Refusing<Q> {
-    /// The one that says why nothing was done.
+    /// Returns the response with the reason why nothing was done.
     fn refusing(request: &Q, sentence: String) -> Self;
 }
 
@@ -74,7 +74,7 @@ impl Refusing<SwitchControllerRequest> for SwitchControllerResponse {
 }
 
 impl Refusing<ChangeStateRequest> for ChangeStateResponse {
-    /// ROS has no place for the reason, which stands in the log.
+    /// The message of ROS has no field for the reason, which is only logged.
     fn refusing(_: &ChangeStateRequest, _: String) -> Self {
         Self { success: false }
     }

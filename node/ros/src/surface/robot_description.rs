@@ -1,4 +1,4 @@
-//! `robot_description`: the URDF of the cell, for RViz and other tools that draw the robot.
+//! `robot_description`: URDF of the cell, for RViz and other tools that display the robot.
 
 use super::hub::Hub;
 use super::parameters::own::Own;
@@ -14,12 +14,12 @@ use tokio::task::JoinSet;
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let Some(urdf) = hub.host.robot_description() else { return Ok(()) };
     hub.own.declare(parameter(urdf));
-    // A launch file may have given another one.
+    // A launch file may have set an override.
     let given = hub.own.get(ROBOT_DESCRIPTION_PARAMETER.name).map(|own| own.value.string_value);
     let text = published(given.as_deref().unwrap_or(urdf));
     hub.own.declare(parameter(&text));
     let publisher = ROBOT_DESCRIPTION.publisher(node)?;
-    // The only sample that the publisher ever writes: a reader that comes later gets it from the publisher.
+    // This is the only sample of the publisher; readers that join later get it from the publisher.
     if let Err(error) = publisher.publish(&Text { data: text }) {
         tracing::error!("{error}");
     }

@@ -1,4 +1,4 @@
-//! `~/sdo_read` and `~/sdo_write`: objects of devices on CAN, answered when the device has, or when it is known that it will not.
+//! `~/sdo_read` and `~/sdo_write`: objects of CAN devices, answered when the device has answered, or when no answer can arrive any more.
 
 use super::host::{Coming, Host};
 use super::hub::Hub;
@@ -9,7 +9,7 @@ use lineshaft_msgs::Service;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Asks for an object, or tells what is wrong with the request.
+/// Requests an object, or returns an error message.
 type Ask<S> = fn(&dyn Host, &<S as Service>::Request) -> Result<Coming<<S as Service>::Response>, String>;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -28,11 +28,11 @@ where
     let service = server.name().to_string();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        // They stand in the line of their bus from here on, in their order.
+        // From here on the requests are in the queue of their bus, in their order.
         match ask(hub.host.as_ref(), &message) {
             Ok(answer) => {
                 open.spawn(async move {
-                    // A client that has gone is no fault of the machine; the layer logs it.
+                    // A client that has left is not an error of the machine; the layer logs it.
                     let _ = reply.send(answer.await).await;
                 });
             }

@@ -1,4 +1,4 @@
-//! `~/set_position`: the present position of an axis gets a new value, `~/set_position_relative`: one that is so much more; answered when the
+//! `~/set_position`: gives the present position of an axis a new value; `~/set_position_relative`: adds an offset to it; answered when the
 //! machine has accepted or refused it.
 
 use super::hub::Hub;

@@ -1,5 +1,5 @@
-//! `~/set_output` and `~/set_memory`: outputs of section io, cells of section memory, all of a request in one cycle; answered when the
-//! machine has accepted or refused it.
+//! `~/set_output` and `~/set_memory`: set outputs of section io and cells of section memory, all of a request in one cycle; answered when
+//! the machine has accepted or refused it.
 
 use super::hub::Hub;
 use super::{one_command, table};

@@ -1,4 +1,4 @@
-//! The signals of an axis in SI units.
+//! Signals of an axis in SI units.
 
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::axis::AxisSignal;
@@ -7,20 +7,20 @@ use lineshaft_core::signal::{Board, Directory, Signal};
 use lineshaft_core::unit::{Scale, SiScale};
 use lineshaft_msgs::msg::AxisState;
 
-/// Where an axis stands on the board, and how its increments read.
+/// Signals of an axis on the board, with its scale.
 #[derive(Clone, Debug)]
 pub struct AxisView {
     pub(super) name: String,
     pub(super) is_virtual: bool,
     first: Signal,
-    /// First of [`GantrySignal`], where it has two drives.
+    /// First of [`GantrySignal`], if the axis has two drives.
     gantry: Option<Signal>,
     scale: Scale,
     si: SiScale,
 }
 
 impl AxisView {
-    /// The views of all axes, in file order.
+    /// Returns the views of all axes, in file order.
     pub fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
         let first = |name: &str| directory.find(&format!("{name}.state"));
         let axes = config.axes.iter();
@@ -45,51 +45,51 @@ impl AxisView {
         board.bit(signal.of(self.first))
     }
 
-    /// A small enum or word.
+    /// Returns a small enum or word.
     pub(super) fn small(&self, board: &Board, signal: AxisSignal) -> u8 {
         u8::try_from(self.int(board, signal)).unwrap_or(u8::MAX)
     }
 
-    /// Whole increments in m or rad.
+    /// Converts increments to m or rad.
     pub(super) fn si(&self, increments: i64, fraction: f64) -> f64 {
         self.si.position(increments, fraction)
     }
 
-    /// A velocity or acceleration in SI units.
+    /// Returns a velocity or acceleration, in SI units.
     pub(super) fn rate(&self, board: &Board, signal: AxisSignal) -> f64 {
         self.si.rate(self.real(board, signal))
     }
 
-    /// Increments in the axis' unit, with the unit.
+    /// Returns a position in the unit of the axis, with the unit.
     pub(super) fn length_text(&self, board: &Board, signal: AxisSignal) -> String {
         self.scale.format_increments(self.int(board, signal))
     }
 
-    /// State of its second drive, and how far it is ahead of square, with the unit; none where it has one drive.
+    /// Returns the state of the second drive and the skew of the gantry, with the unit; `None` if the axis has one drive.
     pub(super) fn second_drive(&self, board: &Board) -> Option<(i64, String)> {
         let int = |signal: GantrySignal| self.gantry.map(|first| board.int(signal.of(first)));
         Some((int(GantrySignal::SecondState)?, self.scale.format_increments(int(GantrySignal::Skew)?)))
     }
 
-    /// A velocity in the axis' unit, with the unit.
+    /// Returns a velocity in the unit of the axis, with the unit.
     pub(super) fn velocity_text(&self, board: &Board, signal: AxisSignal) -> String {
         self.scale.format_rate(self.real(board, signal), 1)
     }
 
-    /// Command position in m or rad.
+    /// Returns the command position, in m or rad.
     pub(super) fn command(&self, board: &Board) -> f64 {
         let fraction = self.real(board, AxisSignal::CommandFraction);
         self.si(self.int(board, AxisSignal::CommandPosition), fraction)
     }
 
-    /// Where what the axis follows wants it to be, in m or rad: the command, and how far the axis lags behind.
+    /// Returns the position that the master or the trajectory demands, in m or rad: the command position plus the synchronization error.
     pub(super) fn desired(&self, board: &Board) -> f64 {
         let lag = self.int(board, AxisSignal::SyncError);
         let fraction = self.real(board, AxisSignal::CommandFraction);
         self.si(self.int(board, AxisSignal::CommandPosition).saturating_add(lag), fraction)
     }
 
-    /// Target minus command position (inc).
+    /// Returns target minus command position, in increments.
     pub(super) fn to_go(&self, board: &Board) -> i64 {
         let target = self.int(board, AxisSignal::TargetPosition);
         target.saturating_sub(self.int(board, AxisSignal::CommandPosition))
@@ -99,7 +99,7 @@ impl AxisView {
         self.real(board, AxisSignal::ActualEffort)
     }
 
-    /// Everything that `~/axis_states` tells.
+    /// Returns the message of `~/axis_states` for this axis.
     pub(super) fn state(&self, board: &Board) -> AxisState {
         use AxisSignal::*;
         let int = |signal| self.int(board, signal);

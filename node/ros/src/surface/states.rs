@@ -11,10 +11,10 @@ use tokio::sync::mpsc::error::TrySendError;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tokio::task::JoinSet;
 
-/// Samples of a topic that may wait for the surface.
+/// Maximum number of waiting samples of a topic.
 const WAITING: usize = 256;
 
-/// Where the program puts the signals of the cycles that the topics take.
+/// Sender of the cycles for the state topics, used by the program.
 #[derive(Debug)]
 pub struct StateSender {
     joint_states: Sender<Arc<Snapshot>>,
@@ -23,16 +23,16 @@ pub struct StateSender {
     left_out: u64,
 }
 
-/// The surface's end.
+/// Receiving end, used by the surface.
 #[derive(Debug)]
 pub struct StateReceiver {
     joint_states: Receiver<Arc<Snapshot>>,
     axis_states: Receiver<Arc<Snapshot>>,
-    /// None: the topic is off.
+    /// `None`: the topic is disabled.
     shaft: Option<Receiver<Arc<Snapshot>>>,
 }
 
-/// The way of the state topics into the surface, with or without ~/shaft.
+/// Creates the channels of the state topics, with or without `~/shaft`.
 pub fn states(with_shaft: bool) -> (StateSender, StateReceiver) {
     let (joints, joint_states) = channel(WAITING);
     let (axes, axis_states) = channel(WAITING);
@@ -42,28 +42,28 @@ pub fn states(with_shaft: bool) -> (StateSender, StateReceiver) {
 }
 
 impl StateSender {
-    /// Gives a sample to joint_states; never waits.
+    /// Sends a sample to joint_states; never blocks.
     pub fn joint_states(&mut self, snapshot: &Arc<Snapshot>) {
         self.left_out += left_out(&self.joint_states, snapshot);
     }
 
-    /// Gives a sample to ~/axis_states; never waits.
+    /// Sends a sample to `~/axis_states`; never blocks.
     pub fn axis_states(&mut self, snapshot: &Arc<Snapshot>) {
         self.left_out += left_out(&self.axis_states, snapshot);
     }
 
-    /// Gives a sample to ~/shaft, where there is one; never waits.
+    /// Sends a sample to `~/shaft` if it is enabled; never blocks.
     pub fn shaft(&mut self, snapshot: &Arc<Snapshot>) {
         self.left_out += self.shaft.as_ref().map_or(0, |way| left_out(way, snapshot));
     }
 
-    /// Samples so far for which there was no room.
+    /// Returns the number of samples without room so far.
     pub fn left_out(&self) -> u64 {
         self.left_out
     }
 }
 
-/// Sends a sample; 1 where there is no room. A surface that has ended misses nothing.
+/// Sends a sample. Returns 1 if there is no room; a surface that has ended does not count.
 fn left_out(way: &Sender<Arc<Snapshot>>, snapshot: &Arc<Snapshot>) -> u64 {
     u64::from(matches!(way.try_send(Arc::clone(snapshot)), Err(TrySendError::Full(_))))
 }
@@ -99,7 +99,7 @@ pub(super) fn start(
     Ok(())
 }
 
-/// Publishes a message of each sample; nothing comes while the machine stands.
+/// Publishes a message for each sample; none arrive while the machine is not running.
 async fn publish<M: Message>(
     publisher: Publisher<M>,
     mut samples: Receiver<Arc<Snapshot>>,
@@ -107,7 +107,7 @@ async fn publish<M: Message>(
 ) {
     let mut failed = 0_u64;
     while let Some(snapshot) = samples.recv().await {
-        // A message that nobody reads is not made.
+        // A message without subscribers is not created.
         if publisher.subscriptions() == 0 {
             continue;
         }
@@ -123,7 +123,7 @@ async fn publish<M: Message>(
     }
 }
 
-/// One line for the first failure, and then for each power of two.
+/// Logs the first failure, and then those at each power of two.
 fn note_failure(failed: u64, error: &PublishError) {
     if failed.is_power_of_two() {
         tracing::warn!("{error} ({failed} so far)");

@@ -1,9 +1,9 @@
-//! `~/jog` and `~/setpoints`: velocities that come again and again.
+//! `~/jog` and `~/setpoints`: streamed velocities.
 //!
-//! Law      a message is taken as a whole, or refused and changes nothing; of messages that come faster than cycles the newest counts,
-//!          for each axis by itself
-//! Refuses  unknown and repeated axes, numbers that are none, velocities beyond `max_velocity`, lengths that do not fit, stamps
-//!          older than `setpoint_timeout`; told once in a second for each topic
+//! Law      a message is accepted as a whole, or refused without any effect. If messages arrive faster than cycles, the newest one of each
+//!          axis takes effect
+//! Refuses  unknown and repeated axes, numbers that are not finite, velocities beyond `max_velocity`, lists of different lengths, stamps
+//!          older than `setpoint_timeout`; reported once per second for each topic
 
 use super::host::Host;
 use super::hub::Hub;
@@ -25,11 +25,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::task::JoinSet;
 
-/// Least time between two refusals of one topic: a stream that is wrong is wrong many times a second.
+/// Minimum time between two refusal messages of one topic: a wrong stream is wrong many times per second.
 const PAUSE: Duration = Duration::from_secs(1);
-/// How far beyond max_velocity a velocity is still that (m/s, rad/s): clients round limits to six decimals.
+/// Excess over max_velocity that is limited instead of refused (m/s, rad/s): clients round limits to six decimals.
 const ROUNDING: f64 = 1e-6;
-/// From here on a number is none that the core takes.
+/// Numbers from here on are not accepted by the core.
 const LARGEST: f64 = 1e38;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -40,10 +40,10 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     Ok(())
 }
 
-/// What a message asks for: its stamp, and for each axis what it is to do.
+/// Stamp of a message, and the request for each axis.
 type Asked = (Time, Vec<SetpointRequest>);
 
-/// Follows a topic. `shown` are the names that its messages give to axes.
+/// Handles the messages of a topic. `shown` are the names that its messages give to axes.
 async fn follow<M: Message>(
     mut topic: Subscription<M>,
     hub: Arc<Hub>,
@@ -63,7 +63,7 @@ async fn follow<M: Message>(
     }
 }
 
-/// Lets one refusal pass in a while, and counts the others.
+/// Passes one refusal per period and counts the others.
 #[derive(Debug, Default)]
 struct Refusals {
     last: Option<Instant>,
@@ -71,7 +71,7 @@ struct Refusals {
 }
 
 impl Refusals {
-    /// May one be told? Then with a note of those that were not.
+    /// Returns the note about the number of skipped refusals if this one may be reported.
     fn say(&mut self, now: Instant) -> Option<String> {
         if self.last.is_some_and(|last| now.duration_since(last) < PAUSE) {
             self.held += 1;
@@ -97,7 +97,7 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
             number_to_text(duration)
         ));
     }
-    // The cast saturates: 584 years. What is less than a nanosecond is one, not for ever.
+    // The conversion saturates at 584 years. A duration below one nanosecond becomes one nanosecond, because 0 means unlimited.
     let ns = ((duration * 1e9).round() as u64).max(1);
     let duration = (duration > 0.0).then_some(ns);
     let pairs = joint_names.iter().zip(&velocities);
@@ -107,7 +107,7 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
             return Err(format!("velocity of `{name}` is {velocity:?}; a finite number within +-1e38 is expected"));
         }
     }
-    // All of these are joints, so one of them is found twice before there are many.
+    // All names are known joints, so a repeated one is found after few comparisons.
     let twice =
         |(place, (name, _)): &(usize, (&String, &f64))| joint_names.iter().take(*place).any(|before| before == *name);
     if let Some((_, (name, _))) = pairs.enumerate().find(twice) {
@@ -147,7 +147,7 @@ fn resolve(asked: &Asked, host: &dyn Host, shown: &JointNames, now: Time) -> Res
     Ok(set)
 }
 
-/// Limits velocities to max_velocity that exceed it by [`ROUNDING`] at most.
+/// Limits velocities that exceed max_velocity by at most [`ROUNDING`].
 fn limit(set: &mut Setpoints, config: &MachineConfig, image: &ParameterImage) {
     for ((axis, parameters), setpoint) in config.axes.iter().zip(&image.effective).zip(&mut set.axes) {
         let Some(setpoint) = setpoint else { continue };
@@ -158,7 +158,7 @@ fn limit(set: &mut Setpoints, config: &MachineConfig, image: &ParameterImage) {
     }
 }
 
-/// Is it what its axes may do, and as new as it has to be? Velocities are sent in SI units, so these come first in an answer.
+/// Checks limits and age of the setpoints. Velocities are sent in SI units, so the message gives these first.
 fn check(
     set: &Setpoints,
     config: &MachineConfig,
@@ -186,7 +186,7 @@ fn check(
     Ok(())
 }
 
-/// Age of a stamp (ns); one of 0 is not judged, and one from the future, of a clock that goes before, is new.
+/// Returns the age of a stamp, in ns; 0 for a stamp of 0. A stamp from the future, of a clock that is ahead, has a negative age.
 fn age_ns(stamp: &Time, now: &Time) -> i128 {
     let ns = |time: &Time| i128::from(time.sec) * 1_000_000_000 + i128::from(time.nanosec);
     if ns(stamp) == 0 { 0 } else { ns(now) - ns(stamp) }

@@ -1,4 +1,4 @@
-//! `~/synchronize`: open while the axis is coupled.
+//! `~/synchronize`: couples an axis; the goal is active while the axis is coupled.
 
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
@@ -54,12 +54,12 @@ impl GoalAction for Synchronize {
         let waits = view.int(&snapshot.board, AxisSignal::SyncWaiting) == progress.sequence.cast_signed();
         let error = view.int(&snapshot.board, AxisSignal::SyncError);
         let of_marks = |signal| {
-            // Marks of the leader of a cam are counted in its increments.
+            // Marks of the master of a cam are counted in the increments of the master.
             if goal.mode == SynchronizeGoal::CAM_MASTER_MARKER {
                 return 0.0;
             }
             let increments = view.real(&snapshot.board, signal);
-            // The cast saturates.
+            // The conversion saturates.
             let whole = increments.floor();
             view.si(whole as i64, increments - whole)
         };
@@ -78,7 +78,7 @@ impl GoalAction for Synchronize {
 
     fn result(_view: &AxisView, ending: Ending) -> SynchronizeResult {
         let Ending { code, message, position, .. } = ending;
-        // Who was asked to leave has succeeded; the sentence says by what.
+        // A goal whose coupling was ended on request has succeeded; the message gives the reason.
         let code = if code.succeeds() { Code::NONE } else { code };
         SynchronizeResult { code: code.0, message, position_increments: position.floor() }
     }

@@ -1,5 +1,5 @@
-//! Everything that the node offers in ROS 2, once: the surface opens its endpoints by this table, and docs/interfaces.md is
-//! made of it.
+//! Table of the complete ROS 2 interface of the node: the surface creates its endpoints from it, and docs/interfaces.md is generated from
+//! it.
 
 use super::refusing::Refusing;
 use crate::layer::{
@@ -36,7 +36,7 @@ use lineshaft_msgs::srv::{
 use lineshaft_msgs::{Action, Message, Service};
 use std::marker::PhantomData;
 
-/// What an endpoint is.
+/// Kind of an endpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A topic that the node publishes.
@@ -49,43 +49,41 @@ pub enum Kind {
     Action,
 }
 
-/// A line of the table.
+/// Row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// What it is.
+    /// Kind of the endpoint.
     pub kind: Kind,
-    /// Its name before it is expanded and remapped.
+    /// Name before expansion and remapping.
     pub name: &'static str,
-    /// Its type.
+    /// Interface type.
     pub interface: &'static str,
-    /// How it is delivered; of an action, how its services are.
+    /// QoS; of an action, that of its services.
     pub qos: Qos,
-    /// What it is for, in Markdown.
+    /// Description, in Markdown.
     pub text: &'static str,
 }
 
-/// A parameter of the node itself, as the page tells it.
+/// Parameter of the node itself, as in the documentation.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterRow {
-    /// Its name; `<axis>` and `<group>` stand for names of the cell.
+    /// Name; `<axis>` and `<group>` are placeholders for names of the cell.
     pub name: &'static str,
-    /// Its type in the words of ROS 2.
+    /// ROS 2 type.
     pub kind: &'static str,
-    /// What it is at the start, in Markdown.
+    /// Default value, in Markdown.
     pub default: &'static str,
-    /// Nobody can set it while the node runs.
+    /// Whether the parameter cannot be set while the node runs.
     pub read_only: bool,
-    /// What it is for, with unit and range.
+    /// Description, with unit and range.
     pub text: &'static str,
 }
 
-/// A topic of type `M`.
+/// Topic of type `M`.
 pub struct Topic<M>(pub Row, PhantomData<fn(M)>);
-/// A service of type `S`.
-///
-/// Beside it which requests are refused before they are looked at.
+/// Service of type `S`, with the kinds of requests that are refused before they are handled.
 pub struct Served<S: Service>(pub Row, Care<S>);
-/// An action of type `A`.
+/// Action of type `A`.
 pub struct Acted<A>(pub Row, PhantomData<fn(A)>);
 
 impl<M: Message> Topic<M> {
@@ -105,7 +103,7 @@ impl<M: Message> Topic<M> {
         self.publisher_as(node, self.0.name)
     }
 
-    /// Under another name than that of the row.
+    /// Creates the publisher with another name than that of the row.
     pub(super) fn publisher_as(&self, node: &NodeHandle, name: &str) -> Result<Publisher<M>, CreateError> {
         node.publisher(name, self.0.qos)
     }
@@ -114,7 +112,7 @@ impl<M: Message> Topic<M> {
         self.subscription_as(node, self.0.name)
     }
 
-    /// The topic of a group of axes.
+    /// Creates the subscription for a group of axes.
     pub(super) fn subscription_as(&self, node: &NodeHandle, name: &str) -> Result<Subscription<M>, CreateError> {
         node.subscription(name, self.0.qos)
     }
@@ -131,7 +129,7 @@ impl<S: Service> Served<S> {
         Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, Care::Asks)
     }
 
-    /// The same, whose requests are commands.
+    /// Returns the service with requests that are commands.
     const fn in_time(self) -> Self
     where
         S::Response: Refusing<S::Request>,
@@ -139,7 +137,7 @@ impl<S: Service> Served<S> {
         Self(self.0, Care::Commands(<S::Response as Refusing<S::Request>>::refusing))
     }
 
-    /// The same, whose requests are stops.
+    /// Returns the service with requests that are stops.
     const fn at_any_time(self) -> Self
     where
         S::Response: Refusing<S::Request>,
@@ -151,17 +149,17 @@ impl<S: Service> Served<S> {
         self.server_as(node, self.0.name)
     }
 
-    /// The service of a group of axes.
+    /// Creates the server for a group of axes.
     pub(super) fn server_as(&self, node: &NodeHandle, name: &str) -> Result<ServiceServer<S>, CreateError> {
         Ok(node.service(name, self.0.qos)?.with_care(self.1))
     }
 }
 
-/// What the names of controller_manager begin with in the table.
+/// Prefix of the names of controller_manager in the table.
 const CONTROLLER_MANAGER: &str = "/controller_manager";
 
 impl<S: Service> Served<S> {
-    /// A service of the controller manager with that absolute name.
+    /// Creates a service of the controller manager with this absolute name.
     pub(super) fn server_below(&self, node: &NodeHandle, manager: &str) -> Result<ServiceServer<S>, CreateError> {
         let name = self.0.name.strip_prefix(CONTROLLER_MANAGER).unwrap_or(self.0.name);
         Ok(node.service(&format!("{manager}{name}"), self.0.qos)?.with_care(self.1))
@@ -177,7 +175,7 @@ impl<A: Action> Acted<A> {
         self.server_as(node, self.0.name)
     }
 
-    /// The action of a group of axes.
+    /// Creates the action server for a group of axes.
     pub(super) fn server_as(&self, node: &NodeHandle, name: &str) -> Result<ActionServer<A>, CreateError> {
         node.action(name, ActionOptions::default())
     }
@@ -445,7 +443,7 @@ pub(super) const SWITCH_CONTROLLER: Served<SwitchController> = Served::new(
 )
 .at_any_time();
 
-/// The URDF as a parameter, for tools that look there.
+/// URDF as a parameter, for tools that read it from there.
 pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
     name: "robot_description",
     kind: "string",
@@ -454,7 +452,7 @@ pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
     text: "the URDF that the topic `robot_description` brings",
 };
 
-/// Parameters of the node itself, in the order of the page.
+/// Parameters of the node itself, in the order of the documentation.
 pub const PARAMETERS: &[ParameterRow] = &[
     own("use_sim_time", "bool", "false", "stamps and starts of trajectories follow `/clock`; see [Time](#time)"),
     ROBOT_DESCRIPTION_PARAMETER,
@@ -555,7 +553,7 @@ const fn own(name: &'static str, kind: &'static str, default: &'static str, text
     ParameterRow { name, kind, default, read_only: false, text }
 }
 
-/// A service for a list of axes, of which an empty one means all.
+/// Creates the row of a service for a list of axes; an empty list means all axes.
 const fn axes(name: &'static str, text: &'static str) -> Served<AxesCommand> {
     Served::new(name, Qos::SERVICE, text)
 }
@@ -564,7 +562,7 @@ const fn parameters<S: Service>(name: &'static str, text: &'static str) -> Serve
     Served::new(name, Qos::PARAMETERS, text)
 }
 
-/// The table, in the order of its page.
+/// All rows, in the order of the documentation.
 pub const ROWS: &[Row] = &[
     JOINT_STATES.0,
     AXIS_STATES.0,

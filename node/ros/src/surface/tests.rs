@@ -1,4 +1,4 @@
-//! What the table says against what a surface opens on the wire.
+//! Compares the table with the endpoints that a surface creates.
 
 use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
 use super::parameters::fake;
@@ -20,7 +20,7 @@ use tokio::sync::oneshot;
 
 const URDF: &str = "<robot name='r'><link name='base'/></robot>";
 
-/// A machine that stands still and has everything that opens an endpoint.
+/// A machine at rest with all objects that lead to endpoints.
 struct Still {
     config: MachineConfig,
     joint_names: JointNames,
@@ -30,7 +30,7 @@ struct Still {
 
 impl Still {
     fn new(controller_manager: Option<&'static str>) -> Self {
-        // One that needs neither a source nor a sink.
+        // A function without source and sink.
         let slots = vec![SlotConfig::new("cams".to_owned(), 0, FunctionKind::Cam)];
         let config = MachineConfig { slots, ..fake::config() };
         let directory = Machine::new(config.clone()).expect("a sound machine").directory().clone();
@@ -114,10 +114,10 @@ impl Host for Still {
     }
 }
 
-/// Whether it is written, the topic and its type in DDS; and its QoS, where the table says it.
+/// Whether it is a writer; topic and type in DDS; QoS if the table defines it.
 type Endpoint = (bool, String, String, Option<Qos>);
 
-/// The endpoints in DDS that a row stands for, for node /cell/shaft (wire of ROS 2 Jazzy).
+/// Returns the DDS endpoints of a row for node /cell/shaft (wire format of ROS 2 Jazzy).
 fn endpoints(row: &Row) -> Vec<Endpoint> {
     let [package, kind, interface] =
         row.interface.split('/').collect::<Vec<_>>().try_into().expect("PACKAGE/KIND/NAME");
@@ -152,13 +152,13 @@ fn endpoints(row: &Row) -> Vec<Endpoint> {
     }
 }
 
-/// A surface of node /cell/shaft, and what it has opened: whether it is written, the topic and its type in DDS, its QoS.
+/// Returns a surface of node /cell/shaft, and the endpoints that it has created: whether it is a writer, topic and type in DDS, QoS.
 fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surface, Vec<(bool, String, String, Qos)>) {
-    // As the tests of the layer: domains that tests with other peers do not take.
+    // As in the tests of the layer: domains that tests with other peers do not use.
     let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
     let environment = Environment { domain, networks: Networks::Loopback };
     let name = NodeName::new("/cell", "shaft").unwrap();
-    // Only then it reads /clock.
+    // Required for the subscription of /clock.
     let (given, _) = RosArguments::take(["--ros-args", "-p", "use_sim_time:=true"].map(str::to_owned)).unwrap();
     let options = NodeOptions { overrides: given.overrides(&name), ..NodeOptions::plain(name) };
     let node = Node::with(options, &environment).unwrap();
@@ -171,11 +171,11 @@ fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surfa
     (surface, opened)
 }
 
-/// docs/interfaces.md is made of the table: a row that nobody opens, or an endpoint without a row, would be a lie.
+/// docs/interfaces.md is generated from the table: a row without an endpoint, or an endpoint without a row, would make it wrong.
 #[tokio::test]
 async fn a_surface_opens_what_the_table_says_and_nothing_else() {
     let (surface, opened) = surface(Some("/controller_manager"), &[]);
-    // Grippers are groups.
+    // Gripper actions exist only for groups.
     let rows = ROWS.iter().filter(|row| !row.name.ends_with("gripper_cmd"));
     let wanted: Vec<Endpoint> = rows.flat_map(endpoints).collect();
     for (writes, topic, dds, qos) in &wanted {
@@ -186,7 +186,7 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
             assert_eq!(*known_qos, qos.unwrap_or(*known_qos), "the QoS of {topic}");
         }
     }
-    // The graph of the node itself is no interface for users.
+    // The graph topic of the node itself is not an interface for users.
     let known: BTreeSet<_> = wanted.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).collect();
     let others = opened.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).filter(|one| !known.contains(one));
     let others: Vec<_> = others.filter(|(_, topic)| *topic != "ros_discovery_info").collect();
@@ -196,7 +196,7 @@ async fn a_surface_opens_what_the_table_says_and_nothing_else() {
     declared.retain(|name| !name.starts_with("qos_overrides."));
     let joints = fake::config().axes.into_iter().filter(|axis| axis.drive.is_some()).map(|axis| axis.name);
     let joints: Vec<_> = joints.collect();
-    // Those of QoS are made of the topics.
+    // QoS parameters are derived from the topics.
     let rows = PARAMETERS.iter().map(|row| row.name).filter(|name| !name.starts_with("qos_overrides."));
     let names = rows.flat_map(|name| match name.contains("<joint>") {
         true => joints.iter().map(|joint| name.replace("<joint>", joint)).collect(),

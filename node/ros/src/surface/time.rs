@@ -1,4 +1,4 @@
-//! `use_sim_time`: whether stamps show the time of `/clock`.
+//! `use_sim_time`: whether stamps use the time of `/clock`.
 
 use super::hub::Hub;
 use super::table;
@@ -6,7 +6,7 @@ use crate::layer::{CreateError, NodeHandle};
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// The parameter, as every node of ROS 2 has it.
+/// Parameter that every ROS 2 node has.
 pub(super) const USE_SIM_TIME: &str = "use_sim_time";
 const TEXT: &str = "Stamps and the starts of trajectories use the time that /clock says, 0 before it says any, and not that of \
                     the system. The cycle of the machine does not.";
@@ -14,7 +14,7 @@ const TEXT: &str = "Stamps and the starts of trajectories use the time that /clo
 pub(super) fn start(node: &NodeHandle, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     hub.own.declare_switch(USE_SIM_TIME, TEXT);
     let source = table::CLOCK.time_source(node)?;
-    // Before anything is stamped.
+    // Before the first stamp is used.
     source.switch(hub.own.switch(USE_SIM_TIME))?;
     let (hub, mut changes) = (Arc::clone(hub), hub.own.changes());
     tasks.spawn(async move {

@@ -1,6 +1,6 @@
-//! Commands that came as messages of topics: a message has no answer, so events and log lines name its topic.
+//! Commands from messages of topics: a message has no answer, so events and log messages name its topic.
 //!
-//! Law      the newest 256 are known; a command is accepted or refused within a few cycles
+//! Law      the newest 256 are stored; a command is accepted or refused within a few cycles
 //! Reads    sequence numbers of commands and events
 
 use lineshaft_core::config::MachineConfig;
@@ -9,15 +9,15 @@ use lineshaft_core::text;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Number of commands that are known.
+/// Maximum number of stored commands.
 const MOST: usize = 256;
 
-/// The newest commands that came as messages, with their topics.
+/// Newest commands from messages, with their topics.
 #[derive(Debug, Default)]
 pub struct TopicCommands(Mutex<VecDeque<(u64, Arc<str>)>>);
 
 impl TopicCommands {
-    /// Hands a command over, which has come as a message of the topic, before anyone can ask for the sentence of its events.
+    /// Submits a command from a message of the topic, and stores it before the message text of its events can be requested.
     ///
     /// # Errors
     /// Those of `submit`, which returns the number of the command.
@@ -31,7 +31,7 @@ impl TopicCommands {
         Ok(sequence)
     }
 
-    /// The sentence of an event; if it refuses a message, the sentence names the topic.
+    /// Returns the message text of an event; if the event refuses a message, the text names the topic.
     pub fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
         let sentence = text::sentence(event, config);
         match self.topic_of(event.command).filter(|_| event.kind == Kind::Refused) {
@@ -46,7 +46,7 @@ impl TopicCommands {
     }
 }
 
-/// The text about a message that is refused.
+/// Returns the text about a refused message.
 pub(super) fn message_refused(topic: &str, sentence: &str) -> String {
     format!("{topic}: message refused: {sentence}")
 }

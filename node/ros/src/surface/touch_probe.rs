@@ -1,4 +1,4 @@
-//! `~/touch_probe` and `~/abort_trigger`: positions recorded at latches; answered when the machine has accepted or refused them.
+//! `~/touch_probe` and `~/abort_trigger`: record positions at probe edges; answered when the machine has accepted or refused it.
 
 use super::hub::Hub;
 use super::{one_command, table};

@@ -1,9 +1,9 @@
-//! `~/tune`: gains for the loops of one axis.
+//! `~/tune`: determines gains for the loops of one axis.
 //!
-//! Law      rejected | an axis that is enabled, excited and disabled | gains, set where that was asked for. One goal at a time
-//! Reads    the goal, what the host finds
+//! Law      rejected | the axis is enabled, excited and disabled | gains, which are set on request. One goal at a time
+//! Reads    the goal, the result of the host
 //! Writes   feedback, result, the command that sets the gains
-//! Refuses  what is wrong with the goal itself, a real drive without `real`, an axis that cannot be tuned
+//! Refuses  an invalid goal, a real drive without `real`, an axis that cannot be tuned
 
 use super::goal::feedback_ticks;
 use super::host::{TuneOrder, Tuned, Tuning, TuningPhase, Untuned};
@@ -30,7 +30,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 
 async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
     let views = AxisView::all(hub.host.config(), hub.host.directory());
-    // Goals that run end with the action.
+    // Running goals end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
@@ -40,7 +40,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
         let begun = order.and_then(|order| Ok((order, hub.host.tune(&order)?)));
         match begun {
             Ok((order, tuning)) => {
-                // Every axis that resolves has a view and parameters.
+                // Every resolved axis has a view and parameters.
                 let place = usize::from(order.axis);
                 let (Some(view), Some(before)) = (views.get(place), before.effective.get(place)) else { continue };
                 let tried = Tried { place, parameters: *before, view: view.clone() };
@@ -54,7 +54,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
     }
 }
 
-/// What a goal asks for, in increments.
+/// Returns the settings of a goal, in increments.
 pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder, RequestError> {
     let (axis, found) = config.find_axis(&goal.axis)?;
     let (units, scale) = (Units::from_number(goal.units)?, &found.scale);
@@ -76,15 +76,15 @@ pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder
     })
 }
 
-/// The axis that is tried.
+/// Axis that is tuned.
 struct Tried {
     place: usize,
-    /// In force when it began: what was found belongs to them.
+    /// Parameters at the start: the result belongs to them.
     parameters: AxisParameters,
     view: AxisView,
 }
 
-/// Works on an accepted goal until it ends.
+/// Executes an accepted goal until it ends.
 async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tried) {
     handle.execute();
     let found = follow(&hub, &handle, tuning, &tried.view).await;
@@ -99,7 +99,7 @@ async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tri
         Err(Untuned { code, message }) => TuneResult { code: code.0, message, ..TuneResult::default() },
     };
     if is_cancelled {
-        // Also one that came while the gains were computed.
+        // Also if the cancel request arrived while the gains were calculated.
         result.code = Code::CANCELLED.0;
         return handle.canceled(result);
     }
@@ -125,7 +125,7 @@ async fn follow(hub: &Arc<Hub>, handle: &GoalHandle<Tune>, tuning: Tuning, view:
             }
             _ = ticks.tick() => {
                 let (phase, progress) = watch.progress();
-                // A client that does not read feedback is its own matter.
+                // Feedback that a client does not read is dropped.
                 let _ = handle.feedback(&feedback(hub, view, phase, progress));
             }
         }
@@ -142,7 +142,7 @@ fn feedback(hub: &Hub, view: &AxisView, phase: TuningPhase, progress: f64) -> Tu
     }
 }
 
-/// A gain as a parameter of the node, of the type that it has there.
+/// Returns a gain as a parameter of the node, with its type.
 fn parameter(axis: &str, &(key, value): &(&'static str, f64)) -> Parameter {
     let is_real = Row::find(key).is_some_and(|(_, row)| matches!(row.range, Range::Real(..)));
     let value = if is_real {
@@ -215,7 +215,7 @@ mod tests {
             assert!(sentence(TuneGoal { travel, ..goal.clone() }).contains("travel"), "{travel}");
         }
         assert!(sentence(TuneGoal { velocity: f64::NAN, ..goal.clone() }).contains("velocity"));
-        // Whoever knows the axis judges it; what is no number is not taken for none.
+        // The value is checked later with the axis; NaN must not be treated as a missing value.
         let order = resolve(&TuneGoal { inertia_ratio: f64::NAN, ..goal }).expect("an order");
         assert!(order.inertia_ratio.is_some_and(f64::is_nan));
     }

@@ -1,12 +1,12 @@
-//! A URDF as it is published: the same elements, attributes and texts, on one line, without comments.
+//! Published form of a URDF: the same elements, attributes and texts, on one line, without comments.
 //!
 //! Tools of ROS 2 read the value of each parameter as YAML (`ros2 param load`), which must give the same text. A plain scalar of YAML is
-//! folded at line ends, ends at a colon or before a number sign next to a blank, and has no control characters. Such characters are
-//! written as character references, which XML readers resolve.
+//! folded at line ends, ends at a colon or before a number sign next to a blank, and has no control characters. Such characters are written
+//! as character references, which XML readers resolve.
 
-/// The published text of a well-formed URDF.
+/// Returns the published text of a well-formed URDF.
 pub(super) fn published(urdf: &str) -> String {
-    // As XML readers do before anything else (XML 1.0, 2.11).
+    // XML readers do this before anything else (XML 1.0, 2.11).
     let urdf = urdf.replace("\r\n", "\n").replace('\r', "\n");
     let (mut output, mut text, mut rest) = (String::with_capacity(urdf.len()), String::new(), urdf.as_str());
     while !rest.is_empty() {
@@ -34,7 +34,7 @@ fn cut<'a>(text: &'a str, end: &str) -> (&'a str, &'a str) {
     text.split_once(end).unwrap_or((text, ""))
 }
 
-/// Bytes of the tag, or processing instruction, at the beginning.
+/// Returns the length in bytes of the tag or processing instruction at the beginning.
 fn tag_length(text: &str) -> usize {
     let mut quote = None;
     for (at, c) in text.char_indices() {
@@ -55,12 +55,12 @@ fn put_text(text: &str, output: &mut String) {
     }
 }
 
-/// Adds a tag. Blanks of any kind are one kind, also in the values of attributes (XML 1.0, 3.3.3).
+/// Adds a tag. All kinds of blanks become spaces, also in attribute values (XML 1.0, 3.3.3).
 fn put_tag(tag: &str, output: &mut String) {
     encode(&tag.replace(['\t', '\n'], " "), output);
 }
 
-/// Adds a text, with character references for what YAML could take for its own.
+/// Adds a text, with character references for characters that have a meaning in YAML.
 fn encode(piece: &str, output: &mut String) {
     for (at, c) in piece.char_indices() {
         let follows_blank = piece[..at].ends_with(char::is_whitespace);
@@ -84,7 +84,7 @@ mod tests {
     const URDF: &str = "<?xml version=\"1.0\"?>\n<!-- as: a drawing -->\n<robot\tname='r: 1'\n  a=\"it's # !-- this -->\">\r\n\t<!-- x -->\
         <link name='l'/>\n\t<text>\ta: b\n # c:\n<![CDATA[<d> & # e: f]]></text>\u{85}</robot>\n<!-- end: -->";
 
-    /// Elements, attributes and texts, without comments and blanks between elements.
+    /// Returns elements, attributes and texts, without comments and blanks between elements.
     fn content(text: &str) -> Vec<String> {
         let document = Document::parse(text).unwrap();
         let attributes = |node: Node<'_, '_>| -> Vec<String> {
@@ -96,7 +96,7 @@ mod tests {
             }
             node.text().filter(|_| node.is_text()).map(ToOwned::to_owned)
         };
-        // Texts with a comment between them are one.
+        // Texts with a comment between them are joined.
         let mut all: Vec<String> = Vec::new();
         let mut is_text_before = false;
         for node in document.descendants().filter(|node| !node.is_comment()) {
@@ -127,7 +127,7 @@ mod tests {
     }
 
     proptest! {
-        /// A launch file may give any text.
+        /// A launch file may contain any text.
         #[test]
         fn any_text_is_published_as_one_that_yaml_can_read(text in "(<|>|<!--|-->|<!\\[CDATA\\[|\\]\\]>|[a: #'\"\t\n\r&;]){0,40}") {
             let text = published(&text);

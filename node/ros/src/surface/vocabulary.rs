@@ -1,4 +1,4 @@
-//! `~/vocabulary`: commands in the words of the old controllers, answered when the machine has accepted or refused them.
+//! `~/vocabulary`: commands in the terms of earlier controllers, answered when the machine has accepted or refused them.
 
 use super::hub::{Answers, Hub};
 use super::table;
@@ -19,11 +19,11 @@ async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
     let service = server.name().to_string();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        // One after the other: commands keep the order of their requests, and many long ones take one thread.
+        // Handled in sequence: commands keep the order of their requests, and many long ones use only one thread.
         match give(&hub, &service, message).await {
             Ok(answers) => {
                 open.spawn(async move {
-                    // A client that has gone is no fault of the machine; the layer logs it.
+                    // A client that has left is not an error of the machine; the layer logs it.
                     let _ = reply.send(response(answers.accepted().await)).await;
                 });
             }
@@ -32,7 +32,7 @@ async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
     }
 }
 
-/// Reads a request and hands its command over.
+/// Reads a request and submits its command.
 async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Result<Answers, String> {
     let host = Arc::clone(&hub.host);
     let read = move || host.read_vocabulary(&request.axis, &request.verb, &request.arguments);

@@ -1,4 +1,4 @@
-//! A bus with devices that answer expedited transfers.
+//! A simulated bus with devices that answer expedited transfers.
 
 use super::*;
 use crate::Id;
@@ -8,7 +8,7 @@ use crate::lss::LssCommand;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-/// What goes wrong where: abort codes of reads and of writes.
+/// Abort codes of reads and of writes, by object.
 #[derive(Default)]
 struct Device {
     objects: BTreeMap<(u16, u8), Vec<u8>>,
@@ -22,7 +22,7 @@ struct State {
     sent: Vec<Frame>,
 }
 
-/// The bus, which a test looks into.
+/// Simulated bus that a test can inspect.
 #[derive(Clone, Default)]
 struct Bus(Arc<Mutex<State>>);
 
@@ -47,7 +47,7 @@ impl Bus {
         Session::new(Box::new(self.clone()), Duration::from_millis(30))
     }
 
-    /// What was written: index, subindex, value.
+    /// Returns the written objects: index, subindex, value.
     fn written(&self) -> Vec<(u16, u8, u32)> {
         let written = |frame: &Frame| match *frame.bytes() {
             [0x20..=0x3F, low, high, sub, a, b, c, d] => {
@@ -161,7 +161,7 @@ fn a_state_command_goes_out_once_and_a_boot_up_is_heard() {
     assert_eq!(bus.0.lock().unwrap().sent, [Frame::data(Id::NMT, &[0x81, 3]).unwrap()]);
 }
 
-/// A drive with TPDO 1 = 6041h, 6064h, type 255.
+/// Returns a bus with a drive with TPDO 1 = 6041h, 6064h, transmission type 255.
 fn drive() -> Bus {
     Bus::default().with(
         3,
@@ -208,12 +208,12 @@ fn only_what_differs_is_written_and_what_acts_is_left_out() {
     assert_eq!(done.left_out.to_string(), left_out);
     assert_eq!(bus.written(), [(0x6083, 0, 200)]);
     assert!(!told.is_empty());
-    // All is there now.
+    // All objects have the given values now.
     let done = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
     assert_eq!((done.written.len(), bus.written().len()), (0, 1));
 }
 
-/// 6003h is a filter of a module (CiA 401) and the preset of an encoder (CiA 406); the second logical device has its own profile in 6FFFh.
+/// 6003h is a filter of a module (CiA 401) and the preset of an encoder (CiA 406). The second logical device has its own profile in 6FFFh.
 #[test]
 fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
     let given = values(&[(0x6003, 1, 1, 1), (0x6200, 1, 0xFF, 1), (0x6200, 2, 0xFF, 1), (0x6840, 0, 6, 2)]);
@@ -230,9 +230,9 @@ fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
     assert_eq!(two, (vec![(0x6003, 1, 1), (0x6840, 0, 6)], outputs.clone(), 1));
     let drive = configured(&[(0x1000, 0, 0x0003_0191, 4), (0x6FFF, 0, 0x0002_0192, 4)]);
     assert_eq!(drive.1, "as objects that act: 6840h:00; as setpoints: 6200h:01 to 02");
-    // The second one says nothing: it is what the first one is.
+    // The second logical device has no device type: the profile of the first one applies.
     assert_eq!(configured(&[(0x1000, 0, 0x0003_0191, 4)]).1, outputs);
-    // To a device that names no profile nothing is written that acts in any profile.
+    // For a device without a profile, objects that act in any profile are left out.
     let unknown = configured(&[(0x1000, 0, 0, 4)]);
     assert_eq!(
         (unknown.0.len(), unknown.1.as_str()),
@@ -260,7 +260,7 @@ fn a_pdo_is_mapped_while_it_is_off() {
         (0x1800, 1, 0x4000_0183),
     ];
     assert_eq!(bus.written(), expected);
-    // The second entry is none of the one that there are.
+    // The second entry is above the number of entries.
     assert_eq!(done.written, [of(0x1800, 2), of(0x1A00, 0), of(0x1A00, 1)]);
     let pdos = bus.session().pdos(node(3)).unwrap();
     let [pdo] = pdos.as_slice() else { panic!("{pdos:?}") };
@@ -269,7 +269,7 @@ fn a_pdo_is_mapped_while_it_is_off() {
     assert_eq!(pdo.mapped.len(), 1);
 }
 
-/// A PDO that is to be off stays off.
+/// A PDO that the file disables stays disabled.
 #[test]
 fn a_pdo_is_switched_off_with_one_write() {
     let bus = drive();
@@ -313,7 +313,7 @@ fn an_enabled_drive_another_device_and_a_refused_object_end_it() {
     assert_eq!(error, "node 3: 6083h:00: the device refuses: the value is too high (06090031h)");
 }
 
-/// One that can only be written is written each time.
+/// A write-only object is written each time.
 #[test]
 fn an_object_that_cannot_be_read_is_written() {
     let bus = drive().with(3, &[(0x2000, 0, 1, 4)]);
@@ -333,7 +333,7 @@ fn storing_says_save() {
     assert_eq!(error, "node 3: 1010h:01: the device refuses: the data cannot be stored (08000020h)");
 }
 
-/// A device that answers LSS: selected by any identity with serial number 7, refuses to store.
+/// A device that answers LSS. It is selected by any identity with serial number 7 and refuses to store.
 #[derive(Clone, Default)]
 struct Layered(Bus);
 

@@ -10,7 +10,7 @@ fn mapped(index: u16, bits: u8) -> Mapped {
 #[test]
 fn the_pdos_of_our_own_file_are_those_of_cia_402() {
     let dictionary = parse(OWN, Some(5)).unwrap();
-    // Identifiers: the predefined connection set; mapping: CiA 402-3, as the file lists it.
+    // Identifiers: predefined connection set. Mapping: CiA 402-3, as the file lists it.
     let rows = [
         (Direction::Receive, 1, 0x205, vec![mapped(0x6040, 16)]),
         (Direction::Receive, 2, 0x305, vec![mapped(0x6040, 16), mapped(0x6060, 8)]),
@@ -38,7 +38,7 @@ fn what_the_dictionary_does_not_say_is_named() {
     assert_eq!(error.to_string(), "1800h:01 has no value in the dictionary, as the node id is not known");
 }
 
-/// A receive PDO with the values of 1400h:01, 1600h:00 and 1600h:01.
+/// Reads a receive PDO with the values of 1400h:01, 1600h:00 and 1600h:01.
 fn pdo(cob_id: &str, count: &str, first: &str) -> Result<PdoMapping, PdoError> {
     let one = |section: &str, data_type: u8, value: &str| {
         format!("[{section}]\nParameterName=a\nDataType={data_type}\nAccessType=rw\nDefaultValue={value}\n")

@@ -7,7 +7,7 @@ fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// A file that has these sections behind the least that it needs.
+/// Reads a file with these sections after the minimum that a file needs.
 fn read(sections: &str) -> Dictionary {
     parse(format!("[DeviceInfo]\n{sections}").as_bytes(), Some(5)).unwrap()
 }
@@ -114,7 +114,7 @@ fn one_section_stands_for_many_objects_with_their_names_and_values() {
     assert_eq!(warnings(&dictionary), [""; 0]);
 }
 
-/// The device would keep another value, and no client would know.
+/// The device would keep another value, and no client would notice it.
 #[test]
 fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
     assert_eq!(
@@ -133,7 +133,8 @@ fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
     );
 }
 
-/// An object that a configuration does not write costs a warning: one that the device only sends, or that tools shall leave alone (ObjFlags).
+/// An unreadable value of an object that a configuration does not write causes a warning: an object that the device only sends, or that
+/// ObjFlags excludes.
 #[test]
 fn an_unreadable_value_that_is_never_written_is_warned_of() {
     let dictionary = read(
@@ -252,7 +253,7 @@ fn all_that_cannot_be_understood_is_told_at_once() {
     );
 }
 
-/// Files of makers have such keys. Only a value of the configuration would be lost with the object.
+/// Files of vendors have such keys. Only a configuration value would be lost with the object.
 #[test]
 fn an_object_that_cannot_be_understood_and_has_no_value_is_left_out() {
     let good = "[2000]\nParameterName=a\nDataType=5\nAccessType=rw\n";
@@ -280,7 +281,7 @@ fn an_object_that_cannot_be_understood_and_has_no_value_is_left_out() {
     );
     let objects: Vec<_> = dictionary.entries().map(|(object, _)| object).collect();
     assert_eq!(objects, [at(0x2000, 0), at(0x2004, 1)]);
-    // A value in any section of an index is lost with its ObjectType.
+    // A value in any section of the index is lost with the ObjectType.
     let odd = "[2003]\nParameterName=d\nObjectType=0x7 # one value\n";
     for value in
         ["DataType=5\nAccessType=rw\nParameterValue=1\n", "[2003sub1]\nParameterValue=1\n", "[2003Value]\n1=1\n"]
@@ -290,7 +291,7 @@ fn an_object_that_cannot_be_understood_and_has_no_value_is_left_out() {
     }
     let no_values = format!("{good}{odd}[2003Value]\nNrOfEntries=0\n1=\n");
     assert_eq!(warnings(&read(&no_values)).len(), 1);
-    // Values of a compact array are lost with its access.
+    // Values of a compact array are lost with its access type.
     let compact =
         "[2003]\nParameterName=d\nObjectType=8\nCompactSubObj=2\nDataType=5\nAccessType=UNKNOWN\n[2003Value]\n1=1\n";
     let lost = "line 13: [2003Value] 1=1: no object takes the value: CompactSubObj of the index makes none";
@@ -324,7 +325,7 @@ fn long_names_and_long_values_for_many_objects_are_cut() {
         "[2000]\nParameterName={name}\nObjectType=8\nDataType=9\nAccessType=ro\nCompactSubObj=254\nDefaultValue={value}\n"
     ));
     assert_eq!(dictionary.head(0x2000).unwrap().name.len(), 255);
-    // A name and its number are no longer than any other name.
+    // A name with a number is not longer than any other name.
     assert_eq!(dictionary.entry(at(0x2000, 254)).unwrap().name, format!("{}254", "n".repeat(252)));
     assert_eq!(dictionary.default_value(at(0x2000, 254)), None);
     let warnings = warnings(&dictionary);
@@ -442,7 +443,7 @@ fn what_the_file_says_beside_the_objects_is_kept() {
     assert_eq!(dictionary.dummies.iter().copied().collect::<Vec<_>>(), [3, 5]);
 }
 
-/// Shapes of lines that stand in files of maxon, Technosoft, Elmo and Danfoss, and in those of tools; the values are ours.
+/// Forms of lines in files of maxon, Technosoft, Elmo and Danfoss, and of tools; the values are our own.
 #[test]
 fn lines_as_vendors_write_them_are_understood() {
     let dictionary = read(

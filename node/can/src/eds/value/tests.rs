@@ -28,7 +28,7 @@ fn texts_become_little_endian_bytes_of_their_type() {
         (DataType::Unsigned32, "0x60400010", &[0x10, 0x00, 0x40, 0x60]),
         (DataType::Unsigned40, "40", &[40, 0, 0, 0, 0]),
         (DataType::Unsigned64, "0xFFFFFFFFFFFFFFFF", &[0xFF; 8]),
-        // 1.5 = 3FC00000h, by IEEE 754.
+        // 1.5 = 3FC00000h (IEEE 754).
         (DataType::Real32, "1.5", &[0x00, 0x00, 0xC0, 0x3F]),
         // -2 = C000000000000000h.
         (DataType::Real64, "-2", &[0, 0, 0, 0, 0, 0, 0, 0xC0]),
@@ -73,7 +73,7 @@ fn every_bound_of_the_integers_holds_and_the_next_number_does_not() {
         }
     }
     assert!(matches!(Value::parse(DataType::Unsigned64, "18446744073709551616"), Err(ValueError::Text(_))));
-    // The bits of a negative number fill its type, and no more.
+    // The bits of a negative number fill its type exactly.
     assert!(Value::parse(DataType::Integer8, "0x100").is_err());
 }
 

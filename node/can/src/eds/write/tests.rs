@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 const OWN: &str = include_str!("../../../../../launch-configs/can/cia402_sim.eds");
 
-/// Lines that put every branch of the reader to work.
+/// Lines that cover every branch of the reader.
 const LINES: [&str; 28] = [
     "[1018]",
     "[6060]",
@@ -41,7 +41,7 @@ fn at(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// What is written is read back as the same, and without a warning.
+/// Checks that the written file is read as the same dictionary, without a warning.
 fn comes_back(file: &[u8], node_id: Option<u8>) {
     let Ok(mut dictionary) = parse(file, node_id) else { return };
     dictionary.take_warnings();
@@ -49,7 +49,7 @@ fn comes_back(file: &[u8], node_id: Option<u8>) {
     let again = parse(text.as_bytes(), node_id).unwrap();
     assert_eq!(again.warnings().to_string(), "", "{text}");
     assert_eq!(again, dictionary, "{text}");
-    // Nothing else of a dictionary fails on a strange file.
+    // Other functions of the dictionary do not panic with an unusual file.
     let _ = dictionary.written();
     for number in 0..6 {
         let _ = dictionary.pdo_mapping(Direction::Receive, number);
@@ -141,7 +141,7 @@ proptest! {
 
     #[test]
     fn lines_in_any_order_are_read_or_refused(picks in proptest::collection::vec(0..LINES.len(), 0..40)) {
-        // With one object that is right, most of the files have a dictionary.
+        // With one valid object, most of the files have a dictionary.
         let first = ["[2000]", "DataType=0x0005", "[3000]"];
         let lines = first.into_iter().chain(picks.iter().map(|pick| LINES[*pick]));
         let file: String = lines.flat_map(|line| [line, "\n"]).collect();
@@ -170,7 +170,7 @@ proptest! {
 const NUMBERS: [&str; 6] = ["DataType", "ObjectType", "SubNumber", "PDOMapping", "ObjFlags", "SupportedObjects"];
 const VALUES: [&str; 3] = ["DefaultValue", "LowLimit", "HighLimit"];
 
-/// One of several ways to write the same line; `how` chooses.
+/// Writes the same line in one of several ways, selected by `how`.
 fn rewritten(line: &str, how: u16) -> String {
     let bit = |place: u16| how >> place & 1 == 1;
     let cased = |text: &str| if bit(0) { text.to_uppercase() } else { text.to_lowercase() };
@@ -190,7 +190,7 @@ fn rewritten(line: &str, how: u16) -> String {
             let notations = [number.to_string(), format!("0{number:o}"), hex(number), format!("+{number}")];
             format!("{}{remark}", notations[usize::from(how >> 5 & 3)])
         }
-        // Hexadecimal digits may be the bits of a negative number: they stay what they are.
+        // Hexadecimal digits may be the bits of a negative number, so they stay hexadecimal.
         (Ok(number), _) if VALUES.contains(&key) && value.starts_with("0x") => format!("{}{remark}", hex(number)),
         _ => value.to_owned(),
     };
@@ -199,7 +199,7 @@ fn rewritten(line: &str, how: u16) -> String {
 }
 
 proptest! {
-    /// Case, blanks, remarks, notations of numbers, order of sections, ends of lines: none of it is a matter.
+    /// Case, blanks, comments, notations of numbers, order of sections and line ends do not change the meaning.
     #[test]
     fn the_same_file_in_other_words_means_the_same(
         ways in proptest::collection::vec(any::<u16>(), 1..200),
@@ -214,7 +214,7 @@ proptest! {
             }
             sections.last_mut().unwrap().push(rewritten(line, *how));
         }
-        // What stands before the first section is a remark.
+        // Lines before the first section are comments.
         let head = sections.remove(0);
         prop_assert!(head.iter().all(|line| line.trim().is_empty() || line.trim().starts_with(';')), "{head:?}");
         let first = first.index(sections.len());

@@ -6,12 +6,12 @@ use crate::transport::{Transport, TransportError};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Mutex;
 
-/// A device with node 3, and what was written to it.
+/// Simulated device with node ID 3 that records all writes.
 #[derive(Debug, Default)]
 struct Device {
     objects: BTreeMap<(u16, u8), Vec<u8>>,
     written: Vec<(u16, Vec<u8>)>,
-    /// The rest of an object that goes in segments.
+    /// Remaining bytes of a segmented transfer.
     rest: VecDeque<u8>,
     answers: VecDeque<Frame>,
 }
@@ -117,9 +117,9 @@ impl Rig {
         self.ask(3, index, Access::Write { data: vec![7, 0], without_power }).expect("there is room");
     }
 
-    /// The answers, once there are so many of them.
+    /// Returns the answers when there are this many of them.
     fn serve(&mut self, many: usize) -> Vec<Result<Vec<u8>, Denied>> {
-        // Each look at the bus serves one of them at least.
+        // Each turn handles at least one request.
         (0..many).for_each(|_| self.line.serve(&mut self.port, None));
         self.answers.lock().expect("one thread").drain(..).collect()
     }

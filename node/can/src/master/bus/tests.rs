@@ -20,10 +20,10 @@ use std::collections::VecDeque;
 use std::sync::Mutex;
 use std::time::Duration;
 
-/// Frames that a wire has room for.
+/// Maximum number of frames on the simulated wire.
 const ROOM: usize = 4096;
 
-/// The other end of a bus.
+/// Remote end of a bus.
 #[derive(Debug)]
 struct Wire {
     sent: VecDeque<Frame>,
@@ -32,7 +32,7 @@ struct Wire {
     is_full: bool,
 }
 
-/// A way to it.
+/// Transport to the remote end.
 #[derive(Clone, Debug)]
 struct Way(Arc<Mutex<Wire>>);
 
@@ -65,7 +65,7 @@ fn drive(place: usize, number: u8, watching: Watching) -> DeviceConfig {
     DeviceConfig::plain_drive(place, node(number), watching)
 }
 
-/// A bus of two drives, nodes 3 and 5, and what hangs on it.
+/// A bus with two drives, nodes 3 and 5, and its remote end.
 struct Rig {
     bus: Bus,
     wire: Arc<Mutex<Wire>>,
@@ -103,19 +103,19 @@ impl Rig {
         Self { bus, wire, orders, reports, inputs, outputs, cycle: 0 }
     }
 
-    /// Both drives are configured and started.
+    /// Returns a rig with both drives configured and started.
     fn running(watching: Watching) -> Self {
         let mut rig = Self::new(watching);
         (0..2).for_each(|drive| rig.order(Order::Begin { device: drive, fault: 0 }));
         rig
     }
 
-    /// The first device is another one, configured and started.
+    /// Replaces the first device by another one, configured and started.
     fn replace_first(&mut self, config: &DeviceConfig) {
         self.replace(0, config);
     }
 
-    /// The device at a place is another one, configured and started.
+    /// Replaces the device at a place by another one, configured and started.
     fn replace(&mut self, place: usize, config: &DeviceConfig) {
         self.bus.devices[place] = Device::new(config, 1_000_000);
         self.bus.routes = routes(&self.bus.devices);
@@ -131,7 +131,7 @@ impl Rig {
         self.wire.lock().expect("one thread").comes.push_back(frame);
     }
 
-    /// The words of both drives in PDO 1.
+    /// Sends PDO 1 of both drives with these values.
     fn answer(&self, status: u16, position: i32, mode: i8) {
         let mut bytes = [status.to_le_bytes().to_vec(), position.to_le_bytes().to_vec()].concat();
         bytes.push(mode.cast_unsigned());
@@ -160,7 +160,7 @@ fn hex(frame: &Frame) -> String {
     format!("{:03X}#{}", frame.id().get(), bytes.concat())
 }
 
-/// 6040h, 607Ah and 6060h to each drive, then SYNC: what is asked in a cycle holds from its SYNC on.
+/// 6040h, 607Ah and 6060h to each drive, then SYNC: setpoints of a cycle take effect at its SYNC.
 #[test]
 fn drives_are_asked_before_sync() {
     let mut rig = Rig::running(Watching::None);
@@ -172,7 +172,7 @@ fn drives_are_asked_before_sync() {
     assert_eq!(sent, ["203#0F008967452308", "205#0600FEFFFFFF00", "080#"]);
 }
 
-/// Nobody is told anything before he is configured, and behind a boot-up.
+/// A device receives no process data before it is configured, and after a boot-up.
 #[test]
 fn a_drive_that_is_not_configured_is_told_nothing() {
     let mut rig = Rig::new(Watching::None);
@@ -190,7 +190,7 @@ fn a_drive_that_is_not_configured_is_told_nothing() {
     };
 }
 
-/// One that boots while it is configured was told in vain.
+/// A device that boots during its configuration has lost it.
 #[test]
 fn a_drive_that_boots_under_its_configuration_does_not_begin() {
     let mut rig = Rig::new(Watching::None);
@@ -206,7 +206,7 @@ fn a_drive_that_boots_under_its_configuration_does_not_begin() {
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
-/// Fresh behind the SYNC that is answered; the last words stand else.
+/// Process data is fresh in the cycle after the SYNC that it answers; otherwise the last values stay.
 #[test]
 fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
     let mut rig = Rig::running(Watching::None);
@@ -219,13 +219,13 @@ fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
     rig.cycle();
     let DriveInput { count, online, fresh, .. } = rig.inputs.drive[0];
     assert_eq!((count, online, fresh), (-5, true, false));
-    // 2 cycles of 1 ms for 10 counts.
+    // 10 counts in 2 cycles of 1 ms.
     rig.answer(0x1237, 5, MODE_CSP);
     rig.cycle();
     assert_eq!((rig.inputs.drive[1].count, rig.inputs.drive[1].velocity), (5, 5000.0));
 }
 
-/// MACS-CAN-06 of a heartbeat: silent for longer than its time.
+/// MACS-CAN-06 for a heartbeat: the drive is silent for longer than the monitoring time.
 #[test]
 fn a_silent_drive_goes_offline_alone() {
     let mut rig = Rig::running(Watching::Heartbeat { time_ns: 30_000_000 });
@@ -243,13 +243,13 @@ fn a_silent_drive_goes_offline_alone() {
     assert_eq!(reports.filter(unwatched).count(), 1, "which is reported");
     rig.cycle();
     assert!(!std::iter::from_fn(|| rig.reports.pop().ok()).any(|report| unwatched(&report)), "once");
-    // It shows itself again: whoever was away is not what he was told to be.
+    // The drive sends again, but it has to be configured before it takes part.
     rig.comes(0x703, &[0x05]);
     rig.cycle();
     assert_eq!(rig.is_online(), [false, true]);
 }
 
-/// Heartbeats that show another state than operational, again and again.
+/// Heartbeats that repeatedly report a state other than operational.
 #[test]
 fn a_drive_that_left_operation_takes_part_no_longer() {
     let mut rig = Rig::new(Watching::Heartbeat { time_ns: 10_000_000_000 });
@@ -264,7 +264,8 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
-/// What it was moved while nobody heard it is motion; behind a boot-up, and behind a way that was lost, its counts are others.
+/// Motion of the drive while its data was not received counts as motion. After a boot-up or a lost bus connection, its coordinate system is
+/// a new one.
 #[test]
 fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
     let mut rig = Rig::running(Watching::Heartbeat { time_ns: 1_000_000_000 });
@@ -290,7 +291,7 @@ fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
     rig.order(Order::Open(Box::new(way)));
     rig.cycle();
     assert_eq!(back(&mut rig), (300, 2, 0.0));
-    // In mode homing its zero may have come meanwhile.
+    // In mode homing the drive may have set its zero meanwhile.
     rig.answer(0x0237, 300, MODE_HOMING);
     rig.comes(0x703, &[0x7F]);
     rig.cycle();
@@ -311,7 +312,7 @@ fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
     let Some(Report::Lost(mut way, _)) = reports.into_iter().next() else { panic!("it is lost") };
     rig.wire.lock().unwrap().is_lost = false;
     rig.sent();
-    // Open again, nobody is told anything before he is configured anew.
+    // After the bus connection is open again, no device receives process data before it is configured again.
     way.close();
     rig.order(Order::Open(way));
     rig.answer(0x0250, 9, 0);
@@ -320,7 +321,7 @@ fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
 }
 
-/// A fault shows its code from the emergency message; the message stands in one cycle.
+/// The error code of a fault comes from the emergency message. The message is reported in one cycle only.
 #[test]
 fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
     let mut rig = Rig::running(Watching::None);
@@ -333,7 +334,7 @@ fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
     rig.answer(0x0250, 0, MODE_CSP);
     rig.cycle();
     assert_eq!((rig.inputs.drive[0].emergency, rig.inputs.drive[0].fault), (None, 0), "out of its fault");
-    // Of a node that is no drive.
+    // Node 9 is no drive of the cell.
     rig.comes(0x089, &[0x10, 0x23, 3, 0, 0, 0, 0, 0]);
     rig.cycle();
     assert!(matches!(rig.reports.pop(), Ok(Report::Emergency(of, _)) if of == node(9)));
@@ -342,7 +343,7 @@ fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
 const HOME: HomingOrder =
     HomingOrder { method: 19, search_velocity: 50_000.0, zero_velocity: 5_000.0, acceleration: 500_000.0 };
 
-/// The answer of an SDO server to what was written last.
+/// Sends the SDO confirmation of the last write.
 fn confirm(rig: &Rig, number: u16, sent: &[Frame]) {
     for frame in sent.iter().filter(|frame| frame.id().get() == 0x600 + number) {
         let &[_, low, high, sub, ..] = frame.bytes() else { continue };
@@ -350,7 +351,7 @@ fn confirm(rig: &Rig, number: u16, sent: &[Frame]) {
     }
 }
 
-/// 6098h, 6099h and 609Ah are written first; then mode 6 is asked for. A zero that is known sets the coordinate anew.
+/// 6098h, 6099h and 609Ah are written first, then mode 6 is commanded. A newly attained zero starts a new coordinate system.
 #[test]
 fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     let mut rig = Rig::running(Watching::None);
@@ -378,8 +379,8 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
     assert_eq!((count, epoch, velocity), (-3, 1, 0.0), "no motion");
 }
 
-/// Bit 12 is still 1 from the homing before, as with methods 35 and 37 of some drives, or rises after the new zero. A step of more than
-/// 4 * 50,000 counts/s in a cycle of 1 ms, and 100 counts, is no motion; a step by which homing moves the drive is one.
+/// Bit 12 is still 1 from the previous homing, as with methods 35 and 37 of some drives, or rises after the new zero. A step above 4 *
+/// 50,000 counts/s in a cycle of 1 ms, plus 100 counts, is not motion; a smaller step is motion of the homing.
 #[test]
 fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
     for before in [0x1637, 0x0237] {
@@ -399,12 +400,12 @@ fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
         assert_eq!(shown(before, 10_000), (10_000, 0, 50_000.0), "50 counts in 1 ms");
         assert_eq!(shown(before, 9_700), (9_700, 0, -300_000.0), "as many as may be");
         assert_eq!(shown(before, 0), (0, 1, 0.0), "its zero");
-        // A drive that goes on as fast has no more zeros: its way counts.
+        // A drive that continues at that speed has no further zero: its travel counts as motion.
         assert_eq!(shown(before, 1_000), (1_000, 1, 1_000_000.0));
     }
 }
 
-/// Position and count of what probe 1 has caught, in TPDO 2: a latch of the axis, once; probe 2 catches the index.
+/// Position and count of probe 1 in TPDO 2 become a latch of the axis, once; probe 2 captures the index.
 #[test]
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
     let known = crate::eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
@@ -440,7 +441,7 @@ fn what_a_probe_catches_is_a_latch_of_the_axis() {
     assert_eq!((rig.inputs.latch.len(), rig.inputs.drive[0].index), (0, None), "once");
 }
 
-/// Whoever asks while a homing is set up is told to come again.
+/// A request during a homing setup is answered as busy.
 #[test]
 fn transfers_do_not_disturb_each_other() {
     let mut rig = Rig::running(Watching::None);
@@ -484,11 +485,11 @@ fn frames_without_room_are_counted_and_not_sent_later() {
     assert_eq!((rig.bus.losses.refused.load(Ordering::Relaxed), rig.sent().len()), (3, 3));
 }
 
-/// Cycles with all that can come, and transfers under way.
+/// Cycles with all kinds of received frames, and transfers in progress.
 #[test]
 fn a_cycle_takes_no_memory() {
     let mut rig = Rig::running(Watching::Heartbeat { time_ns: 2_000_000 });
-    // Also where its frames are kept, and nobody takes them.
+    // Frames are recorded as well, but not fetched.
     let _frames = rig.bus.frames();
     rig.bus.master = Some(Master { node: node(127), heartbeat_ns: 1 });
     let before = violation_count();
@@ -510,13 +511,14 @@ fn a_cycle_takes_no_memory() {
         assert_no_alloc(|| rig.cycle());
         let sent = rig.sent();
         confirm(&rig, 3, &sent);
-        // The other end frees what it is told.
+        // The service frees the memory of the reports.
         while rig.reports.pop().is_ok() {}
     }
     assert_eq!(violation_count(), before);
 }
 
-/// In mode pp (1), which the axis sees as csp (8): without bit 12 of its status word the setpoint is late after 500 cycles; in csp none is.
+/// In mode pp (1), which the axis sees as csp (8), the setpoint is late after 500 cycles without bit 12 of the status word; in csp it is
+/// not.
 #[test]
 fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
     let mut rig = Rig::running(Watching::None);
@@ -538,8 +540,8 @@ fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
     assert_eq!(shown(5), (MODE_CSP, [true, false]));
 }
 
-/// Random frames, and random changes of good ones, into a running drive in mode pp and a module: nothing panics, nobody is told more than the
-/// outputs say.
+/// Random frames, and random changes of valid ones, for a running drive in mode pp and a module: no panic, and no command beyond the
+/// outputs.
 #[test]
 fn noise_enables_nobody() {
     let watching = Watching::Guarding { guard_ns: 1_000_000, life_factor: 3 };
@@ -605,7 +607,7 @@ fn noise_enables_nobody() {
     assert!(rig.bus.busy.len() <= 127);
 }
 
-/// What goes over the wire is counted; what found no room is not.
+/// Sent and received frames are counted; frames without room are not.
 #[test]
 fn frames_that_go_and_come_are_counted() {
     let mut rig = Rig::running(Watching::None);

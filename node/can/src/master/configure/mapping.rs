@@ -1,11 +1,12 @@
-//! The PDOs of a device under configuration.
+//! Configures the PDOs of a device.
 //!
-//! Law      a PDO is mapped by the sequence that all devices take: off, type, no objects, the objects, their number, on; one that is as it
-//!          should be is left alone. One that has its identifier and that the device keeps on is mapped while it is on. PDOs that are not
-//!          needed are switched off. One that the device keeps on is left so if nothing else on the bus has its identifier. Data on change
-//!          that is optional is left out if the device refuses its PDO. Both are one line of the log
-//! Refuses  a device without a PDO that is needed, or that does not take its objects; one that somebody else was to map, and did not; one
-//!          whose PDO stays on with an identifier of other process data, or with its own and other objects
+//! Law      a PDO is mapped in the order that all devices accept: disable, transmission type, no entries, entries, number of entries,
+//!          enable. A PDO that is already correct is not written. A PDO that cannot be disabled is mapped while it is enabled if it has the
+//!          planned identifier. PDOs that are not needed are disabled. If that fails, they stay enabled, provided that their identifier is
+//!          not used for other process data on the bus. Optional data on change is left out if the device refuses its PDO. The last two
+//!          cases are logged as one line each
+//! Refuses  a device that lacks a required PDO, or refuses its entries; a PDO that the user had to map but did not; a PDO that stays
+//!          enabled with an identifier of other process data, or with its planned identifier and other entries
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
 use super::{Refusal, Session};
@@ -20,7 +21,8 @@ use std::fmt;
 const INVALID: u32 = 0x8000_0000;
 /// Bit 30 of a COB-ID: remote frames are not answered.
 const NO_REMOTE: u32 = 0x4000_0000;
-/// Transmission types that are tried, in this order, if a device refuses 255: event-driven as its maker has it, then with each SYNC.
+/// Transmission types that are tried, in this order, if a device refuses 255: event-driven as the manufacturer defines it, then with each
+/// SYNC.
 const OTHER_TYPES: [u8; 2] = [254, 1];
 
 impl Session<'_> {
@@ -39,8 +41,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Switches off a PDO that is not needed: it would only load the bus. The device may keep it on, unless its frames would be mistaken for
-    /// other process data.
+    /// Disables a PDO that is not needed and would only load the bus. The device may keep it enabled, unless its frames would be mistaken
+    /// for other process data.
     fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
         match self.try_switch_off(direction, number)? {
             None => Ok(()),
@@ -48,7 +50,7 @@ impl Session<'_> {
         }
     }
 
-    /// Switches off a PDO. If the device refuses that, it stays on: returns why, and its COB-ID.
+    /// Disables a PDO. If the device refuses that, returns the error and the COB-ID.
     fn try_switch_off(&mut self, direction: Direction, number: u8) -> Result<Option<(SdoError, CobId)>, Refusal> {
         let object = Object { index: direction.communication(number), sub: 1 };
         let Some(present) = self.number(object)? else { return Ok(None) };
@@ -59,7 +61,7 @@ impl Session<'_> {
         Ok(written.err().map(|refused| (refused, CobId(present))))
     }
 
-    /// Accepts that a PDO that is not needed stays on, unless its identifier is that of other process data.
+    /// Accepts that a PDO that is not needed stays enabled, unless its identifier is that of other process data.
     fn keep_on(&self, refused: &SdoError, cob_id: CobId) -> Result<(), Refusal> {
         let id = cob_id.id();
         if !cob_id.is_extended() && self.is_used(id) {
@@ -72,7 +74,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Whether a PDO of any device of the bus has this identifier.
+    /// Returns true if a PDO of any device of the bus has this identifier.
     fn is_used(&self, id: u32) -> bool {
         let mut layouts = self.bus.devices.iter().map(|device| &device.layout);
         layouts.any(|layout| {
@@ -81,15 +83,15 @@ impl Session<'_> {
         })
     }
 
-    /// Maps a PDO that the device sends. One on change is left out if the device refuses it, unless it carries digital inputs: limit switches of
-    /// the drive are read from there.
+    /// Maps a PDO that the device sends. A PDO on change is left out if the device refuses it, unless it carries digital inputs, from which
+    /// the limit switches of the drive are read.
     fn write_told(&mut self, pdo: &Pdo<Told>) -> Result<(), Refusal> {
         let has_inputs = pdo.fields.iter().any(|field| field.word == Told::Inputs);
         let is_optional = pdo.transmission == Transmission::OnChange && !has_inputs;
         match self.write_pdo(Direction::Transmit, pdo) {
             Err(Refusal::Wrong(why)) if is_optional => {
                 match self.try_switch_off(Direction::Transmit, pdo.number)? {
-                    // It stays on, and its data would be treated as the objects of the plan.
+                    // The PDO stays enabled, and its data would be interpreted as the planned objects.
                     Some((_, cob_id)) if has_planned_id(cob_id, pdo) => return Err(Refusal::Wrong(why)),
                     Some((refused, cob_id)) => self.keep_on(&refused, cob_id)?,
                     None => {}
@@ -102,7 +104,7 @@ impl Session<'_> {
         }
     }
 
-    /// Writes a transmission type. Another one is tried if a device refuses 255.
+    /// Writes a transmission type. Other types are tried if a device refuses 255.
     fn write_transmission(&mut self, object: Object, transmission: Transmission) -> Result<(), Refusal> {
         let wanted = transmission.number();
         let Err(refused) = self.try_write(object, &[wanted])? else { return Ok(()) };
@@ -117,7 +119,7 @@ impl Session<'_> {
         Err(refused.into())
     }
 
-    /// Writes an object; the inner error is that of a device that refuses it.
+    /// Writes an object. The inner error is a refusal of the device.
     fn try_write(&mut self, object: Object, data: &[u8]) -> Result<Result<(), SdoError>, Refusal> {
         match self.port.write(self.device.node, object, data) {
             Err(error @ SdoError::Refused(..)) => return Ok(Err(error)),
@@ -131,8 +133,9 @@ impl Session<'_> {
         tracing::warn!("{}: {}: {what}", self.bus.name, self.device);
     }
 
-    /// Maps a PDO by the sequence that all devices take: off, type, no objects, the objects, their number, on. A PDO that has its identifier and
-    /// cannot be switched off is mapped while it is on: the device sends and receives no PDOs before it is operational.
+    /// Maps a PDO in the order that all devices accept: disable, transmission type, no entries, entries, number of entries, enable. A PDO
+    /// that has the planned identifier and cannot be disabled is mapped while it is enabled: the device sends and receives no PDOs before
+    /// it is operational.
     fn write_pdo<W: Copy>(&mut self, direction: Direction, pdo: &Pdo<W>) -> Result<(), Refusal> {
         let (communication, mapping) = (direction.communication(pdo.number), direction.mapping(pdo.number));
         let at = |index, sub| Object { index, sub };
@@ -141,7 +144,7 @@ impl Session<'_> {
         let entries: Vec<u32> = pdo.fields.iter().map(entry).collect();
         let kind = pdo.transmission.number();
         let found = self.number(at(communication, 1))?.ok_or_else(|| missing(at(communication, 1), pdo.number))?;
-        // Remote frames that ask for a PDO were never of use.
+        // The bit for remote frames stays, as they are not used.
         let id = u32::from(pdo.id.get()) | found & NO_REMOTE;
         let is_mapped = match pdo.is_mapped {
             true => self.has_entries(direction, pdo.number, &entries)?,
@@ -168,7 +171,7 @@ impl Session<'_> {
         if is_off { self.write(cob_id, &id.to_le_bytes()) } else { Ok(()) }
     }
 
-    /// Writes the objects of a PDO: none, each of them, their number.
+    /// Writes the entries of a PDO: first none, then each entry, then their number.
     fn write_entries<W>(&mut self, mapping: u16, fields: &[Field<W>], entries: &[u32]) -> Result<(), Refusal> {
         let at = |sub| Object { index: mapping, sub };
         self.write(at(0), &[0])?;
@@ -179,7 +182,7 @@ impl Session<'_> {
         self.write(at(0), &[entries.len() as u8])
     }
 
-    /// Refuses a PDO that somebody else has mapped to objects of other lengths: its words would be taken for others.
+    /// Returns an error if the user has mapped objects of other lengths to a PDO, because its data would be misinterpreted.
     fn check_lengths(&mut self, mapping: u16, entries: &[u32]) -> Result<(), Refusal> {
         let count = self.number(Object { index: mapping, sub: 0 })?.unwrap_or_default();
         let mut found = Vec::new();
@@ -191,7 +194,7 @@ impl Session<'_> {
         if has == needs { Ok(()) } else { Err(Refusal::Wrong(sentence)) }
     }
 
-    /// Does a PDO carry these objects? What a module sends behind them is passed over: its mapping may be fixed.
+    /// Returns true if a PDO carries these entries. Further entries that a module sends are ignored, as its mapping may be fixed.
     fn has_entries(&mut self, direction: Direction, number: u8, entries: &[u32]) -> Result<bool, Refusal> {
         let mapping = direction.mapping(number);
         let count = self.number(Object { index: mapping, sub: 0 })?.unwrap_or_default() as usize;
@@ -211,12 +214,12 @@ impl Session<'_> {
     }
 }
 
-/// Whether a COB-ID has the identifier that a PDO is planned with.
+/// Returns true if a COB-ID has the identifier that is planned for a PDO.
 fn has_planned_id<W>(cob_id: CobId, pdo: &Pdo<W>) -> bool {
     !cob_id.is_extended() && cob_id.id() == u32::from(pdo.id.get())
 }
 
-/// Names the COB-ID that keeps a PDO on, and with it its objects.
+/// Adds the COB-ID that keeps a PDO enabled to the message about its objects.
 fn is_kept_on(refusal: Refusal, cob_id: Object, number: u8) -> Refusal {
     match refusal {
         Refusal::Wrong(why) => Refusal::Wrong(format!("PDO {number} cannot be mapped: {cob_id} is read-only; {why}")),
@@ -224,13 +227,13 @@ fn is_kept_on(refusal: Refusal, cob_id: Object, number: u8) -> Refusal {
     }
 }
 
-/// Lengths of mapped objects in a sentence (bytes).
+/// Returns the lengths of mapped objects as text, in bytes.
 fn lengths(entries: &[u32]) -> String {
     let bytes: Vec<_> = entries.iter().map(|entry| ((entry & 0xFF) / 8).to_string()).collect();
     if bytes.is_empty() { "nothing".to_owned() } else { format!("{} bytes", bytes.join(", ")) }
 }
 
-/// Names the object that a device does not map.
+/// Adds the object that a device does not map to the message.
 fn not_mapped(refusal: Refusal, object: Object) -> Refusal {
     let is_mode = [objects::MODE, objects::MODE_DISPLAY].contains(&object);
     let cure =

@@ -11,19 +11,20 @@ use lineshaft_core::drive::BusState;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex};
 
-/// A device with an object dictionary of numbers, as strict as the standard: a PDO is mapped only while it is off and empty.
+/// Simulated device with an object dictionary of numbers, as strict as the standard: a PDO can be mapped only while it is disabled and has
+/// no entries.
 #[derive(Debug, Default)]
 struct Device {
     objects: BTreeMap<(u16, u8), Vec<u8>>,
-    /// What was written, in its order.
+    /// Writes in their order.
     written: Vec<(u16, u8, u32)>,
     nmt: Vec<u8>,
     comes: VecDeque<Frame>,
     answers: usize,
     refuses: Option<(u16, u8)>,
-    /// Values that it refuses, by their objects.
+    /// Values that the device refuses, by object.
     denies: Vec<(u16, u8, u32)>,
-    /// It takes objects of a PDO that is on.
+    /// Whether the device accepts entries of an enabled PDO.
     maps_while_on: bool,
 }
 
@@ -67,7 +68,7 @@ impl Device {
         number(&self.objects[&(index, sub)])
     }
 
-    /// May it be written now? An abort code, if not.
+    /// Returns the abort code if an object must not be written now.
     fn refusal(&self, index: u16, sub: u8, value: u32) -> Option<u32> {
         let present = self.objects.get(&(index, sub));
         let Some(_) = present else { return Some(0x0602_0000) };
@@ -80,7 +81,7 @@ impl Device {
             let has_objects = sub != 0 && self.get(index, 0) != 0;
             return (is_on && !self.maps_while_on || has_objects).then_some(0x0800_0022);
         }
-        // 301: only while the period is 0.
+        // CiA 301: only while the period is 0.
         (index == 0x1019 && self.get(0x1006, 0) != 0 && value != self.get(0x1019, 0)).then_some(0x0800_0022)
     }
 
@@ -110,7 +111,7 @@ impl Device {
                     None => {
                         self.objects.insert((index, sub), data.to_vec());
                         self.written.push((index, sub, number(data)));
-                        // Quick stop: it stops at once.
+                        // The drive finishes a quick stop at once.
                         if index == 0x6040 {
                             self.objects.insert((0x6041, 0), 0x0250_u16.to_le_bytes().to_vec());
                         }
@@ -165,7 +166,7 @@ fn config() -> BusConfig {
     }
 }
 
-/// Configures the device; what has come of it.
+/// Configures the device and returns the result.
 fn run(device: &Arc<Mutex<Device>>, config: &BusConfig) -> Result<usize, String> {
     let mut port = Port::new(|(orders, reports)| Bus::new(config, orders, reports));
     port.lock().open(Box::new(Way(Arc::clone(device))));
@@ -180,7 +181,8 @@ fn device(change: impl FnOnce(&mut Device)) -> Arc<Mutex<Device>> {
     Arc::new(Mutex::new(device))
 }
 
-/// The values of the cell, by CiA 301 and 402: 100 ms heartbeat, 300 ms of node 127, 4 ms period, RPDO 1 and TPDO 1 with SYNC, the others off.
+/// Values of the cell, according to CiA 301 and 402: heartbeat of 100 ms, 300 ms for node 127, period of 4 ms, RPDO 1 and TPDO 1 with SYNC,
+/// the other PDOs disabled.
 #[test]
 fn a_drive_is_told_its_startup_its_watch_and_its_pdos() {
     let (device, config) = (device(|_| ()), config());
@@ -219,7 +221,7 @@ fn a_drive_that_is_as_it_should_be_is_written_nothing_but_that_it_is_off() {
     assert_eq!(device.lock().unwrap().written, [(0x6040, 0, 0)]);
 }
 
-/// 1020h, where a drive has it: the values of the last configuration stand for all others.
+/// With 1020h, the match with the last configuration replaces the comparison of all other values.
 #[test]
 fn a_drive_that_verifies_its_configuration_is_not_compared() {
     let (device, config) = (
@@ -229,10 +231,10 @@ fn a_drive_that_verifies_its_configuration_is_not_compared() {
         config(),
     );
     assert!(run(&device, &config).is_ok_and(|written| written > 2));
-    // Somebody changes a value behind the back of 1020h, which no device does: it stays.
+    // A value is changed while 1020h stays, which real devices do not do: the value is not corrected.
     device.lock().unwrap().objects.insert((0x2080, 1), vec![9, 0]);
     assert_eq!((run(&device, &config), device.lock().unwrap().get(0x2080, 1)), (Ok(0), 9));
-    // A device clears it with each change.
+    // A device clears 1020h with each change.
     device.lock().unwrap().objects.insert((0x1020, 1), vec![0; 4]);
     assert_eq!(run(&device, &config), Ok(3));
     assert_eq!(device.lock().unwrap().get(0x2080, 1), 5);
@@ -240,7 +242,7 @@ fn a_drive_that_verifies_its_configuration_is_not_compared() {
     assert!(run(&device, &other).is_ok_and(|written| written > 2), "another cycle is another configuration");
 }
 
-/// Quick stop first, then no voltage; only then anything else.
+/// Quick stop first, then disable voltage, and only then other writes.
 #[test]
 fn a_drive_that_runs_is_stopped_before_it_is_told_anything() {
     let (device, config) = (device(|device| drop(device.objects.insert((0x6041, 0), vec![0x37, 0x02]))), config());
@@ -248,7 +250,7 @@ fn a_drive_that_runs_is_stopped_before_it_is_told_anything() {
     assert_eq!(device.lock().unwrap().written[..2], [(0x6040, 0, 2), (0x6040, 0, 0)]);
 }
 
-/// The overflow value changes only while the period is 0 (CiA 301).
+/// The overflow value can be changed only while the period is 0 (CiA 301).
 #[test]
 fn the_sync_counter_is_set_while_the_period_is_0() {
     let (device, config) = (
@@ -303,7 +305,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
     );
 }
 
-/// 10,000 increments per revolution of the motor, 3 of which are 2 of the shaft: 15,000 per revolution of the shaft.
+/// 10,000 increments per motor revolution and 3 motor revolutions per 2 shaft revolutions are 15,000 increments per shaft revolution.
 #[test]
 fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers() {
     let with = |counts: (u64, u64), objects: &[(u16, u8, u32)]| {
@@ -327,8 +329,8 @@ fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers(
     assert!(with((1, 1), &[(0x608F, 1, 1), (0x608F, 2, 0)]).is_err(), "no revolution at all");
 }
 
-/// PDO 1 of a drive that is mapped beforehand is left as it is, where its words have the lengths of the type; else its words would be taken
-/// for others.
+/// PDO 1 of a drive that the user has mapped is not changed if its fields have the lengths of the drive type; otherwise its data would be
+/// misinterpreted.
 ///
 /// Proves: MACS-CAN-11
 #[test]
@@ -345,7 +347,7 @@ fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
         device(|device| {
             device.objects.extend(mapped(0x1600, asked));
             device.objects.extend(mapped(0x1A00, &[0x6041_0010, 0x6064_0020]));
-            // Its mode goes in no PDO: it is written.
+            // The mode is in no PDO, so it is written.
             device.objects.insert((0x6060, 0), vec![0]);
         })
     };
@@ -356,7 +358,8 @@ fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
     assert_eq!(run(&with(&[0x6040_0010, 0x6060_0008]), &config).unwrap_err(), sentence);
 }
 
-/// The identifier of a PDO that the device keeps on does no harm, unless it is that of other process data: a frame would be treated as another.
+/// The identifier of a PDO that the device keeps enabled does no harm, unless it is that of other process data: its frames would be
+/// misinterpreted.
 #[test]
 fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used() {
     for index in [0x1401, 0x1801] {
@@ -366,7 +369,7 @@ fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used()
         assert_eq!(found.get(index, 1) & 0x8000_0000, 0, "{index:04X}h is still on");
         assert_eq!((found.get(0x1400, 1), found.get(0x1800, 1), found.nmt.last()), (0x203, 0x183, Some(&1)));
     }
-    // 183h is TPDO 1 of the drive itself, 185h that of another drive of the bus.
+    // 183h is TPDO 1 of the drive itself, 185h that of another drive on the bus.
     for (index, id) in [(0x1401, 0x183_u32), (0x1801, 0x183), (0x1401, 0x185), (0x1801, 0x185)] {
         let device = device(|device| {
             device.refuses = Some((index, 1));
@@ -380,7 +383,7 @@ fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used()
     }
 }
 
-/// A drive with digital inputs and error code in TPDO 2, on change; `keep`: only these objects of it.
+/// Returns a drive with digital inputs and error code in TPDO 2, on change; `keep`: only these objects of it.
 fn config_with_extras(keep: &[u16]) -> BusConfig {
     let known = eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
     let mut config = config();
@@ -390,7 +393,7 @@ fn config_with_extras(keep: &[u16]) -> BusConfig {
     config
 }
 
-/// Type 255, then 254, then 1 (with each SYNC); what no cycle needs is left out, the switches of the drive are not.
+/// Type 255, then 254, then 1 (with each SYNC). Data that no cycle needs is left out; the switches of the drive are not.
 #[test]
 fn optional_pdo_of_a_refused_transmission_type_has_another_one_or_is_left_out() {
     let refuses =
@@ -411,7 +414,7 @@ fn optional_pdo_of_a_refused_transmission_type_has_another_one_or_is_left_out() 
     assert_eq!(none.lock().unwrap().get(0x1801, 1), 0x8000_0283, "off");
 }
 
-/// 203h, 183h and 283h are the identifiers by default of node 3 (CiA 301). PDOs of a device that is pre-operational do not go.
+/// 203h, 183h and 283h are the default identifiers of node 3 (CiA 301). A device that is pre-operational sends no PDOs.
 #[test]
 fn pdo_with_its_identifier_in_a_read_only_cob_id_is_mapped_while_it_is_on() {
     let expected: [(u16, u32, u16, &[u32]); 3] = [
@@ -435,7 +438,8 @@ fn pdo_with_its_identifier_in_a_read_only_cob_id_is_mapped_while_it_is_on() {
     }
 }
 
-/// The data of such a PDO would be treated as the objects of the plan: it is not left out, and its own identifier is not that of another PDO.
+/// The data of such a PDO would be interpreted as the planned objects. It cannot be left out, and its own identifier does not count as that
+/// of another PDO.
 #[test]
 fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refused_by_its_cob_id() {
     for (communication, number) in [(0x1400, 1), (0x1800, 1), (0x1801, 2)] {
@@ -454,7 +458,7 @@ fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refuse
     let refused = run(&of_another_type, &config()).unwrap_err();
     let sentence = "PDO 1 cannot be mapped: 1800h:01 is read-only; 1800h:02: the device refuses: ";
     assert!(refused.starts_with(sentence), "{refused}");
-    // With another identifier it is no planned one: it is left out, and stays on.
+    // A PDO with another identifier is left out, and stays enabled.
     let other = device(|device| {
         device.refuses = Some((0x1801, 1));
         device.objects.insert((0x1801, 1), 0x2C3_u32.to_le_bytes().to_vec());
@@ -463,7 +467,7 @@ fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refuse
     assert_eq!(other.lock().unwrap().get(0x1801, 1), 0x2C3);
 }
 
-/// What each cycle needs has no other type.
+/// Process data of each cycle requires transmission type 1.
 #[test]
 fn pdo_of_each_cycle_has_no_other_transmission_type() {
     let device = device(|device| device.denies = vec![(0x1800, 2, 1)]);
@@ -471,7 +475,7 @@ fn pdo_of_each_cycle_has_no_other_transmission_type() {
     assert!(refused.starts_with("1800h:02: the device refuses"), "{refused}");
 }
 
-/// 6060h and 6061h are in no PDO, and not written before the cycles run: in these they go by SDO.
+/// 6060h and 6061h are in no PDO, and are not written before the cycles run: they are exchanged by SDO during cycles.
 #[test]
 fn drive_that_cannot_map_its_mode_is_configured_without_it() {
     let mut config = config();
@@ -487,7 +491,7 @@ fn drive_that_cannot_map_its_mode_is_configured_without_it() {
     assert!(found.written.iter().all(|(index, ..)| *index != 0x6060));
 }
 
-/// Without a dictionary the drive itself says what it cannot map.
+/// Without a dictionary the drive itself reports which object it cannot map.
 #[test]
 fn object_that_a_drive_does_not_map_is_named() {
     let refused = run(&device(|device| device.refuses = Some((0x1A00, 3))), &config()).unwrap_err();

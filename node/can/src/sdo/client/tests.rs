@@ -14,12 +14,12 @@ fn answer(bytes: [u8; 8]) -> Frame {
     Frame::of(RESPONSE, bytes)
 }
 
-/// Every frame that is to be sent now.
+/// Returns all frames to be sent.
 fn sent(client: &mut Client) -> Vec<Vec<u8>> {
     std::iter::from_fn(|| client.next_frame()).map(|frame| frame.bytes().to_vec()).collect()
 }
 
-/// The bytes of CiA 301 for a transfer that fits into one frame.
+/// Bytes of CiA 301 for an expedited transfer.
 #[test]
 fn up_to_four_bytes_go_in_one_frame() {
     let cases: [(&[u8], [u8; 8]); 4] = [
@@ -45,7 +45,7 @@ fn up_to_four_bytes_go_in_one_frame() {
     }
 }
 
-/// A name of 10 bytes, read in two segments; the toggle bit begins with 0.
+/// A name of 10 bytes is read in two segments; the toggle bit starts at 0.
 #[test]
 fn longer_values_go_in_segments() {
     let mut client = client();
@@ -76,7 +76,7 @@ fn what_a_device_answers_wrongly_is_aborted() {
         let done = client.receive(&answer(first), 1);
         (client, done)
     };
-    // The wrong toggle bit, another command, more than was told, less than was told.
+    // Wrong toggle bit, other command, more bytes than announced, fewer bytes than announced.
     let cases: [(&[[u8; 8]], Abort); 4] = [
         (&[[0x10, 1, 2, 3, 4, 5, 6, 7]], Abort::TOGGLE),
         (&[[0x60, 0x08, 0x10, 0, 0, 0, 0, 0]], Abort::COMMAND),
@@ -99,7 +99,7 @@ fn what_a_device_answers_wrongly_is_aborted() {
     assert_eq!(done.unwrap().result, Err(SdoError::Wrong(OBJECT, Abort::MEMORY)), "no room");
 }
 
-/// A check sum that does not fit, a block of no segments, more acknowledged than was sent, a size that was not kept.
+/// Wrong checksum, block without segments, more segments acknowledged than sent, announced size not kept.
 #[test]
 fn blocks_that_do_not_fit_are_aborted() {
     let upload = |told: u8, end: [u8; 8]| {
@@ -132,7 +132,7 @@ fn blocks_that_do_not_fit_are_aborted() {
     assert_eq!(download(&[begun(128)]), wrong(Abort::BLOCK_SIZE));
     assert_eq!(download(&[begun(4), [0xA2, 5, 4, 0, 0, 0, 0, 0]]), wrong(Abort::SEQUENCE));
     assert_eq!(download(&[begun(4), [0xA2, 4, 0, 0, 0, 0, 0, 0]]), wrong(Abort::BLOCK_SIZE));
-    // One that acknowledges nothing, again and again, is given up.
+    // After repeated acknowledgements of nothing the transfer is aborted.
     let nothing = [[0xA2, 0, 4, 0, 0, 0, 0, 0]; 9];
     assert_eq!(download(&[&[begun(4)][..], &nothing].concat()), wrong(Abort::SEQUENCE));
     assert_eq!(download(&[&[begun(4)][..], &nothing[..8]].concat()), None);
@@ -168,12 +168,12 @@ fn a_refusal_says_why() {
     assert_eq!(Abort(0x0F00_FFC0).to_string(), "abort code 0F00FFC0h of the device");
 }
 
-/// A device that knows blocks, segments, or both, and whose bus loses some of its segments.
+/// Simulated device with block transfer, segmented transfer, or both, on a bus that loses some segments.
 struct Device {
     value: Vec<u8>,
     knows_blocks: bool,
     block: u8,
-    /// Segments of blocks that get lost, by their running number.
+    /// Running numbers of the block segments that are lost.
     lost: Vec<usize>,
     count: usize,
     step: Step,
@@ -209,7 +209,7 @@ impl Device {
             let mut frame = [number | u8::from(rest.len() <= 7) << 7, 0, 0, 0, 0, 0, 0, 0];
             frame[1..1 + rest.len().min(7)].copy_from_slice(&rest[..rest.len().min(7)]);
             let is_last = rest.len() <= 7;
-            // One that ends a block is never lost: nobody would ask for it again.
+            // The segment that ends a block is never lost, because no side would request it again.
             if is_last || number == BLOCK || !self.loses() {
                 frames.push(frame);
             }
@@ -331,7 +331,7 @@ fn run(client: &mut Client, device: &mut Device) -> Transfer {
 }
 
 proptest! {
-    /// Whatever the length, the size of a block, and what gets lost: each byte arrives, once.
+    /// Each byte arrives exactly once, with any length, block size and lost segments.
     #[test]
     fn each_byte_arrives_once(
         value in prop::collection::vec(any::<u8>(), 1..3000),
@@ -356,7 +356,7 @@ proptest! {
         prop_assert_eq!(done.data.as_ptr(), place, "no memory was taken");
     }
 
-    /// Any answers: no panic, an end, and never more bytes than there is room for.
+    /// Any answers: no panic, the transfer ends, and it never has more bytes than its buffer.
     #[test]
     fn anything_may_be_answered(
         answers in prop::collection::vec(any::<[u8; 8]>(), 0..300),

@@ -1,4 +1,4 @@
-//! A simulated drive as a device of CANopen.
+//! Tests of a simulated drive as a CANopen device.
 
 use super::*;
 use crate::sdo::Object;
@@ -11,7 +11,7 @@ fn node() -> NodeId {
     NodeId::new(3).unwrap()
 }
 
-/// A drive that has booted.
+/// Returns a drive that has booted.
 fn device() -> Device {
     let mut device = Device::new(&DeviceConfig::plain_drive(0, node(), Watching::None), ms(2)).unwrap();
     let mut out = Vec::new();
@@ -53,7 +53,7 @@ fn the_heartbeat_has_the_time_of_1017h_and_shows_the_state() {
     assert_eq!(ticked(&mut device, ms(1_300)), [[0x04]]);
 }
 
-/// The toggle bit alternates from 0 on (CiA 301).
+/// The toggle bit starts at 0 (CiA 301).
 #[test]
 fn guarding_is_answered_with_a_toggle_bit() {
     let mut device = device();
@@ -77,7 +77,7 @@ fn another_node_is_not_reset_and_a_reset_boots() {
     assert_eq!(device.table.get(objects::CONTROL_WORD), 0);
 }
 
-/// A drive that is switched on and off: 300 ms without the master's heartbeat.
+/// Drives that are enabled and off: 300 ms without the heartbeat of the master.
 #[test]
 fn a_drive_that_is_not_off_notices_that_its_master_is_gone() {
     for (status, is_lost) in [(0x0037_u16, true), (0x0040, false)] {
@@ -94,7 +94,7 @@ fn a_drive_that_is_not_off_notices_that_its_master_is_gone() {
     }
 }
 
-/// 6041h and 6064h with each SYNC; 6040h and 607Ah apply with the SYNC after they came.
+/// 6041h and 6064h are sent with each SYNC; 6040h and 607Ah apply with the SYNC after their reception.
 #[test]
 fn pdos_go_with_sync_and_apply_with_sync() {
     let mut device = device();
@@ -131,7 +131,7 @@ fn pdos_go_with_sync_and_apply_with_sync() {
     );
 }
 
-/// The target of 32 bits beyond a turn of the counter is the one nearest to where the drive is.
+/// A 32-bit target wraps to the value nearest to the present position.
 #[test]
 fn targets_follow_counts_beyond_32_bits() {
     let mut device = device();
@@ -169,7 +169,7 @@ fn master_beats(device: &mut Device, now: Duration) -> Vec<Frame> {
     out
 }
 
-/// 6007h: 0 nothing, 1 fault, 2 disable voltage (control word 0), 3 quick stop (control word 2).
+/// 6007h: 0 no action, 1 fault, 2 disable voltage (control word 0), 3 quick stop (control word 2).
 #[test]
 fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
     for (option, has_fault, control) in [(0_u16, false, 0x0F), (1, true, 0x0F), (2, false, 0x00), (3, false, 0x02)] {
@@ -182,7 +182,8 @@ fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
     }
 }
 
-/// Guard time 100 ms, life time factor 3: 300 ms without guarding, from the first time on. EMCY 8130h; error register: any error, communication.
+/// Guard time 100 ms, life time factor 3: 300 ms without guarding, counted from the first guarding request. EMCY 8130h; error register:
+/// generic error, communication error.
 #[test]
 fn master_that_guards_no_longer_is_lost_after_the_life_time() {
     let mut device = device();
@@ -212,7 +213,7 @@ fn device_without_its_master_changes_its_state_by_1029h() {
     }
 }
 
-/// The drive is off: it has no fault. EMCY 8130h, and 0000h when the master is there again.
+/// The drive is off, so it has no fault. EMCY 8130h, and 0000h when the master returns.
 #[test]
 fn error_of_communication_ends_when_the_master_is_back() {
     let mut device = device();
@@ -225,7 +226,7 @@ fn error_of_communication_ends_when_the_master_is_back() {
     assert!(master_beats(&mut device, ms(250)).is_empty());
 }
 
-/// Reset communication: objects 1000h to 1FFFh alone; the device boots.
+/// Reset communication: only objects 1000h to 1FFFh are reset; the device boots.
 #[test]
 fn reset_of_communication_keeps_the_objects_of_the_drive() {
     let mut device = device();

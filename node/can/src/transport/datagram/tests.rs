@@ -5,7 +5,7 @@ fn frame(id: u16, data: &[u8]) -> Frame {
     Frame::data(Id::new(id).unwrap(), data).unwrap()
 }
 
-/// What python-can 4.6.1 writes for id 201h with the data 0F 00 01 02, at the time 0.
+/// Datagram of python-can 4.6.1 for ID 201h with the data 0F 00 01 02, at time 0.
 fn sample() -> Vec<u8> {
     let mut bytes = vec![0x8B];
     let entries: [(&str, &[u8]); 11] = [
@@ -140,7 +140,7 @@ proptest! {
         let _ = frame_of(&bytes);
     }
 
-    /// A few bytes of a good one changed, and its end cut off.
+    /// A few bytes of a valid datagram are changed, and its end is cut off.
     #[test]
     fn no_change_is_too_odd(changes in prop::collection::vec((0_usize..150, any::<u8>()), 1..4), length in 0_usize..=150) {
         let mut bytes = sample();

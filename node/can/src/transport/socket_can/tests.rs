@@ -1,4 +1,4 @@
-//! On interfaces of their own, which few kernels can make: tests/socketcan.sh has one that does.
+//! Tests with virtual interfaces, which need kernel support: tests/socketcan.sh runs them with such a kernel.
 
 use super::*;
 use crate::Id;
@@ -6,7 +6,7 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A virtual interface; gone when dropped.
+/// Virtual interface that is removed when dropped.
 struct Interface(&'static str);
 
 impl Interface {
@@ -27,7 +27,7 @@ impl Interface {
 
 impl Drop for Interface {
     fn drop(&mut self) {
-        // A test may have removed it already.
+        // The test may have removed it already.
         let _ = Command::new("ip").args(["link", "del", self.0]).output();
     }
 }
@@ -41,7 +41,7 @@ fn frame(id: u16, data: &[u8]) -> Frame {
     Frame::data(Id::new(id).unwrap(), data).unwrap()
 }
 
-/// Works on until this is so: the kernel hands frames over a little later.
+/// Polls until the condition is true, because the kernel delivers frames with a delay.
 fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     let began = Instant::now();
     while !is_so() {
@@ -50,7 +50,7 @@ fn until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// The next frames, of this number.
+/// Returns this number of received frames.
 fn received(bus: &mut SocketCan, number: usize) -> Vec<Frame> {
     let mut all = Vec::new();
     until("frames come", || {
@@ -73,7 +73,7 @@ fn others_hear_a_frame_and_extended_ones_stay_away() {
     assert_eq!((first.receive().unwrap(), second.state(), second.faults()), (None, BusState::Active, 0));
 }
 
-/// A frame of the kernel as it is.
+/// Returns the bytes of a frame of the kernel.
 fn raw(word: u32, data: [u8; 8]) -> [u8; SIZE] {
     let mut bytes = [0; SIZE];
     bytes[..4].copy_from_slice(&word.to_ne_bytes());
@@ -82,7 +82,7 @@ fn raw(word: u32, data: [u8; 8]) -> [u8; SIZE] {
     bytes
 }
 
-/// Error frames as a controller sends them: whoever has a socket may send them on a virtual interface.
+/// Error frames as a controller sends them: any socket may send them on a virtual interface.
 #[test]
 #[ignore = "needs a kernel with vcan: tests/socketcan.sh"]
 fn the_controller_tells_how_the_bus_does() {
@@ -124,7 +124,7 @@ fn an_interface_that_goes_down_or_away_is_lost_and_told_when_opened() {
         ("the way to the bus is lost: Network is down (os error 100)", BusState::Off)
     );
     interface.set("up");
-    // The error that was pending: it is not forgotten.
+    // The pending error is not lost.
     assert!(hears.receive().is_err());
 
     let mut bus = interface.open();
@@ -137,7 +137,7 @@ fn an_interface_that_goes_down_or_away_is_lost_and_told_when_opened() {
     assert!(other.starts_with("there is no CAN interface lo; "), "{other}");
 }
 
-/// The queue of the interface has room for 4 frames, each of which waits for 2 ms: more of them go later, in their order.
+/// The queue of the interface has room for 4 frames, each delayed by 2 ms: further frames are sent later in their order.
 #[test]
 #[ignore = "needs a kernel with vcan and sch_netem: tests/socketcan.sh"]
 fn what_a_full_interface_does_not_take_goes_later() {
@@ -156,7 +156,7 @@ fn what_a_full_interface_does_not_take_goes_later() {
         heard.len() >= all.len()
     });
     assert_eq!(heard, all);
-    // More than wait at once are refused.
+    // Frames beyond the queue are refused.
     run("tc", "qdisc replace dev vcan4 root netem limit 4 delay 60s");
     let refused = (0..1000).find_map(|id| sends.send(&frame(id, &[])).err()).unwrap();
     assert_eq!(refused.to_string(), "the bus takes no more frames: 256 of them wait");

@@ -1,11 +1,11 @@
-//! The goals of one action: their states, who waits for their results, what a cancel request means. Knows no DDS.
+//! Goals of one action: their states, waiting result requests, and the selection of goals by a cancel request. Independent of DDS.
 //!
-//! Law      accepted -> executing -> succeeded | aborted; accepted or executing -> canceling -> canceled | succeeded |
-//!          aborted. Every client gets the result of an ended goal, until its time has passed. A goal that
-//!          is canceled while it is being decided begins with canceling. A cancel request for all goals means those that
-//!          were sent before it
-//! Refuses  an id that is known, also one that is still being decided or has ended
-//! Source   rcl_action, except: who cancels a goal that is canceling already is told that it is, not that it has ended
+//! Law      accepted -> executing -> succeeded | aborted; accepted or executing -> canceling -> canceled | succeeded | aborted. Every
+//!          client gets the result of an ended goal until its timeout. A goal that is canceled before it is accepted starts as canceling. A
+//!          cancel request for all goals applies to those that were sent before it
+//! Refuses  an ID that is known, also that of a goal that is still undecided or has ended
+//! Source   rcl_action, with one exception: a cancel request for a goal that is already canceling returns success, not that the goal has
+//!          ended
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -17,11 +17,11 @@ use tokio::sync::watch;
 
 use crate::layer::service::Origin;
 
-/// Who may wait for the result of one goal; of more, the first to ask is forgotten. A goal that stays open for days is asked
-/// for by clients that have gone since.
+/// Maximum number of result requests that wait for one goal; of more, the oldest is dropped. A goal that stays open for days also has
+/// requests of clients that have disappeared.
 const MOST_ASKERS: usize = 256;
 
-/// Identifier of a goal, which its client chose.
+/// Identifier of a goal, which its client has chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct GoalId(pub [u8; 16]);
 
@@ -39,21 +39,21 @@ impl fmt::Display for GoalId {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i8)]
 pub enum Status {
-    /// Accepted, not begun.
+    /// Accepted, but not started.
     Accepted = GoalStatus::STATUS_ACCEPTED,
-    /// Being done.
+    /// Executing.
     Executing = GoalStatus::STATUS_EXECUTING,
-    /// To be given up.
+    /// To be canceled.
     Canceling = GoalStatus::STATUS_CANCELING,
     /// Reached.
     Succeeded = GoalStatus::STATUS_SUCCEEDED,
-    /// Given up because a client asked for it.
+    /// Ended because a client has canceled it.
     Canceled = GoalStatus::STATUS_CANCELED,
-    /// Given up for another reason.
+    /// Ended for another reason.
     Aborted = GoalStatus::STATUS_ABORTED,
 }
 
-/// How a goal ends.
+/// End state of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     Succeeded,
@@ -61,7 +61,7 @@ pub(super) enum End {
     Aborted,
 }
 
-/// When a goal was accepted; earlier is less.
+/// Time when a goal was accepted, in chronological order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Stamp {
     sec: i32,
@@ -80,7 +80,7 @@ impl From<Stamp> for Time {
     }
 }
 
-/// A goal as the status topic shows it.
+/// Goal as the status topic reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shown {
     pub(super) id: GoalId,
@@ -88,40 +88,40 @@ pub(super) struct Shown {
     pub(super) status: Status,
 }
 
-/// What a cancel request means.
+/// Goals that a cancel request applies to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Selection {
-    /// The answer, unless the application refuses all of `open`.
+    /// Return code, unless the application refuses all of `open`.
     pub(super) code: i8,
-    /// Goals that can begin to cancel.
+    /// Goals that can start to cancel.
     pub(super) open: Vec<GoalId>,
-    /// Goals that do so already.
+    /// Goals that are already canceling.
     pub(super) canceling: Vec<GoalId>,
 }
 
-/// Answer to one who asks for a result.
+/// Answer to a result request.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Asked<R, W> {
-    /// There is no such goal.
+    /// The goal is unknown.
     Unknown(W),
-    /// It has ended.
+    /// The goal has ended.
     Ended(W, Status, R),
-    /// He is told when it ends.
+    /// The answer follows when the goal ends.
     Waits,
 }
 
-/// All goals of an action server; `R` is a result, `W` somebody who waits for one.
+/// All goals of an action server; `R` is a result, `W` a waiting result request.
 #[derive(Debug)]
 pub(super) struct Goals<R, W> {
-    /// In the order in which they were accepted.
+    /// Accepted goals, in the order of their acceptance.
     kept: Vec<Goal<R, W>>,
-    /// In the order in which they were offered.
+    /// Offered goals, in the order of their offers.
     deciding: Vec<Deciding>,
     keep: Duration,
     most: usize,
 }
 
-/// A goal before the application accepts or rejects it.
+/// Goal before the application accepts or rejects it.
 #[derive(Debug)]
 struct Deciding {
     id: GoalId,
@@ -132,7 +132,7 @@ struct Deciding {
 #[derive(Debug)]
 struct Goal<R, W> {
     shown: Shown,
-    /// When it was sent; `None` if it was never offered.
+    /// Origin of the request; `None` if the goal was never offered.
     origin: Option<Origin>,
     cancel: watch::Sender<bool>,
     waiting: Vec<W>,
@@ -140,12 +140,12 @@ struct Goal<R, W> {
 }
 
 impl<R: Clone, W> Goals<R, W> {
-    /// Ended goals are kept for `keep`, and not more than `most` of them.
+    /// Creates an empty list. Ended goals are kept for `keep`, and not more than `most` of them.
     pub(super) fn new(keep: Duration, most: usize) -> Self {
         Self { kept: Vec::new(), deciding: Vec::new(), keep, most }
     }
 
-    /// Takes a goal for decision; false when its id is known.
+    /// Adds a goal that is to be decided; returns false if its ID is known.
     pub(super) fn offer(&mut self, id: GoalId, origin: Origin, now: Instant) -> bool {
         self.expire(now);
         if self.knows(id) {
@@ -155,17 +155,17 @@ impl<R: Clone, W> Goals<R, W> {
         true
     }
 
-    /// Whether there is such a goal, accepted or not.
+    /// Returns true if the goal is known, accepted or not.
     pub(super) fn knows(&self, id: GoalId) -> bool {
         self.find(id).is_some() || self.deciding.iter().any(|goal| goal.id == id)
     }
 
-    /// The offered goal is not accepted.
+    /// Removes an offered goal that is not accepted.
     pub(super) fn withdraw(&mut self, id: GoalId) {
         self.deciding.retain(|goal| goal.id != id);
     }
 
-    /// The offered goal is accepted. The receiver is true once a client has canceled it.
+    /// Accepts an offered goal. The receiver becomes true when a client cancels the goal.
     pub(super) fn accept(&mut self, id: GoalId, stamp: Stamp) -> watch::Receiver<bool> {
         let place = self.deciding.iter().position(|goal| goal.id == id);
         let decided = place.map(|place| self.deciding.remove(place));
@@ -177,7 +177,7 @@ impl<R: Clone, W> Goals<R, W> {
         canceled
     }
 
-    /// The goal is being done; false when that is nothing new.
+    /// Sets a goal to executing; returns false if that changes nothing.
     pub(super) fn execute(&mut self, id: GoalId) -> bool {
         match self.find_mut(id) {
             Some(goal) if goal.shown.status == Status::Accepted => {
@@ -188,8 +188,8 @@ impl<R: Clone, W> Goals<R, W> {
         }
     }
 
-    /// What a cancel request for `id` and `stamp` means: both zero all goals that were sent before it, a stamp alone those
-    /// accepted at or before it, an id alone that goal, both that goal and those accepted at or before the stamp.
+    /// Returns the goals that a cancel request for `id` and `stamp` applies to. Both zero: all goals that were sent before it. Only a
+    /// stamp: those accepted at or before it. Only an ID: that goal. Both: that goal, and those accepted at or before the stamp.
     pub(super) fn select(&mut self, id: GoalId, stamp: Stamp, origin: Origin, now: Instant) -> Selection {
         self.expire(now);
         let (no_id, no_stamp) = (id == GoalId::default(), stamp == Stamp::default());
@@ -221,7 +221,7 @@ impl<R: Clone, W> Goals<R, W> {
         selection
     }
 
-    /// Lets these goals cancel; returns those that do, of which some may have done so before.
+    /// Sets these goals to canceling. Returns those that are canceling, also if they were before.
     pub(super) fn cancel(&mut self, ids: &[GoalId]) -> Vec<Shown> {
         let mut canceling = Vec::new();
         for goal in self.kept.iter_mut().filter(|goal| ids.contains(&goal.shown.id) && goal.ended.is_none()) {
@@ -231,14 +231,14 @@ impl<R: Clone, W> Goals<R, W> {
         }
         for goal in self.deciding.iter_mut().filter(|goal| ids.contains(&goal.id)) {
             goal.is_canceled = true;
-            // It gets its stamp when it is accepted.
+            // The goal gets its stamp when it is accepted.
             canceling.push(Shown { id: goal.id, stamp: Stamp::default(), status: Status::Canceling });
         }
         canceling
     }
 
-    /// Ends a goal; returns its final status and who waits for the result. `None` when it has ended before.
-    /// A goal that nobody canceled cannot end canceled: it ends aborted.
+    /// Ends a goal. Returns its final status and the waiting result requests; `None` if it has already ended.
+    /// A goal that no client has canceled cannot end canceled: it ends aborted.
     pub(super) fn end(&mut self, id: GoalId, end: End, result: R, now: Instant) -> Option<(Status, Vec<W>)> {
         let goal = self.find_mut(id).filter(|goal| goal.ended.is_none())?;
         goal.shown.status = match end {
@@ -252,7 +252,7 @@ impl<R: Clone, W> Goals<R, W> {
         Some(ended)
     }
 
-    /// Somebody asks for a result.
+    /// Handles a result request.
     pub(super) fn ask(&mut self, id: GoalId, who: W, now: Instant) -> Asked<R, W> {
         self.expire(now);
         match self.find_mut(id) {
@@ -268,7 +268,7 @@ impl<R: Clone, W> Goals<R, W> {
         }
     }
 
-    /// Forgets ended goals whose time is over, and the oldest of those that are too many.
+    /// Removes ended goals whose timeout has passed, and the oldest ones above the maximum number.
     pub(super) fn expire(&mut self, now: Instant) {
         let keep = self.keep;
         self.kept.retain(|goal| goal.ended.as_ref().is_none_or(|(end, _)| now.duration_since(*end) < keep));
@@ -281,7 +281,7 @@ impl<R: Clone, W> Goals<R, W> {
         }
     }
 
-    /// All goals that are kept, in the order in which they were accepted.
+    /// Returns all goals, in the order of their acceptance.
     pub(super) fn shown(&self) -> impl Iterator<Item = Shown> {
         self.kept.iter().map(|goal| goal.shown)
     }

@@ -1,4 +1,4 @@
-//! Actions, as rcl_action serves them: goals, results for everybody who asks, cancel, feedback, status.
+//! Actions, as rcl_action serves them: goals, results for every client that requests them, cancel, feedback, status.
 
 mod goals;
 mod requests;

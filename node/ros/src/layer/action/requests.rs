@@ -1,4 +1,4 @@
-//! What the application holds: requests to decide, and goals to work on.
+//! Objects that the application gets: goal requests, cancel requests, and handles of accepted goals.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use super::server::{Shared, goal_info};
 use crate::layer::publisher::PublishError;
 use crate::layer::service::Reply;
 
-/// A goal that waits to be accepted or rejected; one that is dropped is rejected.
+/// Goal that is to be accepted or rejected; it is rejected when dropped.
 pub struct GoalRequest<A: Action> {
     id: GoalId,
     shared: Arc<Shared<A>>,
     goal: A::Goal,
-    /// `None` once it is decided.
+    /// Reply; `None` once the request is decided.
     reply: Option<Reply<SendGoalResponse>>,
 }
 
@@ -25,17 +25,17 @@ impl<A: Action> GoalRequest<A> {
         Self { id, shared, goal, reply: Some(reply) }
     }
 
-    /// Its identifier.
+    /// Returns the identifier.
     pub fn id(&self) -> GoalId {
         self.id
     }
 
-    /// What the client wants.
+    /// Returns the goal of the client.
     pub fn goal(&self) -> &A::Goal {
         &self.goal
     }
 
-    /// Accepts it; [`GoalHandle::execute`] begins it.
+    /// Accepts the goal; [`GoalHandle::execute`] starts it.
     pub fn accept(mut self) -> GoalHandle<A> {
         let stamp = self.shared.clock.now();
         let mut goals = self.shared.goals();
@@ -48,12 +48,12 @@ impl<A: Action> GoalRequest<A> {
         GoalHandle { id: self.id, shared: self.shared.clone(), goal: self.goal.clone(), canceled, ended: false }
     }
 
-    /// Rejects it. ROS has no place for the reason.
+    /// Rejects the goal. ROS has no field for the reason.
     pub fn reject(mut self) {
         self.decide_not();
     }
 
-    /// False when it was decided before.
+    /// Rejects the goal; returns false if it was decided before.
     fn decide_not(&mut self) -> bool {
         let Some(reply) = self.reply.take() else { return false };
         self.shared.goals().withdraw(self.id);
@@ -70,7 +70,7 @@ impl<A: Action> Drop for GoalRequest<A> {
     }
 }
 
-/// An accepted goal. One that is dropped before its end is aborted.
+/// Accepted goal. It is aborted if it is dropped before its end.
 pub struct GoalHandle<A: Action> {
     id: GoalId,
     shared: Arc<Shared<A>>,
@@ -80,17 +80,17 @@ pub struct GoalHandle<A: Action> {
 }
 
 impl<A: Action> GoalHandle<A> {
-    /// Its identifier.
+    /// Returns the identifier.
     pub fn id(&self) -> GoalId {
         self.id
     }
 
-    /// What the client wants.
+    /// Returns the goal of the client.
     pub fn goal(&self) -> &A::Goal {
         &self.goal
     }
 
-    /// Says that it is being done; once is enough.
+    /// Sets the goal to executing; further calls have no effect.
     pub fn execute(&self) {
         let mut goals = self.shared.goals();
         if goals.execute(self.id) {
@@ -98,36 +98,36 @@ impl<A: Action> GoalHandle<A> {
         }
     }
 
-    /// Publishes how far it is. Never waits; how often is the caller's choice.
+    /// Publishes feedback. Never blocks; the caller chooses the rate.
     pub fn feedback(&self, feedback: &A::Feedback) -> Result<(), PublishError> {
         self.shared.feedback(self.id, feedback)
     }
 
-    /// Whether a client has canceled it: it is to stop, and then to end [`canceled`](Self::canceled).
+    /// Returns true if a client has canceled the goal: it has to stop, and then to end with [`canceled`](Self::canceled).
     pub fn is_cancel_requested(&self) -> bool {
         *self.canceled.borrow()
     }
 
-    /// Ends when a client has canceled it, at once when one has already.
+    /// Completes when a client cancels the goal, at once if it is already canceled.
     pub async fn cancel_requested(&self) {
         let mut canceled = self.canceled.clone();
         if canceled.wait_for(|canceled| *canceled).await.is_err() {
-            // The goal has ended elsewhere: nobody can cancel it any more.
+            // The goal has already ended, so it can no longer be canceled.
             std::future::pending::<()>().await;
         }
     }
 
-    /// It was reached.
+    /// Ends the goal as succeeded.
     pub fn succeed(mut self, result: A::Result) {
         self.end(End::Succeeded, result);
     }
 
-    /// It cannot be reached.
+    /// Ends the goal as aborted.
     pub fn abort(mut self, result: A::Result) {
         self.end(End::Aborted, result);
     }
 
-    /// It was given up because a client has canceled it. Without that it ends aborted.
+    /// Ends the goal as canceled. If no client has canceled it, it ends aborted.
     pub fn canceled(mut self, result: A::Result) {
         if !self.is_cancel_requested() {
             tracing::warn!("{}: goal {} ends aborted: nobody has canceled it", self.shared.name, self.id);
@@ -150,13 +150,13 @@ impl<A: Action> Drop for GoalHandle<A> {
     }
 }
 
-/// Goals that a client wants to cancel; a request that is dropped is refused.
+/// Goals that a client requests to cancel; the request is refused when dropped.
 pub struct CancelRequest<A: Action> {
     shared: Arc<Shared<A>>,
     selection: Selection,
-    /// Goals that the request has canceled before; some may have ended since.
+    /// Goals that this request has canceled already; some may have ended since.
     begun: Vec<Shown>,
-    /// `None` once it is decided.
+    /// Reply; `None` once the request is decided.
     reply: Option<Reply<CancelGoalResponse>>,
 }
 
@@ -170,27 +170,27 @@ impl<A: Action> CancelRequest<A> {
         Self { shared, selection, begun, reply: Some(reply) }
     }
 
-    /// The goals in question. Those that are canceling already are not among them.
+    /// Returns the goals to be decided, without those that are already canceling.
     pub fn goals(&self) -> &[GoalId] {
         &self.selection.open
     }
 
-    /// Lets all of them cancel; their handles tell it.
+    /// Cancels all goals; their handles report it.
     pub fn accept(self) {
         self.accept_some(|_| true);
     }
 
-    /// Lets some of them cancel.
+    /// Cancels some of the goals.
     pub fn accept_some(mut self, accept: impl Fn(GoalId) -> bool) {
         self.decide(accept);
     }
 
-    /// Lets none of them cancel.
+    /// Cancels none of the goals.
     pub fn reject(mut self) {
         self.decide(|_| false);
     }
 
-    /// False when it was decided before.
+    /// Decides the request; returns false if it was decided before.
     fn decide(&mut self, accept: impl Fn(GoalId) -> bool) -> bool {
         let Some(reply) = self.reply.take() else { return false };
         let open = self.selection.open.iter().copied();
@@ -203,7 +203,7 @@ impl<A: Action> CancelRequest<A> {
         drop(goals);
         let canceling = with_begun(canceling, &self.begun);
         let rejected = accepted.is_empty() && !self.selection.open.is_empty();
-        // Accepted, but by now all have ended.
+        // Accepted, but all of the goals have ended meanwhile.
         let terminated = !accepted.is_empty() && canceling.is_empty();
         let return_code = match (rejected, terminated) {
             (true, _) => CancelGoalResponse::ERROR_REJECTED,
@@ -218,7 +218,7 @@ impl<A: Action> CancelRequest<A> {
     }
 }
 
-/// All goals that a request cancels: also those that it has canceled before, and that have ended since.
+/// Returns all goals that a request cancels, including those that it has canceled before and that have ended since.
 fn with_begun(mut canceling: Vec<Shown>, begun: &[Shown]) -> Vec<Shown> {
     for goal in begun {
         if canceling.iter().all(|other| other.id != goal.id) {

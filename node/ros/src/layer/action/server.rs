@@ -1,4 +1,4 @@
-//! The server of an action: one task answers its three services, whatever the application does.
+//! Action server: one task answers its three services, independently of the application.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -23,32 +23,32 @@ use crate::link::Writer;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 
-/// Events that wait for the application; with more, goals and cancel requests are rejected.
+/// Maximum number of events that wait for the application; above that, goals and cancel requests are rejected.
 const WAITING: usize = 256;
-/// Between two looks for results whose time is over.
+/// Time between two checks for expired results.
 const TIDY: Duration = Duration::from_secs(1);
 
-/// Who decides about cancel requests.
+/// Decision about cancel requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cancels {
-    /// Nobody: each is accepted at once, and the goal's handle tells it.
+    /// Each request is accepted at once, and the handle of the goal reports it.
     Accept,
-    /// The application, with [`ActionEvent::Cancel`].
+    /// The application decides, with [`ActionEvent::Cancel`].
     Ask,
 }
 
-/// How long the answer to a cancel request waits for goals that its client has sent before it: the services of an action are read
-/// side by side. Goals that are there already are canceled at once.
+/// Time for which a cancel request waits for goals that its client has sent before it, because the services of an action are read
+/// independently. Known goals are canceled at once.
 const GRACE: Duration = Duration::from_millis(20);
 
-/// How an action is served.
+/// Options of an action server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ActionOptions {
-    /// How long results are kept after the end of their goals. Default 10 s, as rcl_action.
+    /// Time for which results are kept after the end of their goals. Default 10 s, as in rcl_action.
     pub result_timeout: Duration,
-    /// Greatest number of ended goals that are kept; of more, the first to end are forgotten. Default 256.
+    /// Maximum number of ended goals that are kept; above that, the goal that ended first is removed. Default 256.
     pub kept_goals: usize,
-    /// Who decides about cancel requests. Default nobody.
+    /// Decision about cancel requests. Default: accept each.
     pub cancels: Cancels,
 }
 
@@ -58,15 +58,15 @@ impl Default for ActionOptions {
     }
 }
 
-/// What an action server asks its application.
+/// Event for the application of an action server.
 pub enum ActionEvent<A: Action> {
-    /// A client wants something.
+    /// Goal of a client.
     Goal(GoalRequest<A>),
-    /// A client wants it no more; only with [`Cancels::Ask`].
+    /// Cancel request of a client; only with [`Cancels::Ask`].
     Cancel(CancelRequest<A>),
 }
 
-/// Serves an action; dropping it takes the action from the node. Goals that have not ended stay with their handles.
+/// Action server; dropping it removes the action from the node. Goals that have not ended remain with their handles.
 pub struct ActionServer<A: Action> {
     events: Receiver<ActionEvent<A>>,
     shared: Arc<Shared<A>>,
@@ -100,12 +100,12 @@ impl<A: Action> ActionServer<A> {
         Self { events, shared, task }
     }
 
-    /// Full name of the action.
+    /// Returns the full name of the action.
     pub fn name(&self) -> &FullName {
         &self.shared.name
     }
 
-    /// What the application is asked next; `None` once the node is gone.
+    /// Returns the next event; `None` once the node has ended.
     pub async fn next(&mut self) -> Option<ActionEvent<A>> {
         self.events.recv().await
     }
@@ -117,10 +117,10 @@ impl<A: Action> Drop for ActionServer<A> {
     }
 }
 
-/// Somebody who waits for a result.
+/// Waiting result request.
 type Asker<A> = Reply<GetResultResponse<<A as Action>::Result>>;
 
-/// What the server's task and the handles of its goals have in common.
+/// State that the task of the server and the handles of its goals share.
 pub(super) struct Shared<A: Action> {
     goals: Mutex<Goals<A::Result, Asker<A>>>,
     status: Writer,
@@ -130,20 +130,20 @@ pub(super) struct Shared<A: Action> {
 }
 
 impl<A: Action> Shared<A> {
-    /// A panic elsewhere leaves the goals whole: each change is one call.
+    /// A panic in another thread leaves the goals consistent, because each change is one call.
     pub(super) fn goals(&self) -> MutexGuard<'_, Goals<A::Result, Asker<A>>> {
         self.goals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Publishes the status of all goals. They are locked, so that arrays go out in the order of the changes.
+    /// Publishes the status of all goals. They are locked, so that the messages are published in the order of the changes.
     pub(super) fn show(&self, goals: &Goals<A::Result, Asker<A>>) {
         let status = |shown: Shown| GoalStatus { goal_info: goal_info(shown), status: shown.status as i8 };
         let status = GoalStatusArray { status_list: goals.shown().map(status).collect() };
-        // What is latched is refused only once the node is gone.
+        // A latched message is refused only after the node has ended.
         let _ = self.status.write(cdr::encode(&status));
     }
 
-    /// Ends a goal and answers all who wait for it.
+    /// Ends a goal and answers all waiting result requests.
     pub(super) fn end(&self, id: GoalId, end: End, result: A::Result) {
         let mut goals = self.goals();
         let Some((status, waiting)) = goals.end(id, end, result.clone(), Instant::now()) else { return };
@@ -169,7 +169,7 @@ struct Services<A: Action> {
     cancels: ServiceServer<CancelGoal>,
 }
 
-/// A cancel request that waits for goals which its client has sent before it.
+/// Cancel request that waits for goals which its client has sent before it.
 struct Held {
     due: Instant,
     request: Request<CancelGoal>,
@@ -177,7 +177,7 @@ struct Held {
     begun: Vec<Shown>,
 }
 
-/// Ends at that time; without one, never.
+/// Completes at this time; never for `None`.
 async fn until(due: Option<Instant>) {
     match due {
         Some(due) => tokio::time::sleep_until(due.into()).await,
@@ -185,7 +185,7 @@ async fn until(due: Option<Instant>) {
     }
 }
 
-/// Answers what needs no application, and passes the rest on. Never waits for the application.
+/// Answers requests that do not need the application, and passes on the others. Never waits for the application.
 struct Dispatch<A: Action> {
     shared: Arc<Shared<A>>,
     events: Sender<ActionEvent<A>>,
@@ -197,7 +197,7 @@ struct Dispatch<A: Action> {
 impl<A: Action> Dispatch<A> {
     async fn run(self, mut services: Services<A>) {
         let mut tidy = tokio::time::interval(TIDY);
-        // Cancel requests that may mean goals which have not come yet.
+        // Cancel requests that may apply to goals which have not arrived yet.
         let mut held: VecDeque<Held> = VecDeque::new();
         loop {
             let due = held.front().map(|held| held.due);
@@ -238,8 +238,8 @@ impl<A: Action> Dispatch<A> {
         }
     }
 
-    /// Takes the goals that are there: what another request means may be among them. Not more than wait at a time, since clients
-    /// that send goals without end would hold up all other requests.
+    /// Handles waiting goal requests, because another request may apply to one of them. Limited to one queue length, so that clients with
+    /// endless goals cannot delay all other requests.
     fn take_goals(&self, goals: &mut ServiceServer<SendGoal<A>>) {
         for _ in 0..WAITING {
             let Some(request) = goals.waiting() else { return };
@@ -247,7 +247,7 @@ impl<A: Action> Dispatch<A> {
         }
     }
 
-    /// Whether a cancel request may mean a goal that was sent before it and comes after it.
+    /// Returns true if a cancel request may apply to a goal that was sent before it but arrives after it.
     fn may_be_early(&self, GoalInfo { goal_id, stamp }: &GoalInfo) -> bool {
         let id = GoalId(goal_id.uuid);
         if id == GoalId::default() { Stamp::from(stamp) == Stamp::default() } else { !self.shared.goals().knows(id) }
@@ -269,7 +269,7 @@ impl<A: Action> Dispatch<A> {
     fn result(&self, id: GoalId, asker: Asker<A>) {
         match self.shared.goals().ask(id, asker, Instant::now()) {
             Asked::Waits => {}
-            // Status 0 is "unknown"; that is also what the default says.
+            // Status 0 is "unknown", which is also the default.
             Asked::Unknown(asker) => asker.send_soon(GetResultResponse::default()),
             Asked::Ended(asker, status, result) => {
                 asker.send_soon(GetResultResponse { status: status as i8, result });
@@ -277,8 +277,8 @@ impl<A: Action> Dispatch<A> {
         }
     }
 
-    /// Lets the goals that are there cancel at once, and returns them: a motion does not go on until the request is answered. If the
-    /// application decides about cancel requests, it is asked once, later.
+    /// Cancels the known goals at once and returns them, so that a motion does not continue until the request is answered. If the
+    /// application decides about cancel requests, it gets one event, later.
     fn begin_cancel(&self, Request { message, reply }: &Request<CancelGoal>) -> Vec<Shown> {
         let origin = reply.origin();
         if self.cancels == Cancels::Ask || origin.refused(None).is_some() {
@@ -294,9 +294,9 @@ impl<A: Action> Dispatch<A> {
         canceling
     }
 
-    /// Carries a cancel request out. `begun` are goals that it has canceled already.
+    /// Executes a cancel request. `begun` are goals that it has canceled already.
     fn cancel(&self, Request { message, reply }: Request<CancelGoal>, begun: Vec<Shown>) {
-        // A cancel of all goals is meant for those of its time.
+        // A cancel of all goals is valid only for a limited time.
         if let Some(sentence) = reply.origin().refused(None) {
             self.tell(&format!("a cancel request was refused: {sentence}"));
             return reply.send_soon(CancelGoalResponse {
@@ -321,7 +321,7 @@ impl<A: Action> Dispatch<A> {
         self.refusals.say((), |more| tracing::warn!("{}: {refusal}{more}", self.shared.name));
     }
 
-    /// What is dropped here rejects itself and says so.
+    /// A dropped event rejects its request and reports that.
     fn pass_on(&self, event: ActionEvent<A>) {
         if self.events.try_send(event).is_err() {
             tracing::error!("{}: the application does not take requests any more", self.shared.name);

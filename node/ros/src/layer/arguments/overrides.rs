@@ -1,4 +1,4 @@
-//! Parameters that are given to a node at its start: `-p` and `--params-file`.
+//! Parameter overrides of a node at its start: `-p` and `--params-file`.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -9,15 +9,15 @@ use super::yaml::{self, Yaml};
 use crate::layer::file::open_file;
 use crate::layer::name::NodeName;
 
-/// The key below which a node's parameters stand in a file.
+/// Key under which a file contains the parameters of a node.
 const PARAMETERS: &str = "ros__parameters";
 
-/// For which nodes: words between slashes, `*` for any one word, `**` for any number of words.
+/// Pattern of node names: tokens separated by slashes, `*` for any one token, `**` for any number of tokens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Pattern(Vec<String>);
 
 impl Pattern {
-    /// Reads a name; without a slash at its beginning it is in the root namespace, as rclcpp has it.
+    /// Parses a name; without a leading slash it is in the root namespace, as in rclcpp.
     fn parse(text: &str) -> Result<Self, String> {
         let words: Vec<String> = text.trim_start_matches('/').split('/').map(str::to_owned).collect();
         let is_word = |word: &String| !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
@@ -52,7 +52,7 @@ fn fits(pattern: &[String], words: &[&str]) -> bool {
     }
 }
 
-/// A value that was given for a parameter of some nodes.
+/// Parameter override for the nodes of a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Override {
     nodes: Pattern,
@@ -60,23 +60,23 @@ pub(super) struct Override {
     given: Given,
 }
 
-/// A value that was given.
+/// Parameter override of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Given {
-    /// The value; an empty list, whose type nobody knows, is an empty byte array.
+    /// Value; an empty list, whose type is unknown, is an empty byte array.
     pub value: ParameterValue,
-    /// Where it stands.
+    /// Place where it was given.
     pub place: String,
-    /// It stands in a file, which may be a dump of all there is; else on the line, alone.
+    /// Whether it was given in a file, which may be a dump of all parameters; otherwise it was given on the command line.
     pub is_of_file: bool,
-    /// It was meant for this node; else for many, of which another one may have such a parameter.
+    /// Whether it was given for this node only; otherwise for several nodes, of which another one may have this parameter.
     pub is_strict: bool,
 }
 
-/// Reads `[NODE:]NAME:=VALUE`.
+/// Parses `[NODE:]NAME:=VALUE`.
 ///
 /// # Errors
-/// What is wrong, as the end of a sentence.
+/// Description of the error, as the end of a sentence.
 pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
     let (name, value) = given.split_once(":=").ok_or("")?;
     let (nodes, name) = match name.split_once(':') {
@@ -91,10 +91,10 @@ pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
     Ok(Override { nodes, name: name.to_owned(), given: Given { value, place, is_of_file: false, is_strict: true } })
 }
 
-/// Reads a file of parameters.
+/// Reads a parameter file.
 ///
 /// # Errors
-/// What is wrong, with its place.
+/// Description of the error with its place.
 pub(super) fn read_file(path: &str) -> Result<Vec<Override>, String> {
     let mut text = String::new();
     let opened = open_file(path.as_ref()).and_then(|file| file.take(yaml::LONGEST + 1).read_to_string(&mut text));
@@ -115,7 +115,7 @@ fn read(path: &str, text: &str) -> Result<Vec<Override>, String> {
     Ok(found)
 }
 
-/// Nodes, and namespaces with nodes in them.
+/// Reads nodes, and namespaces with nodes in them.
 fn nodes(path: &str, prefix: &str, tree: &Yaml, found: &mut Vec<Override>) -> Result<(), yaml::Wrong> {
     for (key, value) in tree.map("names of nodes with ros__parameters below them are")? {
         if key.text == PARAMETERS {
@@ -134,7 +134,7 @@ fn nodes(path: &str, prefix: &str, tree: &Yaml, found: &mut Vec<Override>) -> Re
     Ok(())
 }
 
-/// Parameters, and groups of them.
+/// Reads parameters and groups of parameters.
 fn parameters(
     path: &str,
     nodes: &Pattern,
@@ -155,7 +155,7 @@ fn parameters(
     Ok(())
 }
 
-/// The parameters that were given to one node, by name.
+/// Parameter overrides of one node, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides(BTreeMap<String, Given>);
 
@@ -163,7 +163,7 @@ impl Overrides {
     pub(super) fn of(all: &[Override], node: &NodeName) -> Self {
         let mut own: BTreeMap<String, Given> = BTreeMap::new();
         for one in all.iter().filter(|one| one.nodes.fits(node)) {
-            // What was once meant for this node alone has to be there.
+            // A value that was once given for this node only must match a parameter.
             let was_strict = own.get(&one.name).is_some_and(|before| before.is_strict);
             let given = Given { is_strict: one.given.is_strict || was_strict, ..one.given.clone() };
             own.insert(one.name.clone(), given);
@@ -171,32 +171,32 @@ impl Overrides {
         Self(own)
     }
 
-    /// Takes the value that was given for a parameter.
+    /// Removes and returns the value that was given for a parameter.
     pub fn take(&mut self, name: &str) -> Option<Given> {
         self.0.remove(name)
     }
 
-    /// Takes all whose names fit.
+    /// Removes and returns all values whose names match.
     pub fn take_where(&mut self, fits: impl Fn(&str) -> bool) -> Self {
         let (taken, left) = std::mem::take(&mut self.0).into_iter().partition(|(name, _)| fits(name));
         self.0 = left;
         Self(taken)
     }
 
-    /// All of them, ascending by name.
+    /// Returns all values, ascending by name.
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Given)> {
         self.0.iter()
     }
 
-    /// Whether nothing was given.
+    /// Returns true if no value was given.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// What is left at the end is known to nobody: what was meant for this node is an error, the rest a list of warnings.
+    /// Returns warnings about values that match no parameter. To be called last.
     ///
     /// # Errors
-    /// All that was meant for this node, in one sentence.
+    /// All values that were given for this node only, in one message.
     pub fn unknown(&self) -> Result<Vec<String>, String> {
         let sentence = |(name, given): (&String, &Given)| format!("{}: no parameter is called `{name}`", given.place);
         let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_strict).map(sentence).collect();

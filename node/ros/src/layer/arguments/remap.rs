@@ -1,18 +1,18 @@
-//! Rules that give topics, services, actions and the node other names.
+//! Remapping rules for topics, services, actions and the node.
 
 use crate::layer::name::{FullName, NameError, NodeName};
 
-/// A rule for the name or the namespace of a node.
+/// Remapping rule for the name or the namespace of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct NodeRule {
-    /// Only for a node of that name.
+    /// Name of the node to which the rule is limited, if any.
     pub(super) node: Option<String>,
-    /// Of the name; else of the namespace.
+    /// Whether the rule is for the name; otherwise it is for the namespace.
     pub(super) of_name: bool,
     pub(super) to: String,
 }
 
-/// A rule for topics and services.
+/// Remapping rule for topics and services.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Rule {
     node: Option<String>,
@@ -27,10 +27,10 @@ pub(super) enum Parsed {
     Name(Rule),
 }
 
-/// Reads `[NODE:]FROM:=TO`.
+/// Parses `[NODE:]FROM:=TO`.
 ///
 /// # Errors
-/// What is wrong, as the end of a sentence.
+/// Description of the error, as the end of a sentence.
 pub(super) fn parse(given: &str) -> Result<Parsed, String> {
     let (from, to) = given.split_once(":=").ok_or("")?;
     let (topics, services) = ("rostopic://", "rosservice://");
@@ -57,14 +57,14 @@ pub(super) fn parse(given: &str) -> Result<Parsed, String> {
     })
 }
 
-/// What a node calls its topics, services and actions: expanded against its own name, then remapped by the first rule that fits.
+/// Names that a node uses for its topics, services and actions: expanded with its own name, then remapped by the first rule that matches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Names {
     node: NodeName,
     rules: Vec<Full>,
 }
 
-/// A rule with both names expanded.
+/// Rule with both names expanded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Full {
     topics: bool,
@@ -74,7 +74,7 @@ struct Full {
 }
 
 impl Names {
-    /// Without any rule.
+    /// Creates names without remapping rules.
     pub fn plain(node: NodeName) -> Self {
         Self { node, rules: Vec::new() }
     }
@@ -89,31 +89,31 @@ impl Names {
         Ok(Self { node, rules })
     }
 
-    /// Name and namespace of the node.
+    /// Returns name and namespace of the node.
     pub fn node(&self) -> &NodeName {
         &self.node
     }
 
-    /// The full name of a topic.
+    /// Returns the full name of a topic.
     ///
     /// # Errors
-    /// ROS does not allow it.
+    /// ROS does not allow the name.
     pub fn topic(&self, name: &str) -> Result<FullName, NameError> {
         Ok(self.remapped_topic(self.node.expand(name)?))
     }
 
-    /// The full name of a service.
+    /// Returns the full name of a service.
     ///
     /// # Errors
-    /// ROS does not allow it.
+    /// ROS does not allow the name.
     pub fn service(&self, name: &str) -> Result<FullName, NameError> {
         Ok(self.remapped_service(self.node.expand(name)?))
     }
 
-    /// The full name of an action: rules for topics hold for it. Its parts are then remapped as what they are.
+    /// Returns the full name of an action, remapped by rules for topics. Its topics and services are then remapped as such.
     ///
     /// # Errors
-    /// ROS does not allow it.
+    /// ROS does not allow the name.
     pub fn action(&self, name: &str) -> Result<FullName, NameError> {
         self.topic(name)
     }
@@ -132,9 +132,9 @@ impl Names {
     }
 }
 
-/// A name of a rule, with `{node}` and `{ns}` or `{namespace}` in it.
+/// Expands a name of a rule, with `{node}` and `{ns}` or `{namespace}` in it.
 fn substituted(node: &NodeName, name: &str) -> Result<FullName, NameError> {
-    // The root namespace adds no slash of its own.
+    // The slash of the root namespace is not duplicated.
     let namespace = node.namespace().trim_end_matches('/');
     let with = |name: &str, word: &str, value: &str| name.replace(word, value);
     let name = with(&with(&with(name, "{node}", node.name()), "{ns}", namespace), "{namespace}", namespace);

@@ -24,7 +24,7 @@ fn of_the_rules_for_a_node_the_first_counts() {
     assert_eq!(node("-r __name:=a --ros-args -r __node:=b"), "/cell/a");
     assert_eq!(node("-r other:__node:=a -r lineshaft:__node:=b"), "/cell/b");
     assert_eq!(node("-r __ns:=/x/y"), "/x/y/lineshaft");
-    // rcl looks for the namespace under the new name.
+    // rcl matches the rule for the namespace with the new name.
     assert_eq!(node("-r __node:=b -r lineshaft:__ns:=/x -r b:__ns:=/y"), "/y/b");
     let bad = take("--ros-args -r __node:=a-b").unwrap().0.node_name("lineshaft", "/").unwrap_err();
     assert!(bad.to_string().contains("'-' is not allowed"), "{bad}");

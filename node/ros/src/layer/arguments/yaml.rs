@@ -1,15 +1,15 @@
-//! YAML as rcl reads it: plain scalars have the types of parameters, lists are of one type, aliases are refused.
+//! YAML like rcl: plain scalars have parameter types, lists have one type, aliases are refused.
 
 use std::collections::HashSet;
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterType, ParameterValue};
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 
-/// Longest file (bytes), deepest nesting.
+/// Maximum size of a file, in bytes, and maximum nesting.
 pub(super) const LONGEST: u64 = 4 << 20;
 const DEEPEST: usize = 64;
 
-/// What is wrong, and where.
+/// Error with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Wrong {
     pub(super) line: usize,
@@ -17,11 +17,11 @@ pub(super) struct Wrong {
     pub(super) sentence: String,
 }
 
-/// A scalar as it was written.
+/// Scalar as written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Scalar {
     pub(super) text: String,
-    /// In quotes, a block, or tagged as a string.
+    /// Whether it is in quotes, a block, or tagged as a string.
     is_string: bool,
     pub(super) line: usize,
     pub(super) column: usize,
@@ -32,7 +32,7 @@ impl Scalar {
         Wrong { line: self.line, column: self.column, sentence: sentence.into() }
     }
 
-    /// The value with the type that rcl sees in it.
+    /// Returns the value with the type that rcl gives it.
     fn value(&self) -> Result<ParameterValue, Wrong> {
         let (text, value) = (self.text.as_str(), ParameterValue::default());
         if self.is_string {
@@ -44,7 +44,7 @@ impl Scalar {
         }
         match text {
             "" => return Err(self.wrong("a parameter has no value here")),
-            // As `ros2 param dump` writes what has no value.
+            // `ros2 param dump` writes this for a parameter without a value.
             "~" | "null" | "Null" | "NULL" => return Ok(value),
             "y" | "Y" | "yes" | "Yes" | "YES" | "true" | "True" | "TRUE" | "on" | "On" | "ON" => {
                 return Ok(ParameterValue { r#type: ParameterType::PARAMETER_BOOL, bool_value: true, ..value });
@@ -94,22 +94,22 @@ fn double(text: &str) -> Option<f64> {
         "-.inf" | "-.Inf" | "-.INF" => return Some(f64::NEG_INFINITY),
         _ => {}
     }
-    // A word such as `inf` or `nan` is none.
+    // Words such as `inf` or `nan` are not numbers.
     let is_number = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
     if is_number { text.parse().ok() } else { None }
 }
 
-/// A value with what is in it.
+/// YAML value with its content.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Yaml {
     Scalar(Scalar),
     List(Scalar, Vec<Yaml>),
-    /// In file order, each key once.
+    /// Entries in file order, with unique keys.
     Map(Scalar, Vec<(Scalar, Yaml)>),
 }
 
 impl Yaml {
-    /// Where it begins.
+    /// Returns the place where the value begins.
     fn place(&self) -> &Scalar {
         match self {
             Self::Scalar(place) | Self::List(place, _) | Self::Map(place, _) => place,
@@ -127,7 +127,7 @@ impl Yaml {
         }
     }
 
-    /// As the value of a parameter.
+    /// Returns the value as a parameter value.
     pub(super) fn value(&self) -> Result<ParameterValue, Wrong> {
         match self {
             Self::Scalar(scalar) => scalar.value(),
@@ -168,13 +168,13 @@ fn list(items: &[Yaml]) -> Result<ParameterValue, Wrong> {
     Ok(array)
 }
 
-/// Lists and mappings whose end has not come yet.
+/// Lists and mappings that are not closed yet.
 enum Open {
     List(Scalar, Vec<Yaml>),
     Map(Scalar, Vec<(Scalar, Yaml)>, Option<Scalar>),
 }
 
-/// Reads one document; one without anything in it is an empty text.
+/// Parses one document; an empty document is an empty text.
 pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
     let mut parser = Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
     let (mut open, mut root) = (Vec::new(), None);
@@ -299,7 +299,7 @@ mod tests {
             ("/a/b", "/a/b"),
             ("1_000", "1_000"),
         ] {
-            // A lone dash begins a list.
+            // A single dash begins a list.
             if text != "-" {
                 assert_eq!(string(text).as_deref(), Some(inside), "{text}");
             }

@@ -17,7 +17,7 @@ use crate::link::Reader;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
 
-/// Sends goals of one action.
+/// Client of one action.
 pub struct ActionClient<A: Action> {
     goals: ServiceClient<SendGoal<A>>,
     results: ServiceClient<GetResult<A>>,
@@ -38,12 +38,12 @@ impl<A: Action> ActionClient<A> {
         }
     }
 
-    /// Full name of the action.
+    /// Returns the full name of the action.
     pub fn name(&self) -> &FullName {
         &self.name
     }
 
-    /// Number of servers whose services are matched now: of the goals, the results and the cancel requests.
+    /// Returns the number of servers that are matched now, for each service: goals, results, cancel requests.
     pub fn servers(&self) -> [usize; 3] {
         [self.goals.servers(), self.results.servers(), self.cancels.servers()]
     }
@@ -96,7 +96,7 @@ impl<A: Action> ActionClient<A> {
         }
     }
 
-    /// Requests that a goal ends.
+    /// Sends a cancel request for a goal.
     ///
     /// # Errors
     /// [`ClientError::Unsent`].
@@ -116,25 +116,25 @@ impl<A: Action> ActionClient<A> {
     }
 }
 
-/// What a goal has reported.
+/// Report of a goal.
 pub enum Progress<A: Action> {
-    /// How far it is.
+    /// Feedback message.
     Feedback {
-        /// Which goal.
+        /// Identifier of the goal.
         id: GoalId,
-        /// How far.
+        /// Feedback.
         feedback: A::Feedback,
     },
-    /// It has ended.
+    /// The goal has ended.
     Ended {
-        /// A constant of `GoalStatus`: 4 succeeded, 5 canceled, 6 aborted, or 0 for a goal that the server does not know.
+        /// A constant of `GoalStatus`: 4 succeeded, 5 canceled, 6 aborted, or 0 for a goal that is unknown to the server.
         status: i8,
-        /// How it ended.
+        /// Result.
         result: A::Result,
     },
 }
 
-/// An identifier that no other goal has: 128 bits, random by the keys that the system gives to hash maps.
+/// Returns a unique goal identifier: 128 random bits, from the keys that the system gives to hash maps.
 fn random_id() -> GoalId {
     let mut id = [0; 16];
     for half in id.chunks_exact_mut(8) {

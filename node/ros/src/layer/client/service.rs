@@ -1,8 +1,8 @@
-//! Client of a service: sends requests, and finds the reply of each.
+//! Client of a service: sends requests and receives the reply of each.
 //!
-//! Law      a request is plain CDR without a mark. The server identifies it by its writer and its sequence number (OMG DDS-RPC 1.0,
-//!          basic mapping), and repeats both in the `related_sample_identity` of the reply. The library numbers the samples of a
-//!          writer from 1 on, so the number of a request is the number of requests so far
+//! Law      a request is plain CDR without a header. The server identifies it by its writer and its sequence number (OMG DDS-RPC 1.0, basic
+//!          mapping), and repeats both in the `related_sample_identity` of the reply. The library numbers the samples of a writer from 1,
+//!          so the number of a request is the number of requests so far
 //! Refuses  replies without that identity, and replies to requests of other clients; both are ignored
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 use crate::link::{Reader, Writer};
 
-/// A request that was not sent, or a reply that was not received.
+/// Error: a request was not sent, or a reply was not received.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ClientError {
     /// The DDS library does not keep up, or has ended.
@@ -25,7 +25,7 @@ pub enum ClientError {
         /// Full name of the service.
         service: FullName,
     },
-    /// The reply has another form than the service.
+    /// The reply does not have the form of the service.
     #[error("{service}: the reply cannot be read: {reason}; the node may be of another version")]
     Unreadable {
         /// Full name of the service.
@@ -54,7 +54,7 @@ pub struct ServiceClient<S: Service> {
     name: FullName,
     /// Number of requests so far.
     sent: i64,
-    /// Replies that came while another one was waited for.
+    /// Replies that were received while another one was awaited.
     early: HashMap<i64, Result<S::Response, ClientError>>,
     closed: watch::Receiver<()>,
 }
@@ -71,12 +71,12 @@ impl<S: Service> ServiceClient<S> {
         }
     }
 
-    /// Full name of the service.
+    /// Returns the full name of the service.
     pub fn name(&self) -> &FullName {
         &self.name
     }
 
-    /// Number of servers that are matched now. During a handover of the server's ROS side it is 2 for some seconds.
+    /// Returns the number of servers that are matched now. During a handover of the server's ROS side it is 2 for some seconds.
     pub fn servers(&self) -> usize {
         self.requests.matched()
     }
@@ -122,7 +122,7 @@ impl<S: Service> ServiceClient<S> {
     }
 }
 
-/// Number of the request that a reply answers, if it is one of the first `sent`.
+/// Returns the number of the request that a reply answers, if it is one of the first `sent`.
 fn answered(sample: &Sample, sent: i64) -> Option<i64> {
     sample.related?.number.filter(|number| (1..=sent).contains(number))
 }

@@ -1,6 +1,6 @@
-//! Who sent a request, where its message begins, and in which form the reply goes back.
+//! Client of a request, start of its message, and form of the reply.
 //!
-//! Both RMWs use the same topics and types, but tell a reply's request in different ways:
+//! Both RMWs use the same topics and types, but identify the request of a reply in different ways:
 //!
 //! |         | rmw_fastrtps                                         | rmw_cyclonedds                                |
 //! | ------- | ---------------------------------------------------- | --------------------------------------------- |
@@ -9,10 +9,11 @@
 //! | reply   | `related_sample_identity`: that GUID and the number  | the same 16 bytes before the message          |
 //! |         | of the request's sample                              |                                               |
 //!
-//! Law      with a `related_sample_identity`: plain. Else from Cyclone DDS: with the 16 bytes. Else (clients that follow
-//!          DDS-RPC): plain, answered by writer and number of the sample. In the two cases without a mark the message must
-//!          not fit the other form as well, so that one RMW's request is never taken for the other's
-//! Refuses  what the strict CDR reader refuses, more than 3 bytes left over among it; what fits both forms
+//! Law      a request with a `related_sample_identity` is plain. Otherwise a request from Cyclone DDS has the 16 bytes. Any other request
+//!          (clients that follow DDS-RPC) is plain, and is answered by writer and number of the sample. In the two cases without
+//!          `related_sample_identity`, the message must not fit the other form as well, so that a request of one RMW is never interpreted
+//!          as one of the other
+//! Refuses  messages that the strict CDR reader refuses, including more than 3 extra bytes; messages that fit both forms
 
 use lineshaft_msgs::cdr::{self, DecodeError};
 use serde::de::DeserializeOwned;
@@ -20,17 +21,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::link::protocol::{Place, Related, Sample, SampleId};
 
-/// Length of rmw_cyclonedds' header; a multiple of 8, so that the message behind it is aligned as without it.
+/// Length of the header of rmw_cyclonedds, in bytes; a multiple of 8, so that the message after it has the same alignment as without it.
 pub(super) const HEADER: usize = 16;
 
-/// rmw_cyclonedds' header.
+/// Header of rmw_cyclonedds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Header {
     client: u64,
     sequence: i64,
 }
 
-/// A request that is not handed out.
+/// Reason why a request is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {
     #[error("{0}")]
@@ -43,7 +44,7 @@ pub(super) enum Refusal {
     Ambiguous { length: usize },
 }
 
-/// A client that waits for a reply.
+/// Client that waits for a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Caller {
     pub(super) place: Place,
@@ -52,13 +53,13 @@ pub(super) struct Caller {
 }
 
 impl Caller {
-    /// The request, for a client that knows its reply by `related_sample_identity`; none where the header tells it, so that
-    /// such a reply may be of any length.
+    /// Returns the request, for a client that identifies its reply by `related_sample_identity`; `None` if the header identifies it, so
+    /// that such a reply may have any length.
     pub(super) fn identity(&self) -> Option<SampleId> {
         if self.header.is_some() { None } else { Some(self.answers) }
     }
 
-    /// The reply's bytes in the form that this client understands.
+    /// Returns the bytes of the reply in the form that this client expects.
     pub(super) fn reply(&self, response: &impl Serialize) -> Vec<u8> {
         let mut bytes = self.header.as_ref().map(cdr::encode).unwrap_or_default();
         bytes.extend(cdr::encode(response));
@@ -66,7 +67,7 @@ impl Caller {
     }
 }
 
-/// The caller of a request and its message.
+/// Returns the client of a request and its message.
 pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), Refusal> {
     if let Some(related) = sample.related {
         return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian())?));
@@ -82,7 +83,7 @@ pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), 
     if headed::<Q>(sample).is_ok() { ambiguous } else { Ok((beside, message)) }
 }
 
-/// The caller that its `related_sample_identity` describes.
+/// Returns the client that a `related_sample_identity` describes.
 fn marked(request: SampleId, related: Related) -> Caller {
     let answers = SampleId { writer: related.guid, number: related.number.unwrap_or(request.number) };
     let place =

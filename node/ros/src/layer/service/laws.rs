@@ -1,4 +1,4 @@
-//! What must hold for every request, whoever has sent it.
+//! Properties that must hold for every request of any client.
 
 use std::fmt::Debug;
 
@@ -22,10 +22,10 @@ use crate::fuzz::LONGEST_SENTENCE;
 use crate::link::guid::Guid;
 use crate::link::protocol::{Related, Sample, SampleId};
 
-/// The first two bytes choose the sender; the others are the sample.
+/// Checks the properties. The first two bytes select client and service; the others are the sample.
 ///
 /// # Panics
-/// When a law does not hold.
+/// A property does not hold.
 pub fn any_request(bytes: &[u8]) {
     let [form, kind, bytes @ ..] = bytes else { return };
     let sample = sample(*form, bytes);
@@ -74,7 +74,7 @@ fn sample(form: u8, bytes: &[u8]) -> Sample {
     }
 }
 
-/// Refused with a short sentence, or understood to its last byte, and in one way only.
+/// A request is refused with a short message, or decoded completely, in one form only.
 fn law<Q: DeserializeOwned + Serialize + Debug>(sample: &Sample) {
     let (caller, message) = match read::<Q>(sample) {
         Ok(read) => read,
@@ -98,7 +98,7 @@ mod tests {
     use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
     use proptest::prelude::*;
 
-    /// Bytes as they are in messages: small numbers, letters, zeros.
+    /// Generates typical bytes of messages: small numbers, letters, zeros.
     fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
         prop::collection::vec(prop_oneof![4 => Just(0), 2 => 0..4_u8, 1 => Just(b'x'), 1 => any::<u8>()], 0..most)
     }
@@ -126,7 +126,7 @@ mod tests {
             any_request(&[&[form, kind], bytes.as_slice()].concat());
         }
 
-        /// With or without the header of the other RMW, longer, shorter, with a length that lies.
+        /// Valid requests with or without the header of the other RMW, longer, shorter, and with a wrong length.
         #[test]
         fn good_requests_are_so_when_they_are_damaged(
             form: u8, (kind, good) in good(), headed: bool, longer in 0..20_usize, shorter in 0..20_usize,
@@ -145,7 +145,7 @@ mod tests {
             any_request(&[&[form, kind], bytes.as_slice()].concat());
         }
 
-        /// Each caller's own form is understood, so that the law above is not empty.
+        /// Valid requests are decoded in the form of each client, so that the property above is not trivial.
         #[test]
         fn good_requests_are_understood((_, good) in good()) {
             let fast = sample(1, &good);
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// A goal whose name is 10 MB long, in each form, costs its own length and no more sentence than any other.
+    /// A goal with a name of 10 MB, in each form, needs only memory of its own length, and its message is not longer than others.
     #[test]
     fn ten_megabytes_are_refused_shortly() {
         let goal = MoveAxisGoal { axis: "x".repeat(10_000_000), ..MoveAxisGoal::default() };

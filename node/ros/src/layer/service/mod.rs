@@ -1,4 +1,4 @@
-//! Services, for callers with rmw_fastrtps and with rmw_cyclonedds alike.
+//! Services, for clients with rmw_fastrtps and with rmw_cyclonedds.
 
 mod caller;
 #[cfg(any(test, feature = "fuzz"))]
@@ -28,23 +28,23 @@ use crate::link::guid::Prefix;
 use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
 
-/// Requests that wait for the server, in the library and again in its line; more than the 10 of ROS, because clients of all kinds
-/// share them. Not more than a burst needs, because the library keeps as many that were taken, however long they are.
+/// Maximum number of requests that wait for the server, in the library and again in its queue. More than the 10 of ROS, because clients of
+/// all kinds share them. Not more than a burst needs, because the library keeps as many samples that were already read, of any length.
 const WAITING: u16 = 256;
 
-/// Requests whose arrivals differ by less than this (ns) may have changed places on their way.
+/// Requests whose arrivals differ by less than this, in ns, may have been reordered.
 const TOGETHER_NS: u64 = 100_000_000;
 
-/// A reply that did not go out.
+/// Error: a reply was not sent.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplyError {
-    /// The client has no reader for it, or none any more.
+    /// The client has no reader for it, or no longer has one.
     #[error("{service}: the client that asked is not there to read the reply")]
     NoReader {
         /// Full name of the service.
         service: FullName,
     },
-    /// Readers hold up too many replies.
+    /// Slow readers hold too many replies.
     #[error("{service}: clients do not keep up, the reply was dropped")]
     Full {
         /// Full name of the service.
@@ -55,18 +55,18 @@ pub enum ReplyError {
     Dds {
         /// Full name of the service.
         service: FullName,
-        /// What it says.
+        /// Message of the library.
         reason: String,
     },
 }
 
-/// Takes the requests of one service; dropping it takes the service from the node.
+/// Server of one service; dropping it removes the service from the node.
 ///
-/// Requests that are not exactly of the service's form are refused, logged and never handed out.
+/// Requests that do not have exactly the form of the service are refused and logged.
 pub struct ServiceServer<S: Service> {
     requests: Reader,
-    /// Read, and not handed out yet. The library alone would be unfair: it gives the requests of one client before those of the
-    /// next, and drops the oldest, so that a busy client would keep the others waiting until theirs are gone.
+    /// Requests that were read but not yet returned. The queue of the library alone is not fair: it returns the requests of one client
+    /// before those of the next, and drops the oldest, so that a busy client would block the others until their requests are lost.
     line: VecDeque<Waiting<S>>,
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
@@ -75,13 +75,13 @@ pub struct ServiceServer<S: Service> {
     care: Care<S>,
 }
 
-/// Which requests a server refuses, and how.
+/// Requests that a server refuses, and how.
 pub enum Care<S: Service> {
-    /// None: they only ask.
+    /// None: the requests only read state.
     Asks,
-    /// Those of another life of the node: a stop is never too late.
+    /// Requests for an earlier instance of the node; a stop is never too late.
     Stops(Refusal<S>),
-    /// Those, and what has waited for too long.
+    /// Requests for an earlier instance of the node, and requests that have waited too long.
     Commands(Refusal<S>),
 }
 
@@ -93,35 +93,35 @@ impl<S: Service> Clone for Care<S> {
 
 impl<S: Service> Copy for Care<S> {}
 
-/// Makes the answer to a request that is refused, with the sentence that says why.
+/// Creates the response to a refused request, with a message that gives the reason.
 pub type Refusal<S> = fn(&<S as Service>::Request, String) -> <S as Service>::Response;
 
-/// A request in the line.
+/// Request in the queue.
 struct Waiting<S: Service> {
     caller: Caller,
     message: S::Request,
     origin: Origin,
 }
 
-/// When a request was made.
+/// Origin of a request: sender and times.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::layer) struct Origin {
-    /// The participant that has sent it.
+    /// Participant that has sent it.
     sender: Prefix,
-    /// When it was written, by the clock of its sender, in ticks of 2^-32 s; `None` if the sender does not say it.
+    /// Time of writing by the clock of its sender, in ticks of 2^-32 s; `None` if the sender does not give it.
     written: Option<u64>,
-    /// When it came, by the monotonic clock of the host (ns).
+    /// Time of arrival by the monotonic clock of the host, in ns.
     came_ns: u64,
-    /// It was written for another life of the node.
+    /// Whether it was written for an earlier instance of the node.
     is_stale: bool,
 }
 
 impl Origin {
-    /// Whether it was sent before a request to another service, or may have been.
+    /// Returns true if the request was sent before a request to another service, or may have been.
     ///
-    /// Requests to different services are read side by side: of two that come together, the later one may come first. Then
-    /// the clock of their sender decides; between different senders, and over a longer time, in which that clock may have
-    /// been set, the order in which they came.
+    /// Requests to different services are read independently: of two that arrive together, the later one may be read first. Then the clock
+    /// of their sender decides. Between different senders, and over a longer time, in which that clock may have been set, the order of
+    /// arrival decides.
     pub(in crate::layer) fn is_before(self, other: Self) -> bool {
         let is_together = self.came_ns.abs_diff(other.came_ns) < TOGETHER_NS;
         if !is_together || self.sender != other.sender {
@@ -133,13 +133,13 @@ impl Origin {
         }
     }
 
-    /// A request of participant `sender` for tests.
+    /// Creates a request of participant `sender` for tests.
     #[cfg(test)]
     pub(in crate::layer) fn of(sender: u8, written: Option<u64>, came_ns: u64) -> Self {
         Self { sender: Prefix([sender; 12]), written, came_ns, is_stale: false }
     }
 
-    /// Why it is not carried out, if it must not be.
+    /// Returns the reason why the request must not be executed, if there is one.
     pub(in crate::layer) fn refused(self, request_timeout: Option<Duration>) -> Option<String> {
         if self.is_stale {
             let sentence = "it was written before this node was there or heard its sender again, or by a clock that differs from the node's; ask again";
@@ -149,11 +149,11 @@ impl Origin {
     }
 }
 
-/// A request, and the way to answer it. Any number may be open at a time.
+/// Request with its reply. Any number may be open at a time.
 pub struct Request<S: Service> {
-    /// What the client asks.
+    /// Request message.
     pub message: S::Request,
-    /// Where to answer.
+    /// Reply to be sent.
     pub reply: Reply<S::Response>,
 }
 
@@ -173,18 +173,18 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
-    /// The same, which refuses what must not be carried out any more: a node does not do what another one was asked, nor afterwards what
-    /// it was asked while it was frozen.
+    /// Sets which requests are refused: a node must not execute requests that were sent to an earlier instance, nor those that arrived
+    /// while it was suspended.
     pub fn with_care(self, care: Care<S>) -> Self {
         Self { care, ..self }
     }
 
-    /// Full name of the service.
+    /// Returns the full name of the service.
     pub fn name(&self) -> &FullName {
         self.replies.service()
     }
 
-    /// The next request; `None` once the node is gone. Nothing is lost when the future is dropped.
+    /// Returns the next request; `None` once the node has ended. No request is lost if the future is dropped.
     pub async fn next(&mut self) -> Option<Request<S>> {
         loop {
             while self.line.len() < usize::from(WAITING)
@@ -206,9 +206,9 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
-    /// The next request that is there already, if there is one.
+    /// Returns the next request that has already arrived, if there is one.
     pub(in crate::layer) fn waiting(&mut self) -> Option<Request<S>> {
-        // Without the budget of the task, which would hide some after many.
+        // Without the cooperative budget of the task, which would hide requests after many reads.
         while self.line.len() < usize::from(WAITING)
             && let Some(taken) = tokio::task::unconstrained(self.requests.next()).now_or_never()
         {
@@ -222,7 +222,7 @@ impl<S: Service> ServiceServer<S> {
         }
     }
 
-    /// The request, unless it is refused.
+    /// Returns the request, unless it is refused.
     fn in_time(&mut self, Waiting { caller, message, origin }: Waiting<S>) -> Option<Request<S>> {
         let reply = Reply::new(self.replies.clone(), caller, origin);
         let (refusal, timeout) = match self.care {
@@ -236,7 +236,7 @@ impl<S: Service> ServiceServer<S> {
         None
     }
 
-    /// Puts a request into the line, if it is one.
+    /// Adds a request to the queue, if it is valid.
     fn enter(&mut self, taken: Result<Sample, String>) {
         match taken {
             Ok(sample) => match caller::read::<S::Request>(&sample) {
@@ -261,10 +261,10 @@ impl<S: Service> ServiceServer<S> {
     }
 }
 
-/// The way to answer one request.
+/// Reply to one request.
 pub struct Reply<P> {
     replies: Arc<Replies>,
-    /// `None` once it is answered.
+    /// Client; `None` once it is answered.
     caller: Option<Caller>,
     origin: Origin,
     response: PhantomData<fn(P)>,
@@ -275,13 +275,13 @@ impl<P: Serialize> Reply<P> {
         Self { replies, caller: Some(caller), origin, response: PhantomData }
     }
 
-    /// When its request was made.
+    /// Returns the origin of the request.
     pub(in crate::layer) fn origin(&self) -> Origin {
         self.origin
     }
 
-    /// Answers. Waits until the client's reader is matched, at most 1 s, after a new start of the ROS side 10 s;
-    /// replies to other clients do not wait for it.
+    /// Sends the reply. Waits until the client's reader is matched, at most 1 s, after a restart of the ROS side 10 s; replies to other
+    /// clients are not delayed by that.
     pub async fn send(mut self, response: P) -> Result<(), ReplyError> {
         match self.caller.take() {
             Some(caller) => self.replies.send(&caller, caller.reply(&response)).await,
@@ -289,12 +289,12 @@ impl<P: Serialize> Reply<P> {
         }
     }
 
-    /// Answers without waiting for it. A reply that fails is logged.
+    /// Sends the reply without waiting. A failure is logged.
     pub fn send_soon(mut self, response: P) {
         if let Some(caller) = self.caller.take() {
             let (replies, bytes) = (self.replies.clone(), caller.reply(&response));
             self.replies.spawn(async move {
-                // What fails is logged there.
+                // A failure is logged there.
                 let _ = replies.send(&caller, bytes).await;
             });
         }
@@ -314,21 +314,21 @@ mod tests {
     use super::*;
     use crate::link::protocol::monotonic_ns;
 
-    /// Ticks are of the clock of the sender, arrivals of the clock of the host.
+    /// Times of writing are in ticks of the sender's clock, arrivals in ns of the host clock.
     #[test]
     fn requests_that_come_together_have_the_order_in_which_their_sender_wrote_them() {
         const MS: u64 = 1_000_000;
         let one = |written, came_ns| Origin::of(1, Some(written), came_ns);
-        // The later one has overtaken the other.
+        // The later request has overtaken the other one.
         assert!(one(10, 7 * MS).is_before(one(11, 5 * MS)));
         assert!(!one(11, 5 * MS).is_before(one(10, 7 * MS)));
         assert!(one(10, 5 * MS).is_before(one(10, 5 * MS)));
-        // The clock of the sender was set back in between.
+        // The clock of the sender was set back between the two requests.
         assert!(one(900, 5 * MS).is_before(one(3, 505 * MS)) && !one(3, 505 * MS).is_before(one(900, 5 * MS)));
         // Clocks of different senders differ.
         let other = |came_ns| Origin::of(2, Some(0), came_ns);
         assert!(one(10, 5 * MS).is_before(other(6 * MS)) && !one(10, 7 * MS).is_before(other(6 * MS)));
-        // Not known: it may be before.
+        // Without a time of writing the request may be earlier.
         assert!(Origin::of(1, None, 7 * MS).is_before(one(11, 5 * MS)));
     }
 

@@ -10,7 +10,7 @@ use crate::line_limit::LineLimit;
 use crate::link::Writer;
 use crate::link::protocol::ReplyFailure;
 
-/// Writes the replies of one service.
+/// Writer of the replies of one service.
 pub(super) struct Replies {
     writer: Writer,
     service: FullName,
@@ -31,14 +31,14 @@ impl Replies {
         self.context.runtime.spawn(task);
     }
 
-    /// Writes a reply. What fails is logged: a client that waits for ever does not say why.
+    /// Writes a reply. A failure is logged, because the client would wait forever without any message.
     pub(super) async fn send(&self, caller: &Caller, bytes: Vec<u8>) -> Result<(), ReplyError> {
         let service = self.service.clone();
         let error = match self.writer.reply(caller.place, caller.identity(), bytes.into()).await {
             Ok(()) => return Ok(()),
             Err(ReplyFailure::NoReader) => {
                 let error = ReplyError::NoReader { service };
-                // A client that has gone waits for nothing.
+                // The client has left and does not wait.
                 tracing::debug!("{error}");
                 return Err(error);
             }

@@ -202,7 +202,7 @@ async fn a_next_side_that_fails_changes_nothing() {
 }
 
 proptest! {
-    /// Both sides receive all samples of a writer from some number on, at different times; the first side until it has ended.
+    /// Both sides receive all samples of a writer from some number, at different times; the first side until it has ended.
     #[test]
     fn a_sample_that_two_sides_hear_is_passed_on_once(
         heard in prop::collection::vec((any::<bool>(), 1..30_i64), 0..80), handover in 0..80_usize,

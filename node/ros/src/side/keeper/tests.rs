@@ -133,7 +133,7 @@ async fn a_late_reader_gets_the_newest_value_alone() {
     assert_eq!(record.take_samples(), [(8, 62)]);
 }
 
-/// Two readers that join at once: the sample of the first one is not for the second one, which would wait for it.
+/// Two readers join at once: the sample of the first one is not for the second one, which would wait for it without a GAP.
 #[tokio::test(start_paused = true)]
 async fn second_of_two_new_readers_gets_a_gap_over_the_sample_of_the_first() {
     let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
@@ -193,7 +193,7 @@ async fn a_full_writer_is_tried_again_and_expired_values_are_left_out() {
 #[tokio::test(start_paused = true)]
 async fn a_gap_to_a_second_reader_at_an_address_does_not_overtake_samples_to_the_first() {
     let (latched, record, matches) = start(Qos::STATUS, Duration::ZERO);
-    // Of two participants of one process.
+    // Readers of two participants in one process.
     let reader = |participant| [vec![participant; 12], vec![9; 4]].concat().try_into().map(Guid).unwrap();
     matches.note(Discovery::Matched { writer: WRITER, reader: reader(7) });
     latched.set(vec![1]);

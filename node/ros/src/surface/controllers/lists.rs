@@ -1,4 +1,4 @@
-//! Controllers and hardware as the messages of controller_manager show them.
+//! Controllers and hardware as messages of controller_manager.
 
 use super::switches::{Controller, Controllers};
 use crate::surface::joint_names::JointNames;
@@ -9,9 +9,9 @@ use lineshaft_msgs::foreign::controller_manager_msgs::msg::{
 use lineshaft_msgs::foreign::lifecycle_msgs::msg::State;
 use std::collections::BTreeSet;
 
-/// Class of every controller.
+/// Class of all controllers.
 pub(super) const TYPE: &str = "joint_trajectory_controller/JointTrajectoryController";
-/// Its base class.
+/// Base class of all controllers.
 pub(super) const BASE_CLASS: &str = "controller_interface::ControllerInterface";
 /// Plugin of the hardware.
 const PLUGIN: &str = "lineshaft";
@@ -19,12 +19,12 @@ const PLUGIN: &str = "lineshaft";
 const COMMANDS: [&str; 1] = ["position"];
 const STATES: [&str; 2] = ["position", "velocity"];
 
-/// `JOINT/INTERFACE` for each joint, then for each interface.
+/// Returns `JOINT/INTERFACE` for each joint, then for each interface.
 fn interfaces(joints: &[String], names: &[&str]) -> Vec<String> {
     joints.iter().flat_map(|joint| names.iter().map(move |name| format!("{joint}/{name}"))).collect()
 }
 
-/// All controllers. `rate` is the number of cycles per second.
+/// Returns all controllers. `rate` is the number of cycles per second.
 pub(super) fn controllers(all: &Controllers, rate: u16) -> Vec<ControllerState> {
     all.all().iter().zip(all.active()).map(|(one, is_active)| controller(one, is_active, rate)).collect()
 }
@@ -43,7 +43,7 @@ fn controller(one: &Controller, is_active: bool, rate: u16) -> ControllerState {
     }
 }
 
-/// The hardware: one component for all axes with a drive.
+/// Hardware: one component for all axes with a drive.
 #[derive(Clone, Debug)]
 pub(super) struct Hardware {
     name: String,
@@ -52,7 +52,7 @@ pub(super) struct Hardware {
 }
 
 impl Hardware {
-    /// The hardware of a machine; `name` is the name of the node.
+    /// Returns the hardware of a machine; `name` is the name of the node.
     pub(super) fn of(config: &MachineConfig, names: &JointNames, name: &str) -> Self {
         let driven = (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_some());
         let joints = driven.map(|(place, _)| names.get(place).to_owned()).collect();
@@ -60,12 +60,12 @@ impl Hardware {
         Self { name: name.to_owned(), joints, rate: u16::try_from(cycles).unwrap_or(u16::MAX) }
     }
 
-    /// Cycles per second.
+    /// Returns the number of cycles per second.
     pub(super) fn rate(&self) -> u16 {
         self.rate
     }
 
-    /// The component. `state` is that of the node; interfaces are available in its states inactive and active.
+    /// Returns the component. `state` is that of the node; interfaces are available in its states inactive and active.
     pub(super) fn component(&self, controllers: &Controllers, state: State) -> HardwareComponentState {
         let is_available = matches!(state.id, State::PRIMARY_STATE_INACTIVE | State::PRIMARY_STATE_ACTIVE);
         let active = controllers.all().iter().zip(controllers.active()).filter(|(_, is_active)| *is_active);

@@ -1,9 +1,9 @@
-//! The services of controller_manager that ROS tools call: `ros2 control`, and MoveIt's ros_control interface. They exist only
-//! where the cell names a controller manager.
+//! Services of controller_manager that ROS tools call: `ros2 control`, and the ros_control interface of MoveIt. They exist only if the cell
+//! gives the name of a controller manager.
 //!
-//! Law      each group of the cell is a controller, and without groups all axes with a drive are one; an inactive controller
-//!          takes no trajectory. Deactivation halts the axes of the controller; activation moves nothing and switches nothing on
-//! Reads    state of the life cycle of the node
+//! Law      each group of the cell is a controller; without groups all axes with a drive are one controller. An inactive controller accepts
+//!          no trajectory. Deactivation halts the axes of the controller; activation neither moves nor enables an axis
+//! Reads    lifecycle state of the node
 //! Refuses  see [`plan`]
 //! Source   controller_manager of ros2_control (Jazzy, 4.31 and later); docs/interfaces.md lists the differences
 
@@ -27,7 +27,7 @@ use std::sync::Arc;
 pub(super) use switches::Controllers;
 use tokio::task::JoinSet;
 
-/// Opens the services under the name of the controller manager, if the cell names one.
+/// Creates the services under the name of the controller manager, if the cell gives one.
 pub(super) fn start(
     node: &Node,
     hub: &Arc<Hub>,
@@ -67,7 +67,7 @@ pub(super) fn start(
     };
     tasks.spawn(answer(server, interfaces));
 
-    // rqt_joint_trajectory_controller takes for a controller manager what has these, too.
+    // rqt_joint_trajectory_controller recognizes a controller manager only if it has these services too.
     tasks.spawn(refuse(table::LOAD_CONTROLLER.server_below(node, manager.name())?, Arc::clone(hub)));
     tasks.spawn(refuse(table::UNLOAD_CONTROLLER.server_below(node, manager.name())?, Arc::clone(hub)));
     tasks.spawn(refuse(table::RELOAD_CONTROLLER_LIBRARIES.server_below(node, manager.name())?, Arc::clone(hub)));
@@ -77,14 +77,14 @@ pub(super) fn start(
     Ok(())
 }
 
-/// Answers each request with what holds now.
+/// Answers each request with the present state.
 async fn answer<S: Service>(mut server: ServiceServer<S>, now: impl Fn() -> S::Response + Send) {
     while let Some(Request { reply, .. }) = server.next().await {
         reply.send_soon(now());
     }
 }
 
-/// Refuses each request: groups of the cell are the controllers.
+/// Refuses each request: the controllers are the groups of the cell.
 async fn refuse<S: Service>(mut server: ServiceServer<S>, hub: Arc<Hub>)
 where
     S::Response: Default,
@@ -99,15 +99,15 @@ where
     }
 }
 
-/// Answers when the machine has accepted the halt of what is deactivated.
+/// Answers when the machine has accepted the halt of the deactivated controllers.
 async fn switch(mut server: ServiceServer<SwitchController>, hub: Arc<Hub>, controllers: Arc<Controllers>) {
     let service = server.name().to_string();
-    // Answers that wait for the machine end with the service.
+    // Waiting answers end with the service.
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
         let given = Plan::of(controllers.all(), &message).and_then(|plan| {
-            // Handed over here, one after the other: of two requests the later one counts.
+            // Submitted here in sequence, so that the later one of two requests takes effect.
             let cancel = |goal| hub.submit_unheard(Action::Cancel { goal });
             let halt = |axes| hub.submit(Action::Halt(axes));
             let halt = controllers.switch(&plan, cancel, halt).map_err(|busy| busy.to_string())?;

@@ -1,24 +1,24 @@
-//! What a request of `switch_controller` asks for.
+//! Checks a request of `switch_controller`.
 
 use super::switches::Controller;
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::controller_manager_msgs::srv::SwitchControllerRequest as Asked;
 
-/// Controllers to switch, by their places.
+/// Controllers to switch, by index.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Plan {
     pub activate: Vec<usize>,
     pub deactivate: Vec<usize>,
-    /// Unknown names that BEST_EFFORT leaves out.
+    /// Unknown names that BEST_EFFORT skips.
     skipped: Vec<String>,
 }
 
 impl Plan {
-    /// Reads a request. AUTO and FORCE_AUTO mean BEST_EFFORT, as in controller_manager of Jazzy: there are no chains, and no
-    /// controller blocks another one.
+    /// Checks a request. AUTO and FORCE_AUTO mean BEST_EFFORT, as in controller_manager of Jazzy: there are no chains, and no controller
+    /// blocks another one.
     ///
     /// # Errors
-    /// A strictness without meaning. A controller in both lists. An unknown name with STRICT. A list of unknown names alone.
+    /// The strictness is invalid; a controller is in both lists; a name is unknown with STRICT; a list contains only unknown names.
     pub(super) fn of(known: &[Controller], asked: &Asked) -> Result<Self, String> {
         if !(0..=Asked::FORCE_AUTO).contains(&asked.strictness) {
             let given = asked.strictness;
@@ -40,7 +40,7 @@ impl Plan {
         }
     }
 
-    /// The places of the controllers of a list.
+    /// Returns the indices of the controllers of a list.
     fn read(
         &mut self,
         known: &[Controller],
@@ -63,9 +63,9 @@ impl Plan {
         }
     }
 
-    /// A sentence about the controllers that were switched.
+    /// Returns a message about the controllers that were switched.
     pub(super) fn summary(&self, known: &[Controller]) -> String {
-        /// Maximum number of skipped names in the sentence.
+        /// Maximum number of skipped names in the message.
         const MOST: usize = 4;
         let names = |places: &[usize]| {
             let names: Vec<_> =

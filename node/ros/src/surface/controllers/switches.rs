@@ -1,4 +1,4 @@
-//! Which controllers are active, and what follows when one is deactivated.
+//! State of the controllers, and the effects of a deactivation.
 
 use super::plan::Plan;
 use crate::surface::host::Busy;
@@ -6,7 +6,7 @@ use crate::surface::trajectory::Joints;
 use lineshaft_core::object::AxisSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A controller: the axes that one action and one topic move.
+/// Controller: the axes that one action and one topic move.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Controller {
     /// Name of its group; without groups that of the node.
@@ -14,17 +14,17 @@ pub(in crate::surface) struct Controller {
     pub joints: Arc<Joints>,
 }
 
-/// The controller manager that the cell names.
+/// Controller manager that the cell names.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Manager(String);
 
 impl Manager {
-    /// Its absolute name.
+    /// Returns its absolute name.
     pub(super) fn name(&self) -> &str {
         &self.0
     }
 
-    /// Logs the name of the controller manager with which MoveIt finds the actions, if this one does not fit.
+    /// Logs the name of the controller manager with which MoveIt finds the actions, if this one does not match.
     pub(super) fn log_names(&self, node: &str, controllers: &[Controller]) {
         let namespace = self.0.rsplit_once('/').map_or("", |(namespace, _)| namespace);
         let Some(missed) =
@@ -43,11 +43,11 @@ impl Manager {
     }
 }
 
-/// The state of a controller.
+/// State of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct State {
     is_active: bool,
-    /// Number of its newest trajectory, until the machine is known to have read it. A halt overtakes what waits for its cycle.
+    /// Command number of its newest trajectory, until the machine has read it. A halt can overtake a trajectory that waits for its cycle.
     pending: Option<u64>,
 }
 
@@ -60,7 +60,7 @@ pub(in crate::surface) struct Controllers {
 }
 
 impl Controllers {
-    /// One for each of `joints`; all are active. Without a manager they stay so. `node` is the name of the node.
+    /// Creates a controller for each of `joints`; all are active. Without a manager they stay active. `node` is the name of the node.
     pub(in crate::surface) fn new(manager: Option<&str>, node: &str, joints: Vec<Joints>) -> Self {
         let named =
             |joints: Joints| Controller { name: joints.group().unwrap_or(node).to_owned(), joints: Arc::new(joints) };
@@ -73,25 +73,25 @@ impl Controllers {
         self.manager.as_ref()
     }
 
-    /// All, in the order of the groups.
+    /// Returns all controllers, in the order of the groups.
     pub(in crate::surface) fn all(&self) -> &[Controller] {
         &self.all
     }
 
     fn states(&self) -> MutexGuard<'_, Vec<State>> {
-        // A poisoned lock means that another thread panicked between two whole changes.
+        // After a panic of another thread the states are consistent, because each change is one step.
         self.states.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether each of them is active.
+    /// Returns for each controller whether it is active.
     pub(super) fn active(&self) -> Vec<bool> {
         self.states().iter().map(|state| state.is_active).collect()
     }
 
-    /// Whether the controller at that place takes trajectories.
+    /// Checks that the controller at this index accepts trajectories.
     ///
     /// # Errors
-    /// It does not; how it is activated.
+    /// It is inactive; the message says how to activate it.
     pub(in crate::surface) fn check(&self, place: usize) -> Result<(), String> {
         let is_active = self.states().get(place).is_none_or(|state| state.is_active);
         if is_active { Ok(()) } else { Err(self.refusal(place)) }
@@ -106,11 +106,11 @@ impl Controllers {
         )
     }
 
-    /// Hands a trajectory of the controller at that place over. No controller is switched meanwhile. `number` gives the number
-    /// of the command.
+    /// Submits a trajectory of the controller at this index. No controller is switched meanwhile. `number` returns the number of the
+    /// command.
     ///
     /// # Errors
-    /// The controller is inactive; how it is activated.
+    /// The controller is inactive; the message says how to activate it.
     pub(in crate::surface) fn while_active<T>(
         &self,
         place: usize,
@@ -128,7 +128,7 @@ impl Controllers {
         Ok(given)
     }
 
-    /// Notes that the machine has read a trajectory: it runs, or is refused.
+    /// Records that the machine has read a trajectory, and executes or refuses it.
     pub(in crate::surface) fn is_read(&self, place: usize, sequence: u64) {
         if let Some(state) = self.states().get_mut(place)
             && state.pending == Some(sequence)
@@ -137,16 +137,16 @@ impl Controllers {
         }
     }
 
-    /// Whether trajectories of the topic have to be followed until they are read.
+    /// Returns true if trajectories of the topic must be tracked until they are read.
     pub(in crate::surface) fn is_switchable(&self) -> bool {
         self.manager.is_some()
     }
 
-    /// Switches all controllers of a plan, or none. `cancel` ends a trajectory that waits for its cycle, `halt` the motion of
-    /// axes; returns what `halt` has returned, if a controller was deactivated while cycles run.
+    /// Switches all controllers of a plan, or none. `cancel` ends a trajectory that waits for its cycle, `halt` the motion of axes. Returns
+    /// the result of `halt` if a controller was deactivated while cycles run.
     ///
     /// # Errors
-    /// The machine takes no more commands now; no controller was switched.
+    /// The machine accepts no further commands at present; no controller was switched.
     pub(super) fn switch<T>(
         &self,
         plan: &Plan,
@@ -175,7 +175,7 @@ impl Controllers {
     }
 }
 
-/// The cancels come after the trajectories that wait, the halt before them: both are needed.
+/// The machine reads cancels after waiting trajectories, but halts before them: both are needed.
 fn halt_all<T>(
     pending: &[u64],
     cancel: impl Fn(u64) -> Result<u64, Busy>,
@@ -188,7 +188,7 @@ fn halt_all<T>(
     halt(axes)
 }
 
-/// While no cycle runs nothing moves: there is nothing to halt.
+/// While no cycles run nothing moves, so there is nothing to halt.
 fn unless_unconfigured<T>(given: Result<T, Busy>) -> Result<Option<T>, Busy> {
     match given {
         Ok(given) => Ok(Some(given)),

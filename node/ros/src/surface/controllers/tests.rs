@@ -1,4 +1,4 @@
-//! Switching without a machine, and what the lists show.
+//! Tests of switching without a machine, and of the lists.
 
 use super::lists::{self, Hardware};
 use super::plan::Plan;
@@ -15,7 +15,7 @@ use std::cell::RefCell;
 
 const MANAGER: Option<&str> = Some("/lineshaft/controller_manager");
 
-/// Controllers of the machine of line, x and y, for these groups.
+/// Returns the controllers of a machine with axes line, x and y, for these groups.
 fn controllers(manager: Option<&str>, groups: &[(&str, &[u16])]) -> Controllers {
     let group = |&(name, axes): &(&str, &[u16])| Group {
         name: name.to_owned(),
@@ -29,7 +29,7 @@ fn controllers(manager: Option<&str>, groups: &[(&str, &[u16])]) -> Controllers 
     Controllers::new(manager, "lineshaft", joints)
 }
 
-/// arm has y and x, hand has x.
+/// Group arm has y and x, hand has x.
 fn arm_and_hand() -> Controllers {
     controllers(MANAGER, &[("arm", &[2, 1]), ("hand", &[1])])
 }
@@ -44,10 +44,10 @@ fn request(activate: &[&str], deactivate: &[&str], strictness: i32) -> Asked {
     }
 }
 
-/// What a switch has asked of the machine.
+/// Commands that a switch has sent to the machine.
 type Given = Vec<String>;
 
-/// Does what a request asks for, with a machine that takes all commands.
+/// Executes a request, with a machine that accepts all commands.
 fn switch(all: &Controllers, asked: &Asked) -> Result<(String, Given), String> {
     let plan = Plan::of(all.all(), asked)?;
     let given = RefCell::new(Vec::new());
@@ -94,7 +94,7 @@ fn deactivation_halts_the_axes_of_the_active_groups_once() {
         switch(&all, &off),
         Ok(("controllers hand, arm are inactive".to_owned(), vec!["halt [1, 2]".to_owned()]))
     );
-    // A controller that is in the wanted state already is no error.
+    // A controller that is already in the requested state is not an error.
     assert_eq!(switch(&all, &off).unwrap().1, Given::new());
     let on = request(&["hand"], &["arm"], Asked::STRICT);
     let summary = "controller hand is active; controller arm is inactive".to_owned();
@@ -108,7 +108,7 @@ fn a_trajectory_that_waits_for_its_cycle_is_cancelled_as_a_halt_overtakes_it() {
     for number in [3, 4] {
         all.while_active(0, || (), |()| Some(number)).unwrap();
     }
-    // An older one is not the newest.
+    // The read trajectory is not the newest one.
     all.is_read(0, 3);
     let off = request(&[], &["arm"], Asked::STRICT);
     assert_eq!(switch(&all, &off).unwrap().1, ["cancel 4", "halt [1, 2]"]);
@@ -124,7 +124,7 @@ fn a_machine_that_takes_no_more_commands_leaves_all_as_it_was() {
     let full = |_| Err::<(), _>(Busy::Full);
     assert_eq!(all.switch(&plan, Ok, full), Err(Busy::Full));
     assert_eq!(all.active(), [true, true]);
-    // Without cycles nothing moves that had to be halted.
+    // Without cycles there is no motion to be halted.
     assert_eq!(all.switch(&plan, Ok, |_| Err::<(), _>(Busy::Unconfigured)), Ok(None));
     assert_eq!(all.active(), [false, true]);
 }
@@ -136,7 +136,7 @@ fn unknown_names_are_refused_by_strict_and_skipped_by_best_effort() {
     for asked in [
         request(&["hand"], &["arm", "leg"], Asked::STRICT),
         request(&["hand"], &["leg"], Asked::STRICT),
-        // Nothing is left of the list.
+        // The list contains only unknown names.
         request(&["hand"], &["leg"], Asked::BEST_EFFORT),
     ] {
         assert_eq!(switch(&all, &asked), Err(unknown.to_owned()), "{asked:?}");
@@ -170,7 +170,7 @@ fn what_cannot_be_meant_is_refused() {
     }
     assert_eq!(said(&all, &request(&[], &[], Asked::STRICT)), "no controller was named");
     assert_eq!(all.active(), [true, true]);
-    // Nothing from outside makes a sentence long.
+    // No content of a request makes the message long.
     let long = "n".repeat(100_000);
     assert!(said(&all, &request(&[&long], &[], Asked::STRICT)).len() < crate::fuzz::LONGEST_SENTENCE);
     let many = vec![long.as_str(); 100];
@@ -219,7 +219,7 @@ fn hardware_is_one_component_of_all_axes_with_a_drive() {
         shown.iter().map(|one| (one.name.clone(), one.is_available, one.is_claimed)).collect::<Vec<_>>()
     };
     let named = |name: &str, is_claimed| (name.to_owned(), true, is_claimed);
-    // The controllers name their joints by the names of the objects here.
+    // Joint names of the controllers are the object names here.
     assert_eq!(of(&shown.command_interfaces), [named("Shoulder_Pan/position", false), named("y/position", false)]);
     let states = ["Shoulder_Pan/position", "Shoulder_Pan/velocity", "y/position", "y/velocity"];
     assert_eq!(of(&shown.state_interfaces), states.map(|name| named(name, false)));

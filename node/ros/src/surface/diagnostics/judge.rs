@@ -1,4 +1,4 @@
-//! What is the matter with the cycle, the drives and the recorder, and its words.
+//! Evaluates cycle, drives, backends and recorder for `/diagnostics`.
 
 use super::Recorder;
 use crate::surface::history::fault;
@@ -12,24 +12,24 @@ use lineshaft_core::state::{AXIS_STATES, AxisState, DRIVE_STATES};
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::{DiagnosticStatus, KeyValue};
 use std::time::{Duration, Instant};
 
-/// A cycle stands after so many of its lengths without a new one, and not before [`LEAST_STALE`].
+/// Number of cycle times without a new cycle after which the cycle counts as stale, but at least [`LEAST_STALE`].
 const STALE_CYCLES: u64 = 10;
-/// See [`STALE_CYCLES`].
+/// Minimum time for [`STALE_CYCLES`].
 const LEAST_STALE: Duration = Duration::from_millis(100);
-/// How long a missed cycle is warned of.
+/// Duration of the warning about missed cycles.
 const WARNED: Duration = Duration::from_secs(1);
-/// What belongs to no drive.
+/// Hardware ID of statuses that belong to no drive.
 const NO_HARDWARE: &str = "none";
-/// `machine.state` of a machine with an axis in error.
+/// `machine.state` if an axis is in error.
 const MACHINE_ERROR: i64 = 2;
 
-/// What is the matter with something.
+/// Finding about the cycle, a drive, a backend or the recorder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Finding {
     Good,
     /// No cycle runs.
     Standing,
-    /// So many cycles were missed within the last second.
+    /// Number of cycles missed within the last second.
     Missed(u64),
     /// An axis is in error.
     AxisError,
@@ -38,10 +38,10 @@ pub(super) enum Finding {
     DriveAway,
     Locked,
     DriveWarns,
-    /// So many cycles are missing in the recording.
+    /// Number of cycles missing in the recording.
     Lost(u64),
     RecorderGone,
-    /// So many things are wrong with a backend.
+    /// Number of problems of a backend.
     BackendTroubles(usize),
 }
 
@@ -62,55 +62,55 @@ impl Finding {
     }
 }
 
-/// One look at all of them.
+/// Findings of one evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Findings {
     pub machine: Finding,
-    /// By place among the drives.
+    /// Findings by index of the drives.
     pub drives: Vec<Finding>,
-    /// Of backends that have more to say.
+    /// Findings of backends that report details.
     pub backends: Vec<Finding>,
     pub recorder: Finding,
 }
 
 impl Findings {
-    /// Their levels, in the order in which they are told.
+    /// Returns the levels, in the order of the statuses.
     pub(super) fn levels(&self) -> Vec<u8> {
         let others = self.drives.iter().chain(&self.backends).copied();
         [self.machine].into_iter().chain(others).chain([self.recorder]).map(Finding::level).collect()
     }
 }
 
-/// What the words need beside signals.
+/// Data for the messages in addition to signals.
 pub(super) struct Words<'a> {
     /// Name of the node.
     pub node: &'a str,
-    /// Of its life cycle.
+    /// Lifecycle state.
     pub state: &'a str,
-    /// The sentence of an axis' error.
+    /// Returns the message about an error of an axis.
     pub error: &'a dyn Fn(u16, Code) -> Option<String>,
 }
 
-/// An axis with a drive.
+/// Axis with a drive.
 struct Drive {
-    /// Place among the axes.
+    /// Index of the axis.
     axis: u16,
     view: AxisView,
     hardware: String,
 }
 
-/// Judges snapshots, one after the other.
+/// Evaluates successive snapshots.
 pub(super) struct Judge {
     drives: Vec<Drive>,
-    /// state, error, overruns of the machine.
+    /// Signals state, error and overruns of the machine.
     machine: Option<[Signal; 3]>,
-    /// Without a new cycle for so long, it stands.
+    /// Time without a new cycle after which the cycle is stale.
     patience: Duration,
-    /// The newest cycle, and when it was seen first.
+    /// Newest cycle, and the time when it was first seen.
     newest: (Option<u64>, Instant),
-    /// Missed cycles as they were seen last.
+    /// Number of missed cycles at the last evaluation.
     missed: u64,
-    /// What was missed, and until when it is told.
+    /// Number of newly missed cycles, and the end of the warning about them.
     warned: Option<(u64, Instant)>,
 }
 
@@ -137,7 +137,7 @@ impl Judge {
         }
     }
 
-    /// What is the matter at the moment.
+    /// Evaluates the present state.
     pub(super) fn look(
         &mut self,
         snapshot: &Snapshot,
@@ -164,7 +164,7 @@ impl Judge {
     }
 
     fn stands(&mut self, snapshot: &Snapshot, now: Instant) -> bool {
-        // Before its first cycle a snapshot has no time.
+        // A snapshot before the first cycle has no time.
         if snapshot.stamp_ns == 0 {
             return true;
         }
@@ -189,7 +189,7 @@ impl Judge {
         self.warned.map_or(Finding::Good, |(count, _)| Finding::Missed(count))
     }
 
-    /// The messages of a look.
+    /// Returns the messages for an evaluation.
     pub(super) fn describe(
         &self,
         findings: &Findings,
@@ -274,7 +274,7 @@ impl Drive {
     }
 }
 
-/// The name of a code, where its sentence is not known: `following error`, `drive fault 0x2310`.
+/// Returns the name of a code if its message is unknown: `following error`, `drive fault 0x2310`.
 fn of_code(code: Code) -> String {
     if let Some(fault) = code.0.checked_sub(Code::DRIVE_FAULT).filter(|fault| *fault <= u32::from(u16::MAX)) {
         return format!("drive fault {fault:#06x}");
@@ -348,7 +348,7 @@ fn pair(key: &str, value: impl ToString) -> KeyValue {
     KeyValue { key: key.to_owned(), value: value.to_string() }
 }
 
-/// A status with a name as the diagnostic tools of ROS write it.
+/// Returns a status with a name in the format of the diagnostic tools of ROS.
 fn status(
     finding: Finding,
     node: &str,

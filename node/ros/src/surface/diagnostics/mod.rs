@@ -1,6 +1,5 @@
-//! `/diagnostics`: one status for the cycle, one for each axis with a drive, one for each backend that had to be
-//! started, one for the recorder; once a second, and at once
-//! when a level changes.
+//! `/diagnostics`: one status for the cycle, one for each axis with a drive, one for each backend that had to be started, one for the
+//! recorder; published once a second, and at once when a level changes.
 
 mod judge;
 
@@ -19,20 +18,20 @@ use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, timeout};
 
-/// Between two messages, where nothing changes.
+/// Time between two messages without a change.
 const PERIOD: Duration = Duration::from_secs(1);
-/// Between two looks at the levels.
+/// Time between two evaluations.
 const LOOK: Duration = Duration::from_millis(20);
 /// Longer than the recorder takes to answer.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What is known of the recorder.
+/// State of the recorder.
 #[derive(Clone, Debug, Default)]
 enum Recorder {
-    /// It has not answered yet.
+    /// The recorder has not answered yet.
     #[default]
     Unknown,
-    /// It has failed.
+    /// The recorder has failed.
     Gone,
     Status(RecordResponse),
 }
@@ -84,7 +83,7 @@ async fn publish(
     }
 }
 
-/// Asks the recorder how it stands; what was known, where it has no time to answer.
+/// Requests the state of the recorder; returns the known state if it does not answer in time.
 async fn ask(hub: &Hub, known: Recorder) -> Recorder {
     let (answer, answered) = oneshot::channel();
     hub.host.record(RecordRequest { command: RecordRequest::STATUS, ..RecordRequest::default() }, answer);

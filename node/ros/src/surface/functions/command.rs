@@ -1,4 +1,5 @@
-//! `~/command_function`: stages values and commands one function in the same cycle; answered with the set that is in force then.
+//! `~/command_function`: stages values and commands one function in the same cycle; the answer contains the active parameter set after
+//! that.
 
 use super::fields;
 use crate::layer::{CreateError, Node};
@@ -19,7 +20,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     Ok(())
 }
 
-/// The place of the function that a request is for, if there is one, and its command.
+/// Returns the index of the requested function, if it exists, and its command.
 fn resolve(config: &MachineConfig, asked: Asked) -> (Option<u16>, Result<Action, String>) {
     let place = config.find_function(&asked.function).ok().map(|(place, _)| place);
     (place, command(config, asked))
@@ -37,7 +38,7 @@ fn command(config: &MachineConfig, Asked { function, command, parameters }: Aske
             ));
         }
     };
-    // A name that no function has is told before what is wrong with its fields.
+    // An unknown function is reported before errors in the fields.
     config.find_function(&function).map_err(|error| error.to_string())?;
     let value = |Parameter { name, value }| {
         let given = fields::given(&name, &value).map_err(|sentence| format!("{function}: {sentence}"))?;
@@ -47,7 +48,7 @@ fn command(config: &MachineConfig, Asked { function, command, parameters }: Aske
     config.resolve_function(&FunctionRequest { function, order, values }).map_err(|error| error.to_string())
 }
 
-/// The machine's answer comes behind its parameters: what is read here is at least as new.
+/// The answer of the machine comes after its parameters are published: the values read here are at least as new.
 fn response(hub: &Hub, function: Option<u16>, outcome: Result<(), String>) -> CommandFunctionResponse {
     let (success, message) = (outcome.is_ok(), outcome.err().unwrap_or_default());
     CommandFunctionResponse { success, message, active: function.map_or_else(Vec::new, |place| active(hub, place)) }
@@ -96,7 +97,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_told_with_its_name_and_what_would_be_right() {
-        // 255 is how scenarios stage.
+        // Scenarios stage with 255.
         for command in [2, 3, 4, 7, 255] {
             let sentence =
                 format!("command is {command}; 0 (RESET), 1 (START), 5 (VALUE_NEW) or 6 (READ_VALUE) is expected");

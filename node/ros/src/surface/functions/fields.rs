@@ -1,4 +1,4 @@
-//! Values of a function's fields as ROS 2 has them: an integer, of a list an array of integers.
+//! Values of function fields in ROS 2: an integer, or an array of integers for a list.
 
 use crate::surface::parameters::type_name;
 use lineshaft_core::config::SlotConfig;
@@ -7,10 +7,10 @@ use lineshaft_core::request::FieldValue;
 use lineshaft_core::unit::{excerpt, number_to_text};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterType, ParameterValue};
 
-/// What a client gives for a field: whole numbers, also as doubles, and bools as 0 and 1.
+/// Returns the value of a field from a client: integers, also as doubles, and bools as 0 and 1.
 ///
 /// # Errors
-/// Another type, or a number that is not whole; with the name that the client gave.
+/// Another type, or a number that is not an integer; the message contains the name that the client gave.
 pub(in crate::surface) fn given(name: &str, value: &ParameterValue) -> Result<FieldValue, String> {
     let one = |number: f64| whole(number).ok_or(number);
     let list = |numbers: &[f64]| numbers.iter().map(|&number| one(number)).collect::<Result<Vec<i64>, f64>>();
@@ -23,7 +23,7 @@ pub(in crate::surface) fn given(name: &str, value: &ParameterValue) -> Result<Fi
         }
         ParameterType::PARAMETER_INTEGER_ARRAY => Ok(FieldValue::List(value.integer_array_value.clone())),
         ParameterType::PARAMETER_DOUBLE_ARRAY => list(&value.double_array_value).map(FieldValue::List),
-        // An empty list says nothing of what it is a list of.
+        // The type of an empty list is unknown.
         ParameterType::PARAMETER_BYTE_ARRAY if value.byte_array_value.is_empty() => Ok(FieldValue::List(Vec::new())),
         other => {
             let (name, other) = (excerpt(name), type_name(other));
@@ -35,14 +35,14 @@ pub(in crate::surface) fn given(name: &str, value: &ParameterValue) -> Result<Fi
     })
 }
 
-/// A double that is an i64, and is written as one.
+/// Returns a double as i64 if it is an integer in its range.
 fn whole(number: f64) -> Option<i64> {
-    // 2^63 itself has no place; -2^63 has.
+    // The range includes -2^63, but not 2^63.
     let fits = (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&number);
     (fits && number.fract() == 0.0).then_some(number as i64)
 }
 
-/// Values of a field.
+/// Returns the values of a field as a parameter value.
 pub(in crate::surface) fn message(field: &Field, values: &[i64]) -> ParameterValue {
     let value = ParameterValue::default();
     match values {
@@ -56,7 +56,7 @@ pub(in crate::surface) fn message(field: &Field, values: &[i64]) -> ParameterVal
     }
 }
 
-/// All fields of a function with the values of a set.
+/// Returns all fields of a function with the values of a set.
 pub(super) fn all(slot: &SlotConfig, set: &[i64]) -> Vec<Parameter> {
     let mut rest = set;
     let mut take = |count: usize| {
@@ -113,7 +113,7 @@ mod tests {
         assert_eq!((value("cams").r#type, value("cams").integer_array_value.as_slice()), (7, &set[3..11]));
         assert_eq!((value("modulo").r#type, value("modulo").integer_value), (2, 19));
         assert_eq!(value("hysteresis").integer_array_value, &set[20..]);
-        // Nothing is there of an image that has no sets.
+        // An image without sets has no values.
         assert_eq!(all(&slot, &[]).len(), shown.len());
     }
 }

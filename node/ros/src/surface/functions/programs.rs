@@ -1,4 +1,4 @@
-//! `~/load_program`: another module for a program.
+//! `~/load_program`: loads another module into a program.
 
 use crate::layer::{CreateError, Node};
 use crate::surface::hub::Hub;
@@ -17,7 +17,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 
 fn resolve(config: &MachineConfig, request: LoadProgramRequest) -> Result<Action, String> {
     let LoadProgramRequest { program, module, keep_state } = request;
-    // A large module takes a while to be checked: others are answered meanwhile.
+    // Checking a large module takes time; other requests are answered meanwhile.
     let resolved = tokio::task::block_in_place(|| config.resolve_load_program(&program, &module, keep_state));
     resolved.map_err(|error| error.to_string())
 }

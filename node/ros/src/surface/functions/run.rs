@@ -1,4 +1,4 @@
-//! `~/run_function`: an order of a function that ends.
+//! `~/run_function`: runs a function command until it ends.
 
 use super::fields;
 use super::states::View;
@@ -30,7 +30,7 @@ impl GoalAction for RunFunction {
 
     fn resolve(config: &MachineConfig, goal: &RunFunctionGoal) -> Result<(u16, Action), RequestError> {
         let RunFunctionGoal { function, parameters } = goal;
-        // A name that no function has is told before what is wrong with its fields.
+        // An unknown function is reported before errors in the fields.
         let (place, _) = config.find_function(function)?;
         let value = |Parameter { name, value }: &Parameter| match fields::given(name, value) {
             Ok(given) => Ok((name.clone(), given)),

@@ -1,4 +1,4 @@
-//! `~/functions`: all function slots, ten times a second and when one changes.
+//! `~/functions`: all function slots, ten times per second and on change.
 
 use crate::layer::{CreateError, Node, Publisher};
 use crate::surface::hub::Hub;
@@ -13,9 +13,9 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
-/// Between two looks, and so at least between two messages.
+/// Time between two checks, and the minimum time between two messages.
 const LOOK: Duration = Duration::from_millis(20);
-/// Looks after which a message goes out without a change.
+/// Number of checks after which a message is published without a change.
 const LOOKS: u32 = 5;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -49,18 +49,18 @@ async fn publish(publisher: Publisher<FunctionStates>, hub: Arc<Hub>) {
     }
 }
 
-/// When a message goes out.
+/// Decides when a message is published.
 #[derive(Default)]
 struct Rhythm {
-    /// t_k (ns) of the last look.
+    /// Cycle time stamp t_k of the last check, in ns.
     seen: u64,
-    /// Looks since the last message.
+    /// Number of checks since the last message.
     looks: u32,
     said: Vec<FunctionState>,
 }
 
 impl Rhythm {
-    /// Is it time for a message of that cycle? Nothing comes while the machine stands.
+    /// Returns true if a message is due for this cycle. While the machine is not running, no message is published.
     fn is_due(&mut self, stamp_ns: u64, functions: &[FunctionState]) -> bool {
         if std::mem::replace(&mut self.seen, stamp_ns) == stamp_ns {
             return false;
@@ -74,12 +74,12 @@ impl Rhythm {
     }
 }
 
-/// What counts as a change: a sink that moves does in each cycle.
+/// Returns the values whose change triggers a message: a moving sink would change in each cycle.
 fn switched(state: &FunctionState) -> (bool, u32, u8, u8) {
     (state.active, state.error_code, state.inputs, state.outputs)
 }
 
-/// Where a function stands on the board.
+/// Signals of a function on the board.
 #[derive(Clone)]
 pub(in crate::surface) struct View {
     name: String,
@@ -94,7 +94,7 @@ pub(in crate::surface) struct View {
 }
 
 impl View {
-    /// Those of all functions, by their slots.
+    /// Returns the views of all functions, in the order of their slots.
     pub(super) fn all(config: &MachineConfig, directory: &Directory) -> Vec<Self> {
         let view = |slot: &lineshaft_core::config::SlotConfig| {
             let find = |signal: &str| directory.find(&format!("{}.{signal}", slot.name));
@@ -117,7 +117,7 @@ impl View {
         config.slots.iter().filter_map(view).collect()
     }
 
-    /// What its sink holds.
+    /// Returns the value of the sink.
     pub(super) fn sink(&self, board: &Board) -> i64 {
         board.int(self.sink)
     }
@@ -131,7 +131,7 @@ impl View {
             r#type: self.kind.to_owned(),
             slot: self.slot,
             active: board.bit(self.active),
-            // Codes are u32 where they are made.
+            // Codes are created as u32.
             error_code: board.int(self.error) as u32,
             sink: board.int(self.sink),
             inputs: bits(&self.inputs),
@@ -151,7 +151,7 @@ mod tests {
     use lineshaft_core::machine::Machine;
     use lineshaft_core::object::Object;
 
-    /// Function `choose` writes 7 or -7, as a bit says.
+    /// Function `choose` writes 7 or -7, selected by a bit.
     fn config() -> MachineConfig {
         let memory = |name: &str, kind| MemoryConfig { name: name.to_owned(), kind, initial: 0.0 };
         let mut slot = SlotConfig::new("choose".to_owned(), 9, Kind::Ecopy);
@@ -190,7 +190,7 @@ mod tests {
             ..FunctionState::default()
         };
         assert_eq!(state, expected);
-        // One that runs cannot be started.
+        // A running function cannot be started.
         let refused = give(&mut machine, Order::Start);
         assert_eq!(refused, FunctionState { error_code: Code::FUNCTION_ACTIVE.0, ..expected });
     }

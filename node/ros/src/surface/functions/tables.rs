@@ -1,4 +1,4 @@
-//! `~/load_table` and `~/get_table`: the numbers of a table.
+//! `~/load_table` and `~/get_table`: points of a table.
 
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use crate::surface::hub::Hub;
@@ -18,7 +18,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 }
 
 fn resolve(config: &MachineConfig, LoadTableRequest { table, x, y }: LoadTableRequest) -> Result<Action, String> {
-    // A spline through a million points takes a while: others are answered meanwhile.
+    // A spline through a million points takes time; other requests are answered meanwhile.
     let resolved = tokio::task::block_in_place(|| config.resolve_load_table(&table, &x, &y));
     resolved.map_err(|error| error.to_string())
 }
@@ -34,7 +34,7 @@ async fn serve(mut server: ServiceServer<GetTable>, hub: Arc<Hub>) {
     }
 }
 
-/// The table of that name in an image.
+/// Returns the table with this name in an image.
 fn get(config: &MachineConfig, image: &ParameterImage, name: &str) -> Result<GetTableResponse, String> {
     let place = config.find_table(name).map_err(|error| error.to_string())?;
     let table = image.tables.get(usize::from(place)).ok_or("the table could not be read")?;
@@ -76,7 +76,7 @@ mod tests {
         let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
         let before = machine.parameter_version();
         machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
-        // Whoever shows images looks again.
+        // A change of the version makes readers read the image again.
         assert_ne!(machine.parameter_version(), before);
         machine.copy_parameters(&mut image);
         let knife = read(&image, "knife").expect("there");

@@ -1,4 +1,4 @@
-//! What leads against laws that hold for each machine.
+//! Tests of masters against properties that hold for each machine.
 
 use super::*;
 use crate::surface::parameters::fake;
@@ -13,12 +13,12 @@ use proptest::prelude::*;
 
 use crate::surface::goal::GoalAction;
 
-/// 1000 inc in a mm.
+/// 1000 inc/mm.
 const PER_MM: i128 = 1_000;
-/// Units of an increment.
+/// One increment, in units of 2^-32 inc.
 const ONE: i128 = 1 << 32;
 
-/// A belt in the scale of the virtual axis line, and a wheel of 4096 inc a turn.
+/// Returns a machine with a belt in the scale of virtual axis line, and a wheel of 4096 inc per turn.
 fn config() -> MachineConfig {
     let turn = Quantity::new(Fraction::from_integer(1), Unit::REVOLUTION);
     let wheel = Scale::new(Fraction::from_integer(4096), turn).expect("a sound scale");
@@ -35,7 +35,7 @@ fn config() -> MachineConfig {
     }
 }
 
-/// A machine that is asked something in its first cycle, and its views.
+/// A machine with commands in its first cycle, and its views.
 struct Shaft {
     machine: Machine,
     views: Vec<LeaderView>,
@@ -49,7 +49,7 @@ impl Shaft {
         Self { machine, views, cycle: 0 }
     }
 
-    /// What leads behind one more cycle with these counts.
+    /// Runs one more cycle with these counts. Returns the masters after it.
     fn cycle(&mut self, counts: [Option<i64>; 2], actions: Vec<Action>) -> ShaftStates {
         let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
         inputs.cycle = self.cycle;
@@ -64,7 +64,7 @@ impl Shaft {
     }
 }
 
-/// line runs at so many mm/s, and the virtual master at so many inc/s, at once.
+/// Returns commands that move line at a velocity in mm/s, and the virtual master at a velocity in inc/s.
 fn run(velocity: f64, pulses: i64) -> Vec<Action> {
     let goal = MoveAxisGoal {
         axis: "line".to_owned(),
@@ -80,7 +80,7 @@ fn run(velocity: f64, pulses: i64) -> Vec<Action> {
     vec![moves, Action::SetParameters([("pulsacc", -1), ("setsys_15", pulses)].map(change).into())]
 }
 
-/// In units of 2^-32 inc.
+/// Returns the position in units of 2^-32 inc.
 fn raw(state: &LeaderState) -> i128 {
     i128::from(state.position_increments) * ONE + (state.fraction * ONE as f64) as i128
 }
@@ -90,7 +90,7 @@ fn all_that_leads_is_told_in_the_order_of_its_message() {
     let mut shaft = Shaft::new();
     let told = shaft.cycle([Some(5), Some(7)], vec![]);
     let names: Vec<_> = told.leaders.iter().map(|leader| (leader.name.as_str(), leader.has_scale)).collect();
-    // x has a drive; what mixes scales has none, nor has the virtual master.
+    // x has a drive and is not published. A sum of different scales has no scale, nor has the virtual master.
     let expected =
         [("belt", true), ("wheel", true), ("line", true), ("both", true), ("mixed", false), ("machine.vmaster", false)];
     assert_eq!(names, expected);
@@ -98,7 +98,8 @@ fn all_that_leads_is_told_in_the_order_of_its_message() {
     assert_eq!((told.cycle, told.header.stamp.nanosec, told.header.frame_id.as_str()), (1, 1_000_000, ""));
 }
 
-/// 333 inc/s are 0.333 inc in a cycle; the belt goes 3 inc in each, 3000 inc/s and 3 m/s; the wheel a turn in 1 s is 2 pi rad/s.
+/// 333 inc/s are 0.333 inc per cycle. The belt moves 3 inc per cycle, which is 3000 inc/s and 3 m/s. The wheel makes one turn per second,
+/// which is 2 pi rad/s.
 #[test]
 fn each_leader_has_its_units() {
     let mut shaft = Shaft::new();
@@ -114,13 +115,13 @@ fn each_leader_has_its_units() {
         assert_eq!((both.position, both.velocity), (belt.position, belt.velocity));
         assert_eq!((mixed.position, mixed.velocity, mixed.velocity_increments), (0.0, 0.0, 4_000.0));
         assert_eq!(mixed.position_increments, 4 * k);
-        // From cycle 0 on, rounded down.
+        // Counted from cycle 0, rounded down.
         assert_eq!(raw(virtual_master), i128::from(k + 1) * 333 * ONE / 1_000);
         assert_eq!((virtual_master.position, virtual_master.velocity_increments), (0.0, 333.0));
     }
 }
 
-/// The position stays, and everybody who needs it knows.
+/// The position stays, and all sums that depend on the encoder become invalid.
 #[test]
 fn a_lost_encoder_takes_the_sums_with_it() {
     let mut shaft = Shaft::new();
@@ -137,7 +138,7 @@ fn a_lost_encoder_takes_the_sums_with_it() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// Sums are those of their members to the last unit, and m are increments divided by the scale, in each cycle.
+    /// Sums equal those of their members to the last unit, and m equals increments divided by the scale, in each cycle.
     #[test]
     fn increments_are_exact(
         ways in prop::collection::vec((-30_i64..30, -30_i64..30), 1..60),

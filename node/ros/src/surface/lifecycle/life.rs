@@ -1,11 +1,11 @@
-//! Where the node stands in its life cycle, and what each transition does.
+//! Lifecycle state of the node, and the actions of each transition.
 //!
-//! configure    the backends start, cycles run; the first one begins with an inactive machine
+//! configure    the backends start and cycles run; the machine is inactive in the first one
 //! activate     the machine accepts `activate`
-//! deactivate   the machine stops and switches off all axes, and tells that every drive is off
-//! cleanup      cycles end, the backends stop; the machine keeps its state
-//! shutdown     deactivate and cleanup, as far as there is something to do
-//! an error     deactivates and cleans up as far as that goes: unconfigured where all drives are off, else finalized
+//! deactivate   the machine stops and disables all axes, and reports that every drive is off
+//! cleanup      cycles end and the backends stop; the machine keeps its state
+//! shutdown     deactivate and cleanup, as far as necessary
+//! an error     deactivates and cleans up as far as possible: unconfigured if all drives are off, otherwise finalized
 
 use super::states::{self, Outcome, State, Transition};
 use crate::layer::{Publisher, Severity, TOLD};
@@ -19,27 +19,27 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::time::{Instant, sleep, timeout_at};
 
-/// Longer than backends take to start and to stop, and the machine to take a command.
+/// Longer than backends take to start and to stop, and the machine to accept a command.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Longer than any axis takes to stop.
 const STOP_PATIENCE: Duration = Duration::from_secs(60);
-/// Between two looks at the gate.
+/// Time between two checks of the gate.
 const LOOK: Duration = Duration::from_millis(2);
-/// Longer than events take from the last cycle to who waits for them.
+/// Longer than events take from the last cycle to their receivers.
 const ON_THEIR_WAY: Duration = Duration::from_millis(50);
 
-/// The life of one node.
+/// Lifecycle of one node.
 pub(in crate::surface) struct Life {
     hub: Arc<Hub>,
     /// Full name of the node, for remedies.
     node: String,
     publisher: Publisher<TransitionEvent>,
     state: Mutex<State>,
-    /// Held for the time of a transition.
+    /// Locked during a transition.
     turn: Arc<tokio::sync::Mutex<()>>,
 }
 
-/// A transition under way.
+/// Transition in progress.
 pub(super) struct Begun {
     transition: Transition,
     _turn: tokio::sync::OwnedMutexGuard<()>,
@@ -55,17 +55,17 @@ impl Life {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The present state as a message.
+    /// Returns the present state as a message.
     pub(in crate::surface) fn message(&self) -> msg::State {
         self.state().message()
     }
 
-    /// The name of the present state.
+    /// Returns the name of the present state.
     pub(in crate::surface) fn label(&self) -> &'static str {
         self.state().label
     }
 
-    /// configure and activate by itself: cycles run already, with an active machine.
+    /// Executes configure and activate at the start: cycles already run, with an active machine.
     pub(super) async fn begin(self: Arc<Self>) {
         let _turn = self.turn.lock().await;
         for (label, work) in [("configure", true), ("activate", false)] {
@@ -82,7 +82,7 @@ impl Life {
         }
     }
 
-    /// Begins a transition, if it is possible and none is under way.
+    /// Starts a transition if it is possible and no other one is in progress.
     pub(super) fn begin_change(&self, wanted: &msg::Transition) -> Option<Begun> {
         let Ok(turn) = Arc::clone(&self.turn).try_lock_owned() else {
             self.refuse(wanted, &format!("the node is {}; one transition at a time", self.label()));
@@ -99,7 +99,7 @@ impl Life {
         Some(Begun { transition, _turn: turn })
     }
 
-    /// Makes a transition to its end; true where it succeeded.
+    /// Executes a transition to its end. Returns true if it succeeded.
     pub(super) async fn end_change(&self, begun: Begun) -> bool {
         let result = match begun.transition.goal {
             states::CONFIGURING => self.configure().await,
@@ -116,7 +116,7 @@ impl Life {
         self.hub.refuse(format!("change_state: transition {name} is refused: {why}"));
     }
 
-    /// Ends a step as it went, and processes an error.
+    /// Ends a step with its result, and processes an error.
     async fn finish(&self, result: Result<(), (Outcome, String)>) -> Outcome {
         let outcome = self.tell(result);
         if outcome == Outcome::Error {
@@ -200,7 +200,7 @@ impl Life {
         off.and(closed).map_err(|(_, sentence)| (Outcome::Failure, sentence))
     }
 
-    /// Waits until the gate stands so.
+    /// Waits until the gate is in a state.
     async fn wait_for(&self, wanted: &GateState) -> Result<(), String> {
         let begin = Instant::now();
         loop {
@@ -217,13 +217,13 @@ impl Life {
         }
     }
 
-    /// Gives a command and waits for its answer of a kind.
+    /// Submits a command and waits for its answer of a kind.
     async fn command(&self, action: Action, kind: Kind, end: Instant) -> Result<(), String> {
         let late = || "the machine has not answered in time".to_owned();
         let mut answers = loop {
             match self.hub.submit(action.clone()) {
                 Ok(answers) => break answers,
-                // A full lane empties within a few cycles.
+                // A full queue empties within a few cycles.
                 Err(Busy::Full) if Instant::now() < end => sleep(LOOK).await,
                 Err(busy) => return Err(busy.to_string()),
             }
@@ -241,7 +241,7 @@ impl Life {
     }
 }
 
-/// How to try again where a transition has failed and has ended in that state.
+/// Returns how to try again after a failed transition that has ended in this state.
 fn remedy(end: State, node: &str) -> Option<String> {
     match end {
         states::UNCONFIGURED => Some(format!(
@@ -253,7 +253,7 @@ fn remedy(end: State, node: &str) -> Option<String> {
     }
 }
 
-/// A label from outside, as it may stand in a sentence.
+/// Returns a label from a client in a form that is safe in a message.
 fn text_of(label: &str) -> String {
     format!("`{}`", lineshaft_core::unit::excerpt(label))
 }

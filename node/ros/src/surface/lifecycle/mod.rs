@@ -1,7 +1,7 @@
-//! The life cycle of the node: `~/change_state` and the four services that tell of it, `~/transition_event`.
+//! Lifecycle of the node: `~/change_state`, the four services that report states and transitions, and `~/transition_event`.
 //!
-//! configure opens the gate of the cycle, activate and deactivate are commands of the machine, cleanup closes the gate. There is
-//! one transition at a time.
+//! configure opens the gate of the cycle, activate and deactivate are commands of the machine, cleanup closes the gate. Only one transition
+//! is executed at a time.
 
 mod life;
 mod states;
@@ -35,11 +35,11 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 }
 
 async fn change(mut server: ServiceServer<ChangeState>, life: Arc<Life>) {
-    // A transition goes on when its client is gone; it ends with the node.
+    // A transition continues if its client leaves; it ends with the node.
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        // Begun one after the other: the order of requests is that of the clients.
+        // Started in sequence, in the order of the requests.
         let Some(begun) = life.begin_change(&message.transition) else {
             reply.send_soon(ChangeStateResponse { success: false });
             continue;
@@ -47,7 +47,7 @@ async fn change(mut server: ServiceServer<ChangeState>, life: Arc<Life>) {
         let life = Arc::clone(&life);
         open.spawn(async move {
             let success = life.end_change(begun).await;
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(ChangeStateResponse { success }).await;
         });
     }

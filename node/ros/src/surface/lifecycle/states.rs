@@ -1,15 +1,15 @@
-//! States and transitions of a node with a life cycle: ids and labels are those of rcl_lifecycle's default state machine.
+//! States and transitions of a lifecycle node, with the IDs and labels of the default state machine of rcl_lifecycle.
 
 use lineshaft_msgs::foreign::lifecycle_msgs::msg::{self, State as Ids, Transition as Edges};
 
-/// A state.
+/// Lifecycle state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct State {
     pub id: u8,
     pub label: &'static str,
 }
 
-/// A transition.
+/// Lifecycle transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Transition {
     pub id: u8,
@@ -18,7 +18,7 @@ pub(super) struct Transition {
     pub goal: State,
 }
 
-/// How a step ended.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     Success,
@@ -42,7 +42,7 @@ pub(super) const ACTIVATING: State = state(Ids::TRANSITION_STATE_ACTIVATING, "ac
 pub(super) const DEACTIVATING: State = state(Ids::TRANSITION_STATE_DEACTIVATING, "deactivating");
 pub(super) const ERROR_PROCESSING: State = state(Ids::TRANSITION_STATE_ERRORPROCESSING, "errorprocessing");
 
-/// All states, in the order in which rcl_lifecycle has them.
+/// All states, in the order of rcl_lifecycle.
 pub(super) const STATES: [State; 11] = [
     UNKNOWN,
     UNCONFIGURED,
@@ -65,7 +65,7 @@ const fn edge(id: u8, label: &'static str, start: State, goal: State) -> Transit
     Transition { id, label, start, goal }
 }
 
-/// All transitions, in the order in which rcl_lifecycle has them.
+/// All transitions, in the order of rcl_lifecycle.
 pub(super) const TRANSITIONS: [Transition; 25] = [
     edge(Edges::TRANSITION_CONFIGURE, "configure", UNCONFIGURED, CONFIGURING),
     edge(Edges::TRANSITION_ON_CONFIGURE_SUCCESS, SUCCESS, CONFIGURING, INACTIVE),
@@ -95,12 +95,12 @@ pub(super) const TRANSITIONS: [Transition; 25] = [
 ];
 
 impl State {
-    /// The transitions from it.
+    /// Returns the transitions from this state.
     pub(super) fn transitions(self) -> impl Iterator<Item = Transition> {
         TRANSITIONS.into_iter().filter(move |transition| transition.start == self)
     }
 
-    /// The transition that a client asks for: a label counts before the id, which is 0 where none was given.
+    /// Returns the transition that a client requests. A label has precedence over the ID, which is 0 if it was not given.
     pub(super) fn wanted(self, wanted: &msg::Transition) -> Option<Transition> {
         let mut from_here = self.transitions();
         match wanted.label.as_str() {
@@ -109,7 +109,7 @@ impl State {
         }
     }
 
-    /// Where a step that took place in this state ends.
+    /// Returns the transition at the end of a step in this state.
     pub(super) fn after(self, outcome: Outcome) -> Option<Transition> {
         let label = match outcome {
             Outcome::Success => SUCCESS,
@@ -157,7 +157,7 @@ mod tests {
         for state in STATES {
             let reached = TRANSITIONS.iter().any(|transition| transition.goal == state);
             assert!(reached || state == UNKNOWN, "{state:?}");
-            // Each step has all three ends.
+            // Each step has all three results.
             let ends = [Outcome::Success, Outcome::Failure, Outcome::Error].map(|outcome| state.after(outcome));
             assert_eq!(ends.iter().all(Option::is_some), state.id >= Ids::TRANSITION_STATE_CONFIGURING, "{state:?}");
         }

@@ -1,4 +1,4 @@
-//! Which parameters the node declares, and what each is worth.
+//! Parameters that the node declares, and their values.
 
 use super::functions::{self, OfFunction};
 use super::own::type_name;
@@ -10,22 +10,22 @@ use lineshaft_core::unit::Scale;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterType, ParameterValue};
 use std::collections::HashSet;
 
-/// One parameter of one object.
+/// Parameter of one object.
 #[derive(Clone, Debug)]
 pub(super) struct Declared {
     pub name: String,
-    /// [`MACHINE`] for the machine.
+    /// Index of the axis; [`MACHINE`] for the machine.
     axis: u16,
     pub row: &'static Row,
     pub scale: Scale,
-    /// What a cycle of the machine can do (inc/s).
+    /// Maximum velocity that the cycle of the machine allows, in inc/s.
     pub highest_velocity: f64,
 }
 
-/// Why what the cell says cannot be set.
+/// Reason why parameters of the cell cannot be set.
 pub(super) const PART_OF_CELL: &str = "part of the cell: changes with the file and a new start";
 
-/// All of them, by name.
+/// All declared parameters, by name.
 #[derive(Clone, Debug)]
 pub(super) struct Catalogue {
     of_machine: Vec<Declared>,
@@ -34,7 +34,7 @@ pub(super) struct Catalogue {
 
 impl Catalogue {
     pub(super) fn new(config: &MachineConfig) -> Self {
-        // What the source shows in a register is a signal here.
+        // Values that the source publishes in a register are signals here.
         let rows = || ROWS.iter().filter(|row| !matches!(row.storage, Storage::Signal(_)));
         let highest_velocity = highest_velocity(config.cycle_ns);
         let of_machine = rows().filter(|row| row.applies == Applies::Machine).map(|row| Declared {
@@ -60,28 +60,28 @@ impl Catalogue {
         Self { of_machine: all, of_functions }
     }
 
-    /// All of axes and of the machine, ascending by name.
+    /// Returns all parameters of axes and of the machine, ascending by name.
     pub(super) fn all(&self) -> &[Declared] {
         &self.of_machine
     }
 
-    /// All of functions, ascending by name.
+    /// Returns all parameters of functions, ascending by name.
     pub(super) fn functions(&self) -> &[OfFunction] {
         &self.of_functions
     }
 
-    /// How many there are.
+    /// Returns the number of parameters.
     pub(super) fn len(&self) -> usize {
         self.of_machine.len() + self.of_functions.len()
     }
 
-    /// The parameter of that name of an axis or the machine.
+    /// Returns the parameter of an axis or the machine with this name.
     pub(super) fn find(&self, name: &str) -> Option<&Declared> {
         let place = self.of_machine.binary_search_by(|declared| declared.name.as_str().cmp(name)).ok()?;
         self.of_machine.get(place)
     }
 
-    /// The parameter of that name of a function.
+    /// Returns the parameter of a function with this name.
     pub(super) fn function(&self, name: &str) -> Option<&OfFunction> {
         let place = self.of_functions.binary_search_by(|known| known.name.as_str().cmp(name)).ok()?;
         self.of_functions.get(place)
@@ -89,13 +89,13 @@ impl Catalogue {
 }
 
 impl Declared {
-    /// Its value in an image, in the core's units.
+    /// Returns the value in an image, in units of the core.
     pub(super) fn value(&self, image: &ParameterImage) -> Value {
         let of_machine = || self.row.machine_value(&image.machine[0]);
         image.effective.get(usize::from(self.axis)).map_or_else(of_machine, |axis| self.row.value(axis))
     }
 
-    /// Its value in an image, as a message.
+    /// Returns the value in an image, as a message.
     pub(super) fn message(&self, image: &ParameterImage) -> ParameterValue {
         let value = ParameterValue::default();
         match self.row.shown(&self.scale, self.value(image)) {
@@ -115,12 +115,12 @@ impl Declared {
         }
     }
 
-    /// Name and value in an image.
+    /// Returns name and value in an image.
     pub(super) fn parameter(&self, image: &ParameterImage) -> Parameter {
         Parameter { name: self.name.clone(), value: self.message(image) }
     }
 
-    /// Number of its type.
+    /// Returns the number of the parameter type.
     pub(super) fn type_number(&self) -> u8 {
         match self.row.border_type() {
             BorderType::Switch => ParameterType::PARAMETER_BOOL,
@@ -130,15 +130,15 @@ impl Declared {
         }
     }
 
-    /// May it be left out?
+    /// Returns true if the parameter may be without a value.
     pub(super) fn may_be_unset(&self) -> bool {
         self.row.default == Value::Unset && !self.row.required && !self.row.is_read_only()
     }
 
-    /// What a client gives, for the core.
+    /// Converts the value of a client for the core.
     ///
     /// # Errors
-    /// Another type than the parameter has: which one it should be.
+    /// The type is not that of the parameter; the message gives the expected one.
     pub(super) fn input(&self, value: &ParameterValue) -> Result<ParameterInput, String> {
         match (self.said(value), self.row.border_type()) {
             (Said::Nothing, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
@@ -160,21 +160,21 @@ impl Declared {
         }
     }
 
-    /// Whether the machine may have it, and would not take it: a part of the cell, what is computed, and what a view shows beyond the
-    /// range of its source (`velmax` of a fast axis). A dump has such values.
+    /// Returns true if the parameter shows a value that cannot be set: a part of the cell, a calculated value, or a view beyond the range
+    /// of its source (`velmax` of a fast axis). A dump contains such values.
     pub(super) fn is_only_shown(&self, config: &MachineConfig, value: &ParameterValue) -> bool {
         let given = || self.input(value).ok().and_then(|input| config.resolve_parameter(&self.name, &input).ok());
         self.row.is_read_only() || given().is_some_and(|change| self.row.check(change.value).is_err())
     }
 
-    /// Whether it shows in other words what one of `names` says itself, as a dump does with every value: `x.dfltacc` beside
+    /// Returns true if the parameter is a view of one of `names`, as each value in a dump has: `x.dfltacc` next to
     /// `x.default_acceleration`.
     pub(super) fn repeats(&self, names: &HashSet<&str>) -> bool {
         let of_itself = || self.name.strip_suffix(self.row.key).map(|object| format!("{object}{}", self.row.root()));
         self.row.is_view() && of_itself().is_some_and(|name| names.contains(name.as_str()))
     }
 
-    /// Is it worth that in an image?
+    /// Returns true if the parameter has this value in an image.
     pub(super) fn is(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
         match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
             (Said::Nothing, BorderValue::Unset) => true,
@@ -187,7 +187,7 @@ impl Declared {
         }
     }
 
-    /// Is it that number in an image, but for what rounding may make of it?
+    /// Returns true if the parameter has this number in an image, apart from rounding.
     pub(super) fn is_nearly(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
         match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
             (Said::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
@@ -195,8 +195,8 @@ impl Declared {
         }
     }
 
-    /// What a value says of this parameter. `ros2 param load` guesses types once more from texts: it sends the null of a file as
-    /// the string `None`, and 0.00001 as the string `1e-05`.
+    /// Interprets a value for this parameter. `ros2 param load` guesses the types of texts again: it sends the null of a file as the string
+    /// `None`, and 0.00001 as the string `1e-05`.
     fn said<'a>(&self, value: &'a ParameterValue) -> Said<'a> {
         let text = value.string_value.as_str();
         match (value.r#type, self.row.border_type()) {
@@ -218,7 +218,7 @@ impl Declared {
     }
 }
 
-/// A value as a parameter of the machine understands it.
+/// Value as a parameter of the machine interprets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Said<'a> {
     Nothing,
@@ -226,7 +226,7 @@ enum Said<'a> {
     Integer(i64),
     Real(f64),
     Name(&'a str),
-    /// A type that no parameter of the machine has.
+    /// Type that no parameter of the machine has.
     Other(u8),
 }
 
@@ -243,7 +243,7 @@ impl Said<'_> {
     }
 }
 
-/// A whole number with an exponent, such as `-1e-05`: YAML 1.1, which Python reads, takes it for a string.
+/// Parses an integer with an exponent, such as `-1e-05`: YAML 1.1, which Python reads, treats it as a string.
 pub(super) fn power_of_ten(text: &str) -> Option<f64> {
     let (digits, exponent) = text.strip_prefix('-').unwrap_or(text).split_once('e')?;
     let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -316,7 +316,7 @@ mod tests {
             let error = input("x.max_velocity", other).unwrap_err();
             assert_eq!(error, "x.max_velocity cannot be a string; a number is needed", "{other}");
         }
-        // A name is a name.
+        // A parameter of type string is not interpreted.
         assert_eq!(input("x.profile", "None"), Ok(ParameterInput::Text("None".to_owned())));
         assert!(input("x.error_reaction", "1e0").is_err());
     }

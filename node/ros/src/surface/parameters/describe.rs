@@ -1,4 +1,4 @@
-//! Descriptors: what a parameter is for and which values it takes.
+//! Parameter descriptors: description, type and ranges.
 
 use super::catalogue::{Declared, PART_OF_CELL};
 use lineshaft_core::parameter::{BorderRange, BorderValue, Measure, Range, Row, Storage, System, Value};
@@ -25,7 +25,7 @@ impl Declared {
             description: description(self.row, &self.scale),
             additional_constraints: constraints(self.row, &self.scale),
             read_only: self.row.is_read_only(),
-            // It may be without a value, which is a type of its own.
+            // The parameter may be without a value, which is a separate type.
             dynamic_typing: self.may_be_unset(),
             floating_point_range: floating_point_range.into(),
             integer_range: integer_range.into(),
@@ -34,7 +34,7 @@ impl Declared {
 }
 
 impl Declared {
-    /// The end of its range that the cycle sets.
+    /// Returns the limit of the range that the cycle time determines.
     fn limit(&self) -> Option<f64> {
         match self.row.shown(&self.scale, Value::Real(self.highest_velocity)) {
             BorderValue::Real(limit) if self.row.is_bound_by_cycle() => Some(limit),
@@ -43,7 +43,7 @@ impl Declared {
     }
 }
 
-/// What it is for, its unit, when it takes effect, where it comes from.
+/// Returns description, unit, time when a change takes effect, and source.
 fn description(row: &Row, scale: &Scale) -> String {
     let mut parts = vec![row.description.to_owned()];
     let unit = row.border_unit(scale);
@@ -70,7 +70,7 @@ fn description(row: &Row, scale: &Scale) -> String {
     parts.join(" ")
 }
 
-/// What the ranges cannot say.
+/// Returns the constraints that ranges cannot express.
 fn constraints(row: &Row, scale: &Scale) -> String {
     let text = |value: Value| value_text(row, scale, value);
     let mut parts = Vec::new();
@@ -103,7 +103,7 @@ fn constraints(row: &Row, scale: &Scale) -> String {
     parts.join("; ")
 }
 
-/// Some sources begin with values that their own ranges leave out.
+/// Returns true if the value is outside the range; some sources have such default values.
 fn lies_outside(value: Value, range: Range) -> bool {
     match (value, range) {
         (Value::Unset, _) => false,
@@ -148,7 +148,7 @@ mod tests {
         assert_eq!(velocity.additional_constraints, "more than 0");
         let range = &velocity.floating_point_range[0];
         assert_eq!((range.from_value, range.step), (0.0, 0.0));
-        // 2^31 increments in a cycle of 1 ms at 1000 inc/mm.
+        // 2^31 increments per cycle of 1 ms at 1000 inc/mm.
         assert_eq!(range.to_value, 2_147_483.648);
         assert!(velocity.integer_range.is_empty());
     }
@@ -158,7 +158,7 @@ mod tests {
         let low = descriptor("x.min_position");
         assert_eq!(low.additional_constraints, "left out: no limit");
         assert!(low.dynamic_typing, "it may be without a value");
-        // One increment is a micrometre.
+        // One increment is one micrometre.
         assert_eq!(low.floating_point_range[0].step, 1e-6);
         let node_id = descriptor("machine.cannr");
         assert_eq!(

@@ -1,4 +1,4 @@
-//! /parameter_events: the difference of successive images, whoever made it, and what changes of the node's own parameters.
+//! /parameter_events: differences of successive images, regardless of the origin of a change, and changes of the node's own parameters.
 
 use super::catalogue::{Catalogue, Declared};
 use super::functions::OfFunction;
@@ -13,7 +13,7 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
-/// How often the image is looked at.
+/// Period of the comparison of images.
 const PERIOD: Duration = Duration::from_millis(10);
 
 pub(super) fn start(
@@ -52,7 +52,7 @@ async fn publish(publisher: Publisher<ParameterEvent>, node: String, hub: Arc<Hu
             event.changed_parameters = changes(&catalogue, &last, &newest);
             last = newest;
         }
-        // A sender that is gone has changed nothing.
+        // If the sender has ended, nothing has changed.
         if own_changes.has_changed().unwrap_or(false) {
             own_changes.mark_unchanged();
             let newest = hub.own.all();
@@ -71,7 +71,7 @@ fn own_parameters<'a>(own: impl Iterator<Item = (&'a String, &'a Own)>) -> Vec<P
     own.map(|(name, own)| Parameter { name: name.clone(), value: own.value.clone() }).collect()
 }
 
-/// The node's own parameters that have another value, and those that were not there.
+/// Returns the node's own parameters whose value has changed, and the new ones.
 fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) -> (Vec<Parameter>, Vec<Parameter>) {
     let is_new = |name: &str| !last.contains_key(name);
     let differs = |name: &str, own: &Own| last.get(name).is_some_and(|before| before.value != own.value);
@@ -79,7 +79,7 @@ fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) 
     (changed, own_parameters(newest.iter().filter(|(name, _)| is_new(name))))
 }
 
-/// The parameters that have a value at the start, one event for each object.
+/// Returns the parameters that have a value at the start, one event for each object.
 fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterEvent> {
     let object = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
     let of_object = |declared: &[Declared]| {
@@ -96,7 +96,7 @@ fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterE
     of_axes.chain(functions.map(of_function)).collect()
 }
 
-/// What differs; what is left out now has no value.
+/// Returns the changed parameters; one that was removed has no value.
 fn changes(catalogue: &Catalogue, last: &ParameterImage, newest: &ParameterImage) -> Vec<Parameter> {
     let differs = |declared: &&Declared| declared.value(last) != declared.value(newest);
     let of_axes = catalogue.all().iter().filter(differs).map(|declared| declared.parameter(newest));
@@ -122,7 +122,7 @@ mod tests {
         velocity.change(&mut second.effective[1], Value::Real(500_000.0)).unwrap();
         let changed = changes(&catalogue, &first, &second);
         let names: Vec<&str> = changed.iter().map(|parameter| parameter.name.as_str()).collect();
-        // The ramp takes half of the time to half of the velocity; rates of goals that give none are shares.
+        // The ramp takes half of the time to half of the velocity; goals without rates use fractions of it.
         assert_eq!(names, ["x.max_velocity", "x.rampmin", "x.velmax", "x.velmaxqc"]);
         assert_eq!(changed[0].value.double_value, 0.5);
         assert_eq!(changed[1].value.double_value, 100.0);

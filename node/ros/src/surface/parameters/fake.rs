@@ -1,4 +1,4 @@
-//! A small machine for the tests: line is virtual, x has a drive; 1000 inc/mm, 1 m/s, 5 m/s^2.
+//! A small machine for tests: line is virtual, x has a drive; 1000 inc/mm, 1 m/s, 5 m/s^2.
 
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::parameter::{AxisParameters, ParameterImage};
@@ -19,7 +19,7 @@ pub(in crate::surface) fn config() -> MachineConfig {
     }
 }
 
-/// As the machine begins.
+/// Returns the image at the start of the machine.
 pub(in crate::surface) fn image(config: &MachineConfig) -> ParameterImage {
     let parameters: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.parameters).collect();
     ParameterImage { effective: parameters.clone(), user: parameters, ..ParameterImage::default() }

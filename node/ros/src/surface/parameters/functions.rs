@@ -1,5 +1,5 @@
-//! Parameters of functions: `<function>.<field>` is what the next START or VALUE_NEW takes; beside them what the cell says of the
-//! function, read-only.
+//! Parameters of functions: `<function>.<field>` is the staged value for the next START or VALUE_NEW; in addition the read-only
+//! configuration of the function from the cell.
 
 use super::catalogue::PART_OF_CELL;
 use crate::surface::functions::fields;
@@ -13,33 +13,33 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::{
     IntegerRange, Parameter, ParameterDescriptor, ParameterType, ParameterValue,
 };
 
-/// One parameter of one function.
+/// Parameter of one function.
 #[derive(Clone, Debug)]
 pub(super) struct OfFunction {
     pub name: String,
-    /// Place of the function among the slots.
+    /// Index of the function among the slots.
     place: u16,
     what: What,
 }
 
 #[derive(Clone, Debug)]
 enum What {
-    /// A field of its set, and where the values of that begin.
+    /// Field of the parameter set, and the index of its first value in the set.
     Field(&'static Field, usize),
-    /// What the cell says of it, and what that is.
+    /// Value from the cell, with its description.
     Structure(ParameterValue, &'static str),
 }
 
-/// A value that a client gives for a field.
+/// Value of a field from a client.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Staged {
-    /// Place of the function.
+    /// Index of the function.
     pub place: u16,
     field: &'static str,
     value: FieldValue,
 }
 
-/// The parameters of all functions.
+/// Returns the parameters of all functions.
 pub(super) fn all(config: &MachineConfig) -> Vec<OfFunction> {
     let of_slot = |(slot, place): (&SlotConfig, u16)| {
         let mut first = 0;
@@ -87,7 +87,7 @@ fn text(string_value: String) -> ParameterValue {
 }
 
 impl OfFunction {
-    /// What it is worth in an image.
+    /// Returns the value in an image.
     pub(super) fn message(&self, image: &ParameterImage) -> ParameterValue {
         match &self.what {
             What::Structure(value, _) => value.clone(),
@@ -97,17 +97,17 @@ impl OfFunction {
         }
     }
 
-    /// Name and value in an image.
+    /// Returns name and value in an image.
     pub(super) fn parameter(&self, image: &ParameterImage) -> Parameter {
         Parameter { name: self.name.clone(), value: self.message(image) }
     }
 
-    /// Have both images the same value?
+    /// Returns true if both images have the same value.
     pub(super) fn is_same(&self, one: &ParameterImage, other: &ParameterImage) -> bool {
         self.values(one) == self.values(other)
     }
 
-    /// The staged values of a field.
+    /// Returns the staged values of a field.
     fn values<'a>(&self, image: &'a ParameterImage) -> Option<&'a [i64]> {
         let What::Field(field, first) = self.what else { return None };
         image.functions.get(usize::from(self.place))?.staged.get(first..first + field.count)
@@ -143,7 +143,7 @@ impl OfFunction {
         }
     }
 
-    /// What the range does not say.
+    /// Returns the constraints that the range does not express.
     fn constraints(&self, field: &Field) -> String {
         let mut parts = Vec::new();
         if field.count > 1 {
@@ -155,10 +155,10 @@ impl OfFunction {
         parts.join("; ")
     }
 
-    /// What a client asks for; none where it could not be, and need not: `image` has it so already.
+    /// Returns the requested change; `None` if the parameter cannot be set, but already has this value in `image`.
     ///
     /// # Errors
-    /// Why it cannot be.
+    /// The value cannot be set.
     pub(super) fn staged(&self, value: &ParameterValue, image: &ParameterImage) -> Result<Option<Staged>, String> {
         let name = &self.name;
         let field = match &self.what {
@@ -173,7 +173,7 @@ impl OfFunction {
             }
             (value, _) => value,
         };
-        // A dump has such values: what must be given before START, and was not.
+        // A dump contains such values: fields that must be given before START, and were not.
         let given: &[i64] = match &value {
             FieldValue::One(value) => std::slice::from_ref(value),
             FieldValue::List(values) => values,
@@ -186,16 +186,16 @@ impl OfFunction {
     }
 }
 
-/// The sets that the cell gives.
+/// Returns an image with the parameter sets of the cell.
 pub(super) fn of_cell(config: &MachineConfig) -> ParameterImage {
     let sets = |slot: &SlotConfig| Sets { staged: slot.values.clone(), active: slot.values.clone() };
     ParameterImage { functions: config.slots.iter().map(sets).collect(), ..ParameterImage::default() }
 }
 
-/// The command that stages values of one function, all of them or none.
+/// Returns the command that stages values of one function, all of them or none.
 ///
 /// # Errors
-/// What is wrong with them.
+/// A value is invalid.
 pub(super) fn command(config: &MachineConfig, place: u16, staged: Vec<Staged>) -> Result<Action, String> {
     let function = config.name(Object::Function(place)).to_owned();
     let values = staged.into_iter().map(|Staged { field, value, .. }| (field.to_owned(), value)).collect();

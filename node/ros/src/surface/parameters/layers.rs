@@ -1,4 +1,4 @@
-//! ~/save_parameters, ~/reset_parameters, ~/delete_parameters: the layers of the parameters.
+//! `~/save_parameters`, `~/reset_parameters`, `~/delete_parameters`: layers of the parameters.
 
 use super::give;
 use crate::layer::{CreateError, Node, Reply, Request, ServiceServer};
@@ -15,16 +15,16 @@ use std::time::Duration;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
-/// Longer than a disk in order takes.
+/// Longer than a healthy disk takes.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A command of the machine whose outcome is to be written down.
+/// Command of the machine whose result is to be stored.
 #[derive(Clone, Copy)]
 struct Stored {
     action: fn(AxisSet) -> Action,
     /// Past participle for the answer.
     done: &'static str,
-    /// What holds although it is not written down.
+    /// Effect that remains although it is not stored.
     kept: &'static str,
 }
 
@@ -64,7 +64,7 @@ async fn serve_stored(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, com
                 continue;
             }
         };
-        // The machine is asked here, so that commands keep the order of their requests.
+        // Submitted here, so that commands keep the order of their requests.
         match give(&hub, (command.action)(axes)) {
             Ok(answers) => {
                 let hub = Arc::clone(&hub);
@@ -81,7 +81,7 @@ async fn serve_stored(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, com
     }
 }
 
-/// Waits until the new layer User is written down.
+/// Waits until the new layer User is stored.
 async fn store(hub: &Hub, command: Stored, axes: AxisSet) -> Result<String, String> {
     let (answer, answered) = oneshot::channel();
     hub.host.store_parameters(answer);
@@ -121,7 +121,7 @@ async fn serve_reset(mut server: ServiceServer<ResetParameters>, hub: Arc<Hub>) 
     }
 }
 
-/// The layer of that number in the interface.
+/// Returns the layer with this number in the interface.
 fn layer(number: u8) -> Result<Layer, String> {
     match number {
         ResetParametersRequest::USER => Ok(Layer::User),
@@ -136,7 +136,7 @@ async fn answer<P: serde::Serialize>(
     respond: impl FnOnce(bool, String) -> P,
 ) {
     let success = outcome.is_ok();
-    // A client that has gone is no fault of the machine; the layer logs it.
+    // A client that has left is not an error of the machine; the layer logs it.
     let _ = reply.send(respond(success, outcome.unwrap_or_else(|sentence| sentence))).await;
 }
 

@@ -1,12 +1,12 @@
-//! list_parameters, as rclcpp has it.
+//! list_parameters, as in rclcpp.
 
 use super::view::View;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::ListParametersResult;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::ListParametersRequest;
 
 impl View<'_> {
-    /// The names under any of some prefixes (all, without one) whose rest has at most `depth` words; 0: any number. Beside
-    /// them each prefix of a name, up to its last dot, in the order of first mention.
+    /// Returns the names under any of the prefixes (all names without a prefix) whose remaining part has at most `depth` tokens; 0: any
+    /// number. In addition returns the prefix of each name up to its last dot, in the order of first occurrence.
     pub(super) fn list(&self, request: &ListParametersRequest) -> ListParametersResult {
         let is_near = |rest: &str| {
             let dots = rest.bytes().filter(|byte| *byte == b'.').count() as u64;
@@ -78,7 +78,7 @@ mod tests {
         for prefixes in [&["x.max_vel"][..], &[""], &["x."], &["X"], &["no_such_axis"]] {
             assert_eq!(list(prefixes, 0), ListParametersResult::default(), "{prefixes:?}");
         }
-        // Without a prefix every name has an object, a dot and a key.
+        // Without a prefix, every name consists of object, dot and key.
         assert_eq!(list(&[], 1), ListParametersResult::default());
         assert!(list(&[], 2).names.contains(&"x.max_velocity".to_owned()));
         assert!(!list(&[], 2).names.contains(&"x.saia.kprop".to_owned()));

@@ -1,8 +1,8 @@
-//! Parameters as ROS 2 sees them: `x.<key>` for each row of the catalogue that applies to axis x, `machine.<key>` for the
-//! machine, `<function>.<field>` for a function, and without an object those of the node itself.
+//! ROS 2 parameters: `x.<key>` for each row of the catalogue that applies to axis x, `machine.<key>` for the machine, `<function>.<field>`
+//! for a function, and the node's own parameters without an object.
 //!
-//! The machine owns them: what is asked for becomes a command, what is shown comes from the newest image. A number is in
-//! the unit of the row's bare numbers (contract section 2).
+//! The machine owns the parameters: a request becomes a command, and values come from the newest image. A number is in the unit of the
+//! row's bare numbers (contract section 2).
 
 mod catalogue;
 mod describe;
@@ -34,7 +34,7 @@ use tokio::task::JoinSet;
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let catalogue = Arc::new(Catalogue::new(hub.host.config()));
     let changes = table::PARAMETER_EVENTS.publisher(node)?;
-    // The last topic is open.
+    // The last topic was created.
     own::declare_qos(&hub.own, node)?;
     hub.own.check()?;
     read::start(node, hub, &catalogue, tasks)?;
@@ -44,7 +44,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     text::start(node, hub, tasks)
 }
 
-/// Gives a command; what the machine will say to it.
+/// Submits a command. Returns its pending answers.
 fn give(hub: &Arc<Hub>, action: Action) -> Result<Answers, String> {
     hub.submit(action).map_err(|busy| busy.to_string())
 }

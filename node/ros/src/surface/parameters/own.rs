@@ -1,4 +1,4 @@
-//! Parameters of the node itself, beside those of the machine: they have no object, and nothing of the motion.
+//! Parameters of the node itself, in addition to those of the machine: they have no object, and do not affect motion directly.
 
 use super::catalogue::power_of_ten;
 use crate::layer::{CreateError, Given, NodeHandle, Overrides};
@@ -12,37 +12,37 @@ use tokio::sync::watch;
 #[derive(Debug)]
 pub(in crate::surface) struct OwnParameters {
     state: Mutex<State>,
-    /// Grows with every change.
+    /// Version, which is incremented with every change.
     version: watch::Sender<u64>,
 }
 
 #[derive(Debug)]
 struct State {
     declared: BTreeMap<String, Own>,
-    /// Names that clients may take for those of parameters, and the parameters that they mean.
+    /// Names that clients may confuse with parameter names, and the intended parameters.
     renamed: BTreeMap<String, String>,
-    /// Values that were given at the start for what is not declared yet.
+    /// Overrides of parameters that are not declared yet.
     overrides: Overrides,
-    /// What was given at the start and is refused, a sentence each.
+    /// Refused overrides, one message each.
     refused: Vec<String>,
 }
 
 impl State {
-    /// Why a name is refused that was taken for that of a parameter.
+    /// Returns the message that a name is refused because it is not the intended parameter name.
     fn rename(&self, name: &str) -> Option<String> {
         let meant = self.renamed.get(name)?;
         Some(format!("parameter `{name}` has not been declared; by the joint name it is `{meant}`"))
     }
 }
 
-/// One of them.
+/// Parameter of the node itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::surface) struct Own {
-    /// Name, type, range, text.
+    /// Descriptor: name, type, range, description.
     pub descriptor: ParameterDescriptor,
-    /// What it is worth.
+    /// Value.
     pub value: ParameterValue,
-    /// The strings that it takes; empty: any.
+    /// Allowed strings; empty: any string.
     pub words: &'static [&'static str],
 }
 
@@ -50,7 +50,7 @@ pub(in crate::surface) struct Own {
 pub(in crate::surface) struct Values<'s>(&'s BTreeMap<String, Own>);
 
 impl Values<'_> {
-    /// A number; 0 where there is none.
+    /// Returns a number; 0 if the parameter is missing.
     pub(in crate::surface) fn real(&self, name: &str) -> f64 {
         match self.0.get(name) {
             Some(own) if own.value.r#type == ParameterType::PARAMETER_DOUBLE => own.value.double_value,
@@ -58,12 +58,12 @@ impl Values<'_> {
         }
     }
 
-    /// A string; empty where there is none.
+    /// Returns a string; empty if the parameter is missing.
     pub(in crate::surface) fn string(&self, name: &str) -> &str {
         self.0.get(name).map(|own| own.value.string_value.as_str()).unwrap_or_default()
     }
 
-    /// A switch; off where there is none.
+    /// Returns a switch; false if the parameter is missing.
     pub(in crate::surface) fn switch(&self, name: &str) -> bool {
         self.0.get(name).is_some_and(|own| own.value.bool_value)
     }
@@ -76,7 +76,7 @@ impl Default for OwnParameters {
 }
 
 impl OwnParameters {
-    /// None yet; each that is declared gets the value that was given for it.
+    /// Creates an empty set; each declared parameter gets its override.
     pub(crate) fn new(overrides: Overrides) -> Self {
         let state = State { declared: BTreeMap::new(), renamed: BTreeMap::new(), overrides, refused: Vec::new() };
         Self { state: Mutex::new(state), version: watch::Sender::new(0) }
@@ -86,8 +86,8 @@ impl OwnParameters {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Declares a parameter; one of that name is replaced. A value that was given at the start takes the place of its own, also
-    /// where it is read-only later; one that is none for it is told by [`OwnParameters::check`].
+    /// Declares a parameter; one with the same name is replaced. An override replaces its default value, even if the parameter is read-only
+    /// later. [`OwnParameters::check`] reports an invalid override.
     pub(crate) fn declare(&self, own: Own) {
         let mut state = self.state();
         let Own { descriptor, mut value, words } = own;
@@ -102,12 +102,12 @@ impl OwnParameters {
         self.version.send_modify(|version| *version += 1);
     }
 
-    /// Refuses values for `name` with a sentence that names `meant`, the parameter that a client means by it.
+    /// Refuses values for `name` with a message that names `meant`, the intended parameter.
     pub(crate) fn rename(&self, name: String, meant: String) {
         self.state().renamed.insert(name, meant);
     }
 
-    /// Declares a switch that is off by itself.
+    /// Declares a switch that is off by default.
     pub(crate) fn declare_switch(&self, name: &str, description: &str) {
         let (name, description) = (name.to_owned(), description.to_owned());
         let r#type = ParameterType::PARAMETER_BOOL;
@@ -119,10 +119,10 @@ impl OwnParameters {
         });
     }
 
-    /// Once all are declared: what was given at the start and cannot be.
+    /// Reports invalid overrides, once all parameters are declared.
     ///
     /// # Errors
-    /// All that is refused, or is called as no parameter is, in one sentence.
+    /// All overrides that are refused or match no parameter, in one message.
     pub(crate) fn check(&self) -> Result<(), CreateError> {
         let state = self.state();
         let strict = state.overrides.iter().filter(|(_, given)| given.is_strict);
@@ -137,46 +137,46 @@ impl OwnParameters {
         Ok(())
     }
 
-    /// The parameter of that name.
+    /// Returns the parameter with this name.
     pub(crate) fn get(&self, name: &str) -> Option<Own> {
         self.state().declared.get(name).cloned()
     }
 
-    /// All of them, ascending by name.
+    /// Returns all parameters, ascending by name.
     pub(crate) fn all(&self) -> BTreeMap<String, Own> {
         self.state().declared.clone()
     }
 
-    /// Tells when one has changed or was declared.
+    /// Returns a receiver that is notified when a parameter is changed or declared.
     pub(crate) fn changes(&self) -> watch::Receiver<u64> {
         self.version.subscribe()
     }
 
-    /// Names of all.
+    /// Returns the names of all parameters.
     #[cfg(test)]
     pub(crate) fn names(&self) -> Vec<String> {
         self.all().keys().cloned().collect()
     }
 
-    /// Reads several values at once: an atomic set is before all of them or behind.
+    /// Reads several values at once: either all or none of the values of an atomic set.
     pub(in crate::surface) fn read<T>(&self, read: impl FnOnce(&Values<'_>) -> T) -> T {
         read(&Values(&self.state().declared))
     }
 
-    /// A number; 0 where there is none.
+    /// Returns a number; 0 if the parameter is missing.
     pub(crate) fn real(&self, name: &str) -> f64 {
         self.read(|values| values.real(name))
     }
 
-    /// A switch; off where there is none.
+    /// Returns a switch; false if the parameter is missing.
     pub(crate) fn switch(&self, name: &str) -> bool {
         self.read(|values| values.switch(name))
     }
 
-    /// Would a client's value be taken? Then, as it will be shown; nothing where no parameter has that name.
+    /// Returns the value of a client as it will be shown; `None` if no parameter has the name.
     ///
     /// # Errors
-    /// Why not.
+    /// The value cannot be set.
     pub(crate) fn fitting(&self, name: &str, value: &ParameterValue) -> Option<Result<ParameterValue, String>> {
         let Some(own) = self.get(name) else { return self.state().rename(name).map(Err) };
         let fitting = fitting(&own.descriptor, own.words, value.clone());
@@ -186,7 +186,7 @@ impl OwnParameters {
         })
     }
 
-    /// Sets values that were found fitting.
+    /// Sets values that were checked by [`Self::fitting`].
     pub(crate) fn set(&self, values: impl IntoIterator<Item = (String, ParameterValue)>) {
         let mut state = self.state();
         for (name, value) in values {
@@ -199,10 +199,10 @@ impl OwnParameters {
     }
 }
 
-/// Declares the QoS of the topics that were opened, which were given at the start if at all.
+/// Declares the QoS of the created topics, with their overrides.
 ///
 /// # Errors
-/// QoS that was given for no topic of the node.
+/// A QoS override matches no topic of the node.
 pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), CreateError> {
     for warning in node.unused_qos().unknown().map_err(CreateError::Given)? {
         tracing::warn!("{warning}; it was given to all nodes");
@@ -220,10 +220,10 @@ pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), 
     Ok(())
 }
 
-/// The value as the parameter takes it.
+/// Returns the value as the parameter accepts it.
 ///
 /// # Errors
-/// Another type than the parameter has, a number outside of its range, or a string that is none of its words.
+/// Another type, a number outside the range, or a string that is not allowed.
 fn fitting(
     descriptor: &ParameterDescriptor,
     words: &[&str],
@@ -238,7 +238,7 @@ fn fitting(
         {
             value = ParameterValue { r#type: descriptor.r#type, double_value, ..ParameterValue::default() };
         }
-        // As for the parameters of the machine: a double also takes an integer.
+        // As for parameters of the machine, an integer is accepted for a double.
         (ParameterType::PARAMETER_INTEGER, ParameterType::PARAMETER_DOUBLE) => {
             let double_value = value.integer_value as f64;
             value = ParameterValue { r#type: descriptor.r#type, double_value, ..ParameterValue::default() };
@@ -247,7 +247,7 @@ fn fitting(
             let double_array_value = value.integer_array_value.iter().map(|&number| number as f64).collect();
             value = ParameterValue { r#type: descriptor.r#type, double_array_value, ..ParameterValue::default() };
         }
-        // An empty list is one of any type.
+        // An empty list is accepted for any list type.
         (
             ParameterType::PARAMETER_BYTE_ARRAY,
             ParameterType::PARAMETER_BOOL_ARRAY..=ParameterType::PARAMETER_STRING_ARRAY,
@@ -292,13 +292,13 @@ fn fitting(
     Ok(value)
 }
 
-/// In a range, and on one of its steps or at its end.
+/// Returns true if a number is in a range, and on one of its steps or at its end.
 fn is_whole_step(number: i64, from: i64, to: i64, step: u64) -> bool {
     let steps = i128::from(number) - i128::from(from);
     (from..=to).contains(&number) && (step == 0 || number == to || steps % i128::from(step) == 0)
 }
 
-/// What a type is called.
+/// Returns the name of a type.
 pub(in crate::surface) fn type_name(number: u8) -> &'static str {
     match number {
         ParameterType::PARAMETER_NOT_SET => "without a value",
@@ -306,7 +306,7 @@ pub(in crate::surface) fn type_name(number: u8) -> &'static str {
         ParameterType::PARAMETER_INTEGER => "an integer",
         ParameterType::PARAMETER_DOUBLE => "a double",
         ParameterType::PARAMETER_STRING => "a string",
-        // An empty list says nothing of what it is a list of, and comes as one of bytes.
+        // The element type of an empty list is unknown; it arrives as a list of bytes.
         ParameterType::PARAMETER_BYTE_ARRAY => "a list",
         ParameterType::PARAMETER_BOOL_ARRAY => "a list of bools",
         ParameterType::PARAMETER_INTEGER_ARRAY => "a list of integers",

@@ -1,4 +1,4 @@
-//! The services that only read: get_parameters, get_parameter_types, list_parameters, describe_parameters.
+//! Read-only services: get_parameters, get_parameter_types, list_parameters, describe_parameters.
 
 use super::catalogue::Catalogue;
 use super::view::View;
@@ -36,7 +36,7 @@ struct Services<'a> {
 type Answer<S> = fn(&View<'_>, <S as Service>::Request) -> <S as Service>::Response;
 
 impl Services<'_> {
-    /// Answers a service from the newest values.
+    /// Serves a service from the newest values.
     fn serve<S: Service + 'static>(&mut self, served: &table::Served<S>, answer: Answer<S>) -> Result<(), CreateError>
     where
         S::Request: Send,
@@ -54,13 +54,13 @@ impl Services<'_> {
     }
 }
 
-/// Nothing at all when one of the names is not declared, as rclcpp answers.
+/// Returns no values if one of the names is not declared, as rclcpp does.
 fn get(view: &View<'_>, request: GetParametersRequest) -> GetParametersResponse {
     let found = view.find_all(&request.names).unwrap_or_default();
     GetParametersResponse { values: found.into_iter().map(|known| known.value(view.image)).collect() }
 }
 
-/// The types of the values now: a parameter that is left out has none.
+/// Returns the present types; a parameter without a value has no type.
 fn types(view: &View<'_>, request: GetParameterTypesRequest) -> GetParameterTypesResponse {
     let found = view.find_all(&request.names).unwrap_or_default();
     GetParameterTypesResponse { types: found.into_iter().map(|known| known.value(view.image).r#type).collect() }

@@ -19,7 +19,7 @@ use std::collections::{HashSet, VecDeque};
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Sets of one request that are on their way at a time: a fraction of the machine's lane, so that others find room.
+/// Maximum number of sets of one request in progress: a fraction of the command queue, to leave room for others.
 const UNDER_WAY: usize = 32;
 
 pub(super) fn start(
@@ -37,7 +37,7 @@ pub(super) fn start(
 
 async fn serve_each(mut server: ServiceServer<SetParameters>, hub: Arc<Hub>, catalogue: Arc<Catalogue>) {
     let service = server.name().to_string();
-    // One request after the other: their order is that of the clients.
+    // Requests are handled in sequence, in the order of the clients.
     while let Some(Request { message, reply }) = server.next().await {
         let results = set_each(&hub, &catalogue, &service, &message.parameters).await;
         reply.send_soon(SetParametersResponse { results });
@@ -52,7 +52,7 @@ async fn serve_together(mut server: ServiceServer<SetParametersAtomically>, hub:
     }
 }
 
-/// Sets each by itself, in order; what repeats another one of them at the end.
+/// Sets each parameter separately, in their order; views of other parameters in the request are handled last.
 async fn set_each(
     hub: &Arc<Hub>,
     catalogue: &Catalogue,
@@ -65,7 +65,7 @@ async fn set_each(
     }
     let names: HashSet<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
     let repeats = |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.repeats(&names));
-    // What only says again what another one says: it is judged once that is set.
+    // Views of other parameters in the request are checked once those are set.
     let (later, first): (Vec<usize>, Vec<usize>) = (0..parameters.len()).partition(repeats);
     let mut results = vec![SetParametersResult::default(); parameters.len()];
     let mut under_way = VecDeque::new();
@@ -80,7 +80,7 @@ async fn set_each(
         let is_shown = known
             .is_some_and(|known| known.repeats(&names) || known.is_only_shown(hub.host.config(), &parameter.value));
         if is_shown {
-            // Whether it has that value shows once those before it are set.
+            // Whether it has that value is known only after the previous parameters are set.
             while let Some((place, given)) = under_way.pop_front() {
                 results[place] = result(given).await;
             }
@@ -115,7 +115,7 @@ async fn set_each(
     results
 }
 
-/// Sets all of them, or none.
+/// Sets all parameters, or none.
 async fn set_together(
     hub: &Arc<Hub>,
     catalogue: &Catalogue,
@@ -138,7 +138,7 @@ async fn set_together(
             return refused(&sentence);
         }
     };
-    // The machine may refuse its own; those of the node were found fitting, and are set once it has not.
+    // The machine may refuse its parameters; the checked parameters of the node are set only if it does not.
     let given = match command {
         None => Given::Done,
         Some(command) => Given::Waits(give(hub, command)),
@@ -150,7 +150,7 @@ async fn set_together(
     result
 }
 
-/// The command of a set that applies as a whole, and beside it the node's own parameters; none where the machine need not do anything.
+/// Returns the command of an atomic set, and the node's own parameters; `None` if the machine has nothing to do.
 fn together(
     hub: &Hub,
     catalogue: &Catalogue,
@@ -158,7 +158,7 @@ fn together(
     own: &mut Vec<(String, ParameterValue)>,
 ) -> Result<Option<Action>, String> {
     let (mut changes, mut staged) = (Vec::new(), Vec::<Staged>::new());
-    // The first one that becomes a command, and the function that it is for.
+    // First parameter that becomes a command, and the function that it belongs to.
     let mut first: Option<(&str, Option<u16>)> = None;
     for parameter in parameters {
         let of = match asked(hub, catalogue, parameter)? {
@@ -192,20 +192,20 @@ fn together(
     }
 }
 
-/// Where a set stands.
+/// State of a set.
 enum Given {
     Done,
-    /// The machine's answer is awaited, or it was refused before.
+    /// The answer of the machine is pending, or the command was refused before.
     Waits(Result<Answers, String>),
 }
 
-/// What a set is for.
+/// Target of a set.
 enum Asked {
-    /// It cannot be set to that, and has that value.
+    /// The parameter cannot be set, but already has this value.
     Nothing,
     Machine(Change),
     Function(Staged),
-    /// A value that the node's own parameter takes.
+    /// Accepted value of a parameter of the node itself.
     Own(ParameterValue),
 }
 
@@ -223,7 +223,8 @@ fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Aske
     }
 }
 
-/// A request may name each parameter once: a million sets of one would keep all other clients waiting.
+/// Checks the number of parameters: a request may name each one once, because a million sets of one parameter would delay all other
+/// clients.
 fn few_enough(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Result<(), String> {
     let (given, most) = (parameters.len(), catalogue.len() + hub.own.all().len());
     if given > most {
@@ -241,7 +242,7 @@ async fn result(given: Given) -> SetParametersResult {
     SetParametersResult { successful: outcome.is_ok(), reason: outcome.err().unwrap_or_default() }
 }
 
-/// The change that a client asks for; none where it could not be, and need not: `image` has it so already.
+/// Returns the requested change; `None` if the parameter cannot be set, but already has this value in `image`.
 pub(super) fn change(
     catalogue: &Catalogue,
     config: &MachineConfig,
@@ -250,7 +251,7 @@ pub(super) fn change(
 ) -> Result<Option<Change>, String> {
     let Some(declared) = catalogue.find(&parameter.name) else {
         let sentence = format!("parameter `{}` has not been declared", excerpt(&parameter.name));
-        // Why not, where the name is known elsewhere.
+        // The reason, if the name is known elsewhere.
         return Err(match config.resolve_parameter(&parameter.name, &ParameterInput::Unset) {
             Err(error @ RequestError::NotApplicable { .. }) => format!("{sentence}: {error}"),
             _ => sentence,
@@ -267,7 +268,7 @@ pub(super) fn change(
     config.resolve_parameter(&parameter.name, &input).map(Some).map_err(|error| error.to_string())
 }
 
-/// Requests that never became commands are told once for each call.
+/// Errors of requests that never became commands, reported once for each call.
 #[derive(Default)]
 struct Wrong {
     first: Option<String>,
@@ -319,7 +320,7 @@ mod tests {
     #[test]
     fn numbers_are_in_the_unit_of_the_row() {
         let value = |name, given| ask(name, given).unwrap().value;
-        // 1000 increments are a millimetre, which is the axis unit.
+        // 1000 increments are one millimetre, which is the unit of the axis.
         assert_eq!(value("x.max_velocity", double(0.25)), Value::Real(250_000.0));
         assert_eq!(value("x.max_velocity", integer(1)), Value::Real(1_000_000.0));
         assert_eq!(value("x.min_position", double(-0.05)), Value::Int(-50_000));

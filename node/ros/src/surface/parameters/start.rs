@@ -1,4 +1,4 @@
-//! Values of the machine's parameters that are given to the node at its start.
+//! Overrides of the machine's parameters at the start of the node.
 
 use super::catalogue::{Catalogue, Declared};
 use super::functions::{self, Staged};
@@ -11,12 +11,12 @@ use lineshaft_core::parameter::{Change, ParameterImage, Storage, Value};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::Parameter;
 use std::collections::{BTreeMap, HashSet};
 
-/// Takes what is for the machine from the parameters that were given to a node, by the rules of `~/set_parameters`: a command that
-/// sets all of axes and machine, and one for each function. Names begin with an axis, a function or `machine`. What is computed from
-/// others is left out, with a warning where it will be another value.
+/// Removes the overrides for the machine from those of a node, with the rules of `~/set_parameters`. Returns one command that sets all
+/// parameters of axes and machine, and one for each function. Names start with an axis, a function or `machine`. A value that is calculated
+/// from others is left out, with a warning if it will be different.
 ///
 /// # Errors
-/// All that is wrong, in one sentence. An unknown name that was given to many nodes is only warned of.
+/// All errors, in one message. An unknown name that was given to several nodes causes only a warning.
 pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<Vec<Action>, String> {
     let of_functions = |word: &str| config.slots.iter().any(|slot| slot.name == word);
     let is_object =
@@ -37,7 +37,7 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
             continue;
         }
         let declared = catalogue.find(name);
-        // A start of the program is none of the virtual master: 0 of a dump is passed over.
+        // The start of the program must not move the virtual master: a 0 of a dump is ignored.
         if let Some(declared) = declared.filter(|known| known.row.moves_virtual_master()) {
             match change(&catalogue, config, &parameter, &ParameterImage::default()) {
                 Ok(change) if change.iter().all(|change| change.value == Value::Int(0)) => {}
@@ -59,9 +59,9 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
             Err(sentence) => drop(wrong.insert(name, format!("{}: {sentence}", given.place))),
         }
     }
-    // What cannot be set, or says something again, is left out where the others make it so.
+    // Values that cannot be set, or that are views of others, are left out if the other values lead to them.
     let image = if shown.is_empty() { ParameterImage::default() } else { in_force(config, changes.clone())? };
-    // The same number may have gone through two units, and was rounded twice.
+    // The same number may have been converted to two units and rounded twice.
     let differs = |(declared, parameter, _): &&(&Declared, Parameter, &Given)| {
         let is_same = declared.is(&parameter.value, &image);
         !(is_same || declared.repeats(&names) && declared.is_nearly(&parameter.value, &image))
@@ -89,7 +89,7 @@ fn moves(name: &str) -> String {
     format!("{name} moves the virtual master; 0 is allowed at the start, as no machine begins with one that runs")
 }
 
-/// The parameters of a machine that begins with these changes; of the cell, where it refuses them.
+/// Returns the parameters of a machine that starts with these changes; those of the cell if the machine refuses them.
 fn in_force(config: &MachineConfig, changes: Vec<Change>) -> Result<ParameterImage, String> {
     let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
     let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
@@ -180,7 +180,7 @@ mod tests {
         assert!(error.starts_with(expected), "{error}");
     }
 
-    /// As a dump has them: a part of the cell that is what the cell says, and values that follow from others.
+    /// Values of a dump: a part of the cell with the value of the cell, and values that follow from others.
     #[test]
     fn what_is_read_only_may_be_said_again() {
         let config = fake::config();

@@ -1,4 +1,4 @@
-//! ~/export_parameters and ~/import_parameters: sets of parameters as text.
+//! `~/export_parameters` and `~/import_parameters`: sets of parameters as text.
 
 use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
@@ -12,7 +12,7 @@ use lineshaft_msgs::srv::{
 use std::sync::Arc;
 use tokio::task::{JoinSet, spawn_blocking};
 
-/// Longest text that is read (bytes): many times all parameters of the largest machine.
+/// Maximum size of a text, in bytes: many times all parameters of the largest machine.
 const LONGEST: usize = 1 << 20;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
@@ -45,7 +45,7 @@ async fn export(hub: &Arc<Hub>, request: ExportParametersRequest) -> Result<Stri
     text.map_err(|_| "the text could not be written".to_owned())
 }
 
-/// The choice of that number in the interface.
+/// Returns the selection with this number in the interface.
 fn listing(number: u8) -> Result<Listing, String> {
     match number {
         ExportParametersRequest::ALL => Ok(Listing::All),
@@ -58,7 +58,7 @@ fn listing(number: u8) -> Result<Listing, String> {
 
 async fn serve_import(mut server: ServiceServer<ImportParameters>, hub: Arc<Hub>) {
     let service = server.name().to_string();
-    // One after the other: sets keep the order of their requests, and many long ones take one thread.
+    // Handled in sequence: sets keep the order of their requests, and many long ones use only one thread.
     while let Some(Request { message, reply }) = server.next().await {
         let outcome = match read(&hub, message.text).await {
             Ok(Some(set)) => set_all(&hub, set).await,
@@ -77,7 +77,7 @@ async fn set_all(hub: &Arc<Hub>, set: Action) -> Result<(), String> {
     give(hub, set)?.accepted().await
 }
 
-/// The command that a text asks for; none where it asks for nothing, as the export of an axis at its defaults does.
+/// Returns the command for a text; `None` if the text sets nothing, like the export of an axis with default values.
 async fn read(hub: &Arc<Hub>, text: String) -> Result<Option<Action>, String> {
     if text.len() > LONGEST {
         return Err(format!("the text is {} bytes long; {LONGEST} are allowed", text.len()));
@@ -91,7 +91,7 @@ async fn read(hub: &Arc<Hub>, text: String) -> Result<Option<Action>, String> {
     read.map(Some).map_err(|sentences| sentences.trim_end().to_owned())
 }
 
-/// Nothing but blanks and comments.
+/// Returns true if a text contains only blanks and comments.
 fn is_empty(text: &str) -> bool {
     text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }

@@ -7,14 +7,14 @@ use lineshaft_core::parameter::ParameterImage;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterValue};
 use std::collections::BTreeMap;
 
-/// What there is, and what each is worth.
+/// Declared parameters with their values.
 pub(super) struct View<'a> {
     pub catalogue: &'a Catalogue,
     pub image: &'a ParameterImage,
     pub own: &'a BTreeMap<String, Own>,
 }
 
-/// One parameter.
+/// Parameter.
 pub(super) enum Known<'a> {
     Machine(&'a Declared),
     Function(&'a OfFunction),
@@ -40,7 +40,7 @@ impl Known<'_> {
 }
 
 impl<'a> View<'a> {
-    /// All names, ascending.
+    /// Returns all names, ascending.
     pub(super) fn names(&self) -> Vec<&'a str> {
         let of_machine = self.catalogue.all().iter().map(|declared| declared.name.as_str());
         let of_functions = self.catalogue.functions().iter().map(|known| known.name.as_str());
@@ -49,8 +49,8 @@ impl<'a> View<'a> {
         names
     }
 
-    /// The parameters of these names; none when one of them is not declared, as rclcpp answers, and none for more names
-    /// than there are: an answer to a name that stands there a million times would be far longer than the request.
+    /// Returns the parameters with these names; `None` if one of them is not declared, as in rclcpp, or if there are more names than
+    /// parameters: an answer to a name that is repeated a million times would be far longer than the request.
     pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<Known<'a>>> {
         if names.len() > self.catalogue.len() + self.own.len() {
             return None;

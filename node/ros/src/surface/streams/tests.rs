@@ -6,7 +6,7 @@ use lineshaft_core::unit::{Fraction, Quantity, Scale, Unit};
 use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use proptest::prelude::*;
 
-/// x and y with 1000 inc/mm, 100 mm/s, 100 ms; y with 20 ms.
+/// Returns a machine with x and y: 1000 inc/mm, 100 mm/s, 100 ms; y with 20 ms.
 fn machine() -> (MachineConfig, ParameterImage) {
     let per = Quantity::new(Fraction::from_integer(1), Unit::MILLIMETRE);
     let scale = Scale::new(Fraction::from_integer(1000), per).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
@@ -23,7 +23,7 @@ fn joint_jog(names: &[&str], velocities: &[f64]) -> JointJog {
     JointJog { joint_names, velocities: velocities.to_vec(), ..JointJog::default() }
 }
 
-/// Reads a jog of a machine without joint names of its own.
+/// Reads a jog for a machine without separate joint names.
 fn jog(message: JointJog) -> Result<Asked, String> {
     let (config, _) = machine();
     super::jog(message, &JointNames::of_objects(&config), &config)
@@ -38,7 +38,7 @@ fn judged(asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> 
     judged_as(&shown, asked, age)
 }
 
-/// The same, where messages give these names to axes.
+/// Checks setpoints; messages give these names to axes.
 fn judged_as(shown: &JointNames, asked: Result<Asked, String>, age: i128) -> Result<Setpoints, String> {
     let (config, image) = machine();
     let (_, requests) = asked?;
@@ -53,7 +53,7 @@ fn a_jog_in_metres_per_second_for_a_while() {
     assert_eq!(set.axes, [setpoint(20_000.0, Some(250_000_000)), setpoint(-100_000.0, Some(250_000_000))]);
     let set = judged(jog(joint_jog(&["x"], &[0.0])), 0).unwrap();
     assert_eq!(set.axes, [setpoint(0.0, None), None]);
-    // As good as nothing, but not for ever; and as good as for ever.
+    // Nearly zero, but not unlimited; and longer than any time.
     for (duration, ns) in [(1e-12, 1), (1e300, i64::MAX as u64)] {
         let set = judged(jog(JointJog { duration, ..joint_jog(&["x"], &[0.01]) }), 0).unwrap();
         assert_eq!(set.axes[0].unwrap().duration, Some(ns));
@@ -82,7 +82,7 @@ fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
         (with(|m| m.velocities = vec![1.0]), "velocities has 1 entries; 2 are expected, one for each of joint_names"),
         (with(|m| *m = JointJog::default()), "no axis is named"),
         (with(|m| m.joint_names[1] = "x".into()), "joint_names has the joint `x` twice; once is expected"),
-        // Names without a velocity are counted, not compared with each other.
+        // Names without a velocity are counted, but not compared with each other.
         (
             with(|m| *m = joint_jog(&["x", "x"], &[0.01])),
             "velocities has 1 entries; 2 are expected, one for each of joint_names",
@@ -116,7 +116,7 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
     ] {
         assert_eq!(judged(jog(&["Shoulder_Pan", joint]), 0).unwrap_err(), sentence);
     }
-    // The answer has the name of the message, and enough digits to differ.
+    // The answer contains the name of the message, and enough digits to show the difference.
     let fast = judged_as(&names, super::jog(joint_jog(&["left/arm_1"], &[0.100_000_000_1]), &names, &config), 0);
     let sentence = "velocity 0.1000000001 m/s (100.0000001 mm/s) of left/arm_1 exceeds max_velocity 0.1 m/s (100 mm/s)";
     assert_eq!(fast.unwrap_err(), sentence);
@@ -136,7 +136,7 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
     assert_eq!(setpoints("left/arm_1").unwrap_err(), "no axis is called `left/arm_1`; there are x, y");
 }
 
-/// 150 deg/s are 2.6179939 rad/s, and 2.617994 in a URDF. Here 0.1 m/s.
+/// 150 deg/s are 2.6179939 rad/s, but 2.617994 in a URDF. Here 0.1 m/s.
 #[test]
 fn a_velocity_that_was_rounded_beyond_the_limit_is_the_limit() {
     let (config, image) = machine();
@@ -180,7 +180,7 @@ fn of_many_refusals_one_in_a_second_is_told_with_the_number_of_the_others() {
 }
 
 proptest! {
-    /// Whatever comes, only numbers within the limits reach the machine.
+    /// With any message, only numbers within the limits reach the machine.
     #[test]
     fn nothing_but_allowed_velocities_of_known_axes_passes(
         names in prop::collection::vec(prop::sample::select(vec!["x", "y", "w", ""]), 0..4),

@@ -1,4 +1,4 @@
-//! `~/follow_joint_trajectory`: from the goal to its end.
+//! `~/follow_joint_trajectory`: executes a goal until its end.
 
 use super::ending::{Last, end};
 use super::joints::Joints;
@@ -21,18 +21,18 @@ type Handle = GoalHandle<FollowJointTrajectory>;
 pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker: Taker) {
     let name = server.name().to_string();
     let period = settings::feedback_period(&taker.hub.own);
-    // Goals that run end with the action.
+    // Running goals end with the action.
     let mut open = JoinSet::new();
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
         let reader = taker.clone();
-        // A long goal takes its time, on a thread of its own; one after the other, so that the newest one counts.
+        // A long goal takes time and is read in a separate thread; in sequence, so that the newest goal takes effect.
         let reading = spawn_blocking(move || {
             let read = reader.read(request.goal());
             (request, read)
         });
-        // A goal that was lost here has rejected itself.
+        // A goal that was dropped here has rejected itself.
         let Ok((request, read)) = reading.await else { continue };
         match read.and_then(|started| taker.hand_over(started, None)) {
             Ok(Ok(answers)) => {
@@ -47,7 +47,7 @@ pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker
     }
 }
 
-/// Ends a goal with a code, and whether it has run. `notes` is what the machine said of it before.
+/// Ends a goal with a code and whether it has run. `notes` are earlier messages of the machine about it.
 fn finish(handle: Handle, (code, has_run): (Code, bool), sentence: &str, notes: &[String]) {
     let (last, mut result) = end(code, sentence, handle.is_cancel_requested(), has_run);
     for note in notes {
@@ -61,7 +61,7 @@ fn finish(handle: Handle, (code, has_run): (Code, bool), sentence: &str, notes: 
     }
 }
 
-/// Works on an accepted goal until it ends.
+/// Executes an accepted goal until it ends.
 async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duration) {
     let Taker { hub, controllers, place, joints } = taker;
     let mut ticks = tokio::time::interval(period);
@@ -94,21 +94,21 @@ async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duratio
             () = handle.cancel_requested(), if !cancelled => {
                 cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
                 if !cancelled {
-                    // The lane is full: again a little later.
+                    // The command queue is full; tried again a little later.
                     tokio::time::sleep(Duration::from_millis(50)).await;
                 }
             }
-            // Before that the signals are not yet of this goal.
+            // Before that, the signals do not belong to this goal yet.
             _ = ticks.tick(), if accepted => {
                 let snapshot = hub.host.snapshot();
-                // A client that does not read feedback is its own matter.
+                // Feedback that a client does not read is dropped.
                 let _ = handle.feedback(&feedback(&joints, &snapshot, hub.clock.stamp(snapshot.stamp_ns)));
             }
         }
     }
 }
 
-/// Where the joints should be, where they are, and the difference, at the end of a cycle of which stamps say `stamp_ns`.
+/// Returns desired positions, actual positions and their difference at the end of a cycle with stamp `stamp_ns`.
 pub(super) fn feedback(joints: &Joints, snapshot: &Snapshot, stamp_ns: u64) -> FollowJointTrajectoryFeedback {
     let points = Points::of(joints, &snapshot.board);
     FollowJointTrajectoryFeedback {

@@ -1,6 +1,6 @@
-//! `~/controller_state`: what the joints of a group are asked for, where they are, and the difference.
+//! `~/controller_state`: desired and actual positions of the joints of a group, and the difference.
 //!
-//! Law      `controller_state_rate` messages per second while somebody reads them and cycles run, one at most for a cycle
+//! Law      `controller_state_rate` messages per second while there is a subscriber and cycles run, at most one per cycle
 //! Source   GRP-TRAJ-12; JointTrajectoryControllerState of control_msgs, as joint_trajectory_controller (Jazzy) fills it
 
 use super::joints::Joints;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::Instant;
 
-/// After this time a reader is noticed that has come.
+/// Maximum time until a new subscriber is noticed.
 const IDLE: Duration = Duration::from_millis(250);
 
 pub(super) async fn publish(publisher: Publisher<JointTrajectoryControllerState>, hub: Arc<Hub>, joints: Arc<Joints>) {
@@ -41,7 +41,7 @@ pub(super) async fn publish(publisher: Publisher<JointTrajectoryControllerState>
     }
 }
 
-/// The message of a cycle of which stamps say `stamp_ns`.
+/// Returns the message of a cycle with stamp `stamp_ns`.
 pub(super) fn message(joints: &Joints, snapshot: &Snapshot, stamp_ns: u64) -> JointTrajectoryControllerState {
     let points = Points::of(joints, &snapshot.board);
     JointTrajectoryControllerState {

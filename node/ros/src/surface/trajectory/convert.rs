@@ -1,10 +1,10 @@
-//! From the message to the request: what is wrong with a goal in itself is told here.
+//! Converts a goal message to a request, and checks the message itself.
 //!
-//! Law      the request has the joints in the order of the message; what a point does not carry stays empty
+//! Law      the request has the joints in the order of the message; fields that a point lacks stay empty
 //! Reads    the goal, the parameters of trajectories, the time
 //! Refuses  [`Wrong`]
-//! Source   validate_trajectory_msg and get_segment_tolerances of joint_trajectory_controller (Jazzy), which take a goal with
-//!          an unknown joint or an illegal number in its tolerances and use none of them: here it is refused
+//! Source   validate_trajectory_msg and get_segment_tolerances of joint_trajectory_controller (Jazzy), which accept a goal with an unknown
+//!          joint or an illegal number in its tolerances and then ignore all tolerances: here such a goal is refused
 
 use super::joints::Joints;
 use super::settings::Settings;
@@ -16,14 +16,14 @@ use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as 
 use lineshaft_msgs::foreign::control_msgs::msg::JointTolerance;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
 
-/// Erases a tolerance that the parameters give.
+/// Value that removes a tolerance of the parameters.
 const WITHOUT_LIMIT: f64 = -1.0;
-/// The same for the goal time (ns).
+/// Value that removes the goal time tolerance, in ns.
 const FOR_EVER: i64 = -1_000_000_000;
-/// From here on the core takes no number.
+/// Numbers from here on are not accepted by the core.
 const LARGEST: f64 = 1e38;
 
-/// Why a goal is rejected.
+/// Reason why a goal is rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum Wrong {
     #[error("multi_dof_trajectory is not empty; only trajectory is followed")]
@@ -76,9 +76,9 @@ pub(super) fn seconds(time_ns: i64) -> f64 {
     time_ns as f64 / 1e9
 }
 
-/// Nanoseconds since the Unix epoch; none for a stamp of zero, which means now.
+/// Returns nanoseconds since the Unix epoch; `None` for a stamp of zero, which means now.
 pub(super) fn stamp_ns(stamp: &Time) -> Option<i64> {
-    // |sec| < 2^31 and nanosec < 2^32: below 2.2e18 + 4.3e9, which fits.
+    // |sec| < 2^31 and nanosec < 2^32: the sum is below 2.2e18 + 4.3e9, which fits.
     let stamp = i64::from(stamp.sec) * 1_000_000_000 + i64::from(stamp.nanosec);
     (stamp != 0).then_some(stamp)
 }
@@ -87,7 +87,7 @@ fn duration_ns(duration: &Duration) -> i64 {
     i64::from(duration.sec) * 1_000_000_000 + i64::from(duration.nanosec)
 }
 
-/// The places of named joints.
+/// Returns the indices of named joints.
 pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, Wrong> {
     let mut places = Vec::with_capacity(names.len().min(joints.names.len()));
     for name in names {
@@ -105,7 +105,7 @@ fn place(joints: &Joints, field: &'static str, name: &str, taken: &[usize]) -> R
     if taken.contains(&place) { Err(Wrong::Twice { field, name: name.to_owned() }) } else { Ok(place) }
 }
 
-/// The request of a goal that comes at `now_ns` (since the Unix epoch).
+/// Returns the request of a goal that arrives at `now_ns` (since the Unix epoch).
 pub(super) fn request(
     joints: &Joints,
     settings: &Settings,
@@ -148,7 +148,7 @@ pub(super) fn request(
             return Err(Wrong::Component(field));
         }
     }
-    // The usual velocity tolerance is for joints at rest; it applies to no joint then, as measured velocities are coarse.
+    // The default velocity tolerance is for joints at rest. It applies to no joint then, because measured velocities are coarse.
     let ends_in_motion =
         points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > NO_VELOCITY));
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
@@ -176,7 +176,7 @@ pub(super) fn request(
     })
 }
 
-/// The points. The core checks the lengths of lists and their numbers.
+/// Returns the points. The core checks the lengths of lists and their numbers.
 fn points(points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
     if points.is_empty() {
         return Err(Wrong::NoPoints);
@@ -207,12 +207,12 @@ fn time(point: usize, time_ns: i64, before: Option<i64>) -> Result<u64, Wrong> {
     u64::try_from(time_ns).map_err(|_| wrong("0 s or more is expected".to_owned()))
 }
 
-/// A tolerance of a parameter; 0 is none, and so is infinity and all that the core does not take.
+/// Returns a tolerance of a parameter; 0, infinity, and numbers that the core does not accept mean none.
 fn positive(value: f64) -> Option<f64> {
     Some(value).filter(|value| *value > 0.0 && *value < LARGEST)
 }
 
-/// The tolerances of the joints at `places`: the usual ones, and what the goal says instead.
+/// Returns the tolerances of the joints at `places`: the default ones, unless the goal overrides them.
 fn tolerances(
     joints: &Joints,
     places: &[usize],
@@ -238,7 +238,7 @@ fn tolerances(
     Ok(all)
 }
 
-/// What a goal's number makes of the usual tolerance; nothing for a number that means nothing.
+/// Returns the tolerance after a number of the goal is applied to the default; `None` for an invalid number.
 fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
     if value == 0.0 {
         Some(usual)
@@ -251,7 +251,7 @@ fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
     }
 }
 
-/// How long the goal tolerances may be waited for; none: for ever.
+/// Returns how long to wait for the goal tolerances; `None`: unlimited.
 fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, Wrong> {
     match time_ns {
         // Rounded to a nanosecond, at most 292 years.

@@ -1,9 +1,9 @@
-//! How a goal of `~/follow_joint_trajectory` ends.
+//! End of a goal of `~/follow_joint_trajectory`.
 
 use lineshaft_core::code::Code;
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryResult as Result;
 
-/// The last state of a goal.
+/// Final state of a goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Last {
     Succeeded,
@@ -11,14 +11,14 @@ pub(super) enum Last {
     Aborted,
 }
 
-/// The last state and the result of a goal that ended with `code`, of which the machine says `sentence`; `is_cancelled` when a
-/// client asked for it, `has_run` when the machine had accepted it.
+/// Returns the final state and the result of a goal that ended with `code` and message `sentence` of the machine. `is_cancelled`: a client
+/// has cancelled it; `has_run`: the machine had accepted it.
 ///
-/// Each text begins as joint_trajectory_controller has it; where the machine knows more, that follows.
+/// Each text starts as in joint_trajectory_controller; details of the machine follow.
 pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool, has_run: bool) -> (Last, Result) {
     let (last, error_code, error_string) = match code {
         Code::NONE => (Last::Succeeded, Result::SUCCESSFUL, "Goal successfully reached!".to_owned()),
-        // The controller leaves the result of a cancelled goal as it is made: nothing went wrong.
+        // The controller leaves the result of a cancelled goal at its default, because there is no error.
         Code::CANCELLED if is_cancelled => (Last::Canceled, Result::SUCCESSFUL, String::new()),
         Code::TRAJECTORY_PATH_TOLERANCE => {
             let text = format!("Aborted due to path tolerance violation: {sentence}");
@@ -28,7 +28,7 @@ pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool, has_run: bool)
             let text = format!("Aborted due to goal_time_tolerance exceeding: {sentence}");
             (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, text)
         }
-        // Tolerances of the axis and of the group by other names.
+        // Tolerances of the axis and of the group with other names.
         Code::FOLLOWING_ERROR if has_run => (Last::Aborted, Result::PATH_TOLERANCE_VIOLATED, sentence.to_owned()),
         Code::TRAJECTORY_TOO_LONG if has_run => (Last::Aborted, Result::GOAL_TOLERANCE_VIOLATED, sentence.to_owned()),
         Code::TRAJECTORY_IN_THE_PAST => (Last::Aborted, Result::OLD_HEADER_TIMESTAMP, sentence.to_owned()),
@@ -50,7 +50,7 @@ mod tests {
         // control_msgs/action/FollowJointTrajectory: 0, -1 invalid goal, -3 old stamp, -4 path, -5 goal tolerance
         let cases = [
             (Code::NONE, false, Last::Succeeded, 0, "Goal successfully reached!"),
-            // A cancel that came too late does not change what was reached.
+            // A cancel request that arrives too late does not change a reached goal.
             (Code::NONE, true, Last::Succeeded, 0, "Goal successfully reached!"),
             (Code::CANCELLED, true, Last::Canceled, 0, ""),
             (Code::TRAJECTORY_PATH_TOLERANCE, false, Last::Aborted, -4, "Aborted due to path tolerance violation: why"),
@@ -69,14 +69,14 @@ mod tests {
             (Code::VELOCITY_TOO_HIGH, true, Last::Aborted, -1, "why"),
             (Code::FOLLOWING_ERROR, false, Last::Aborted, -4, "why"),
             (Code::TRAJECTORY_TOO_LONG, false, Last::Aborted, -5, "why"),
-            // Nobody who sees this goal has cancelled it.
+            // No client of this goal has cancelled it.
             (Code::CANCELLED, false, Last::Aborted, -1, "why"),
         ];
         for (code, is_cancelled, last, error_code, text) in cases {
             let result = Result { error_code, error_string: text.to_owned() };
             assert_eq!(end(code, "why", is_cancelled, true), (last, result), "{code:?}");
         }
-        // A plan that is too long is refused before it runs: nothing was tried.
+        // A trajectory that is too long is refused before it runs, without motion.
         let refused = Result { error_code: -1, error_string: "why".to_owned() };
         assert_eq!(end(Code::TRAJECTORY_TOO_LONG, "why", false, false), (Last::Aborted, refused));
     }

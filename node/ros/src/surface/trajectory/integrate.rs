@@ -1,8 +1,8 @@
-//! Points that carry velocities alone, with the parameter `allow_integration_in_goal_trajectories`.
+//! Integrates points that have only velocities, with the parameter `allow_integration_in_goal_trajectories`.
 //!
-//! Law      between two points each joint moves with the mean of their velocities, as on a spline with linear velocity. The first point
-//!          before them is the command of the joint at the time of the goal
-//! Refuses  such points in a trajectory with a stamp: the positions of the joints at its start are not known
+//! Law      between two points each joint moves with the mean of their velocities, as on a spline with linear velocity. The point before
+//!          the first one is the command of the joint at the time of the goal
+//! Refuses  such points in a trajectory with a stamp: the positions of the joints at its start are unknown
 //! Source   joint_trajectory_controller (Jazzy)
 
 use super::convert::{Wrong, places};
@@ -11,7 +11,7 @@ use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
 
-/// Does a point of it have velocities alone?
+/// Returns true if a point has only velocities.
 pub(super) fn is_asked_for(goal: &Goal) -> bool {
     goal.trajectory.points.iter().any(has_velocities_alone)
 }
@@ -20,7 +20,7 @@ fn has_velocities_alone(point: &Point) -> bool {
     point.positions.is_empty() && !point.velocities.is_empty()
 }
 
-/// Gives each such point its positions. `command` is what the joints of the group are asked for when the goal comes.
+/// Adds the positions to each such point. `command` is the command of the joints of the group when the goal arrives.
 ///
 /// # Errors
 /// The goal has a stamp, or an unknown joint. Other errors are found by [`request`](super::convert::request).
@@ -37,7 +37,7 @@ pub(super) fn integrate(joints: &Joints, goal: &mut Goal, command: &Point) -> Re
     for point in &mut trajectory.points {
         let time = &point.time_from_start;
         let seconds = f64::from(time.sec) + f64::from(time.nanosec) / 1e9;
-        // Where there are fewer velocities than joints, the request is refused for what is missing.
+        // With fewer velocities than joints, the request is refused later because of the missing values.
         if has_velocities_alone(point) && point.velocities.len() == places.len() {
             let mean = |(from, to): (&f64, &f64)| (from + to) * 0.5 * (seconds - before.0);
             let ways = before.2.iter().zip(&point.velocities).map(mean);
@@ -68,7 +68,7 @@ mod tests {
         Goal { trajectory: JointTrajectory { joint_names, points, ..JointTrajectory::default() }, ..Goal::default() }
     }
 
-    /// x at 1 m with 0.2 m/s, y at 2 m; the goal has them the other way round.
+    /// Returns x at 1 m with 0.2 m/s, y at 2 m; the goal has them in the opposite order.
     fn command() -> Point {
         point(0, &[1.0, 2.0], &[0.2, 0.0])
     }

@@ -1,4 +1,4 @@
-//! The axes that one action and one topic move.
+//! Axes that one action and one topic move.
 
 use crate::surface::group::{Group, TrajectorySettings};
 use crate::surface::joint_names::{JointNames, with_joint};
@@ -10,25 +10,25 @@ use lineshaft_core::object::Object;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text;
 
-/// The axes of a group, in its order.
+/// Axes of a group, in its order.
 #[derive(Clone, Debug)]
 pub(in crate::surface) struct Joints {
-    /// Name of the group; none: all axes that have a drive.
+    /// Name of the group; `None`: all axes with a drive.
     group: Option<String>,
-    /// Their places in the cell.
+    /// Indices in the cell.
     pub axes: Vec<u16>,
-    /// Their joint names.
+    /// Joint names.
     pub names: Vec<String>,
-    /// Their object names.
+    /// Object names.
     pub objects: Vec<String>,
-    /// Their signals.
+    /// Signals.
     pub views: Vec<AxisView>,
-    /// How their trajectories are taken, by the cell.
+    /// Trajectory settings of the cell.
     pub usual: TrajectorySettings,
 }
 
 impl Joints {
-    /// One for each group; without groups one for all axes that have a drive, if there are any.
+    /// Returns one for each group; without groups one for all axes with a drive, if there are any.
     pub(in crate::surface) fn all(
         config: &MachineConfig,
         joints: &JointNames,
@@ -52,17 +52,17 @@ impl Joints {
         if driven.is_empty() { Vec::new() } else { vec![of(None, &driven)] }
     }
 
-    /// Name of the group; none: all axes that have a drive.
+    /// Returns the name of the group; `None`: all axes with a drive.
     pub(in crate::surface) fn group(&self) -> Option<&str> {
         self.group.as_deref()
     }
 
-    /// What the names of action and topic begin with, in a node of that full name: `/lineshaft`, `/lineshaft/arm`.
+    /// Returns the prefix of the names of action and topic, in a node with this full name: `/lineshaft`, `/lineshaft/arm`.
     pub(in crate::surface) fn prefix(&self, node: &str) -> String {
         self.group.as_ref().map_or_else(|| node.to_owned(), |group| format!("{node}/{group}"))
     }
 
-    /// What a row of the table is called for these axes: `~/follow_joint_trajectory`, `~/arm/follow_joint_trajectory`.
+    /// Returns the name of a row of the table for these axes: `~/follow_joint_trajectory`, `~/arm/follow_joint_trajectory`.
     pub(super) fn name_of(&self, row: &Row) -> String {
         match (&self.group, row.name.strip_prefix("~/")) {
             (Some(group), Some(name)) => format!("~/{group}/{name}"),
@@ -70,7 +70,7 @@ impl Joints {
         }
     }
 
-    /// What a parameter of the node is called for these axes: `trajectory_limits.margin`, `arm.trajectory_limits.margin`.
+    /// Returns the name of a node parameter for these axes: `trajectory_limits.margin`, `arm.trajectory_limits.margin`.
     pub(super) fn parameter(&self, name: &str) -> String {
         match &self.group {
             Some(group) => format!("{group}.{name}"),
@@ -78,26 +78,26 @@ impl Joints {
         }
     }
 
-    /// The same joints as a group of that name.
+    /// Returns the same joints as a group with this name.
     #[cfg(test)]
     pub(super) fn of_group(self, name: &str, usual: TrajectorySettings) -> Self {
         Self { group: Some(name.to_owned()), usual, ..self }
     }
 
-    /// Joint name of the axis with this object name, where the two differ.
+    /// Returns the joint name of the axis with this object name, if the two differ.
     pub(super) fn meant(&self, object: &str) -> Option<&str> {
         let place = self.objects.iter().position(|known| known == object)?;
         self.names.get(place).map(String::as_str).filter(|joint| *joint != object)
     }
 
-    /// What the machine says of the end of a goal. An axis with a joint name of its own has both names there.
+    /// Returns the message of the machine about the end of a goal. An axis with a separate joint name has both names in it.
     pub(super) fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
         let sentence = text::sentence(event, config);
         let object = config.name(event.source);
         with_joint(sentence, object, self.meant(object).unwrap_or(object))
     }
 
-    /// Place of a joint among them.
+    /// Returns the index of a joint in the group.
     pub(super) fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|joint| joint == name)
     }
@@ -127,7 +127,7 @@ mod tests {
         assert_eq!(all[0].name_of(&table::FOLLOW_JOINT_TRAJECTORY.0), "~/follow_joint_trajectory");
     }
 
-    /// line, x and y by other names.
+    /// Returns other joint names for line, x and y.
     fn renamed() -> JointNames {
         JointNames::new(["line", "Shoulder_Pan", "left/arm_1"].map(str::to_owned).to_vec())
     }

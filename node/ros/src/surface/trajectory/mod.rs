@@ -1,8 +1,9 @@
-//! `~/follow_joint_trajectory`, `~/joint_trajectory`, `~/controller_state` and `~/query_state`, for all axes with a drive or for each group of the cell.
+//! `~/follow_joint_trajectory`, `~/joint_trajectory`, `~/controller_state` and `~/query_state`, for all axes with a drive or for each group
+//! of the cell.
 //!
-//! Law      a goal is checked in itself here and rejected with a sentence, or becomes one trajectory of the machine, which
-//!          judges state, limits and tolerances and tells one end. Action and topic share the axes: the newer one counts
-//! Reads    the parameters of [`settings`] when a goal comes
+//! Law      the goal itself is checked here. It is rejected with a message, or becomes one trajectory of the machine, which checks state,
+//!          limits and tolerances and reports one end. Action and topic share the axes: the newer trajectory takes effect
+//! Reads    the parameters of [`settings`] when a goal arrives
 //! Refuses  see [`convert::Wrong`]
 //! Source   joint_trajectory_controller of ros2_controllers (Jazzy); docs/interfaces.md lists the differences
 
@@ -33,7 +34,7 @@ use settings::Settings;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Opens action, topics and service for each of `controllers`.
+/// Creates action, topics and service for each of `controllers`.
 pub(super) fn start(
     node: &Node,
     hub: &Arc<Hub>,
@@ -63,12 +64,12 @@ pub(super) fn start(
     Ok(())
 }
 
-/// What takes the trajectories of one controller.
+/// Receiver of the trajectories of one controller.
 #[derive(Clone)]
 struct Taker {
     hub: Arc<Hub>,
     controllers: Arc<Controllers>,
-    /// Place of the controller.
+    /// Index of the controller.
     place: usize,
     joints: Arc<Joints>,
 }
@@ -77,16 +78,16 @@ impl Taker {
     /// Reads a goal, if the controller is active.
     ///
     /// # Errors
-    /// The controller is inactive, or what is wrong with the goal in itself, in one sentence.
+    /// The controller is inactive, or the goal itself is invalid; as a message.
     fn read(&self, goal: &FollowJointTrajectoryGoal) -> Result<Started, String> {
         self.controllers.check(self.place)?;
         read(&self.hub, &self.joints, goal)
     }
 
-    /// Hands a trajectory over, if the controller is still active; `topic` is the one of which it is a message.
+    /// Submits a trajectory, if the controller is still active. `topic` is the topic if it comes from a message.
     ///
     /// # Errors
-    /// It is inactive. Within: the machine takes no more commands now.
+    /// The controller is inactive. Inner error: the machine accepts no further commands at present.
     fn hand_over(&self, started: Started, topic: Option<&str>) -> Result<Result<Answers, Busy>, String> {
         let submit = || {
             let action = Action::Trajectory(started.begin(self.hub.now_ns()));
@@ -100,11 +101,11 @@ impl Taker {
     }
 }
 
-/// The trajectory that a goal asks for, as if it began at its stamp: [`Started::begin`] turns it into what begins now.
-/// A long one takes its time.
+/// Returns the trajectory of a goal as if it started at its stamp: [`Started::begin`] converts it to a trajectory that starts now. Takes
+/// time for a long goal.
 ///
 /// # Errors
-/// What is wrong with the goal in itself, in one sentence.
+/// The goal itself is invalid; as a message.
 fn read(hub: &Hub, joints: &Joints, goal: &FollowJointTrajectoryGoal) -> Result<Started, String> {
     let settings = Settings::read(&hub.own, joints);
     let request = request(hub, joints, &settings, goal).map_err(|wrong| wrong.to_string())?;
@@ -130,15 +131,15 @@ fn request(
     convert::request(joints, settings, &goal, hub.now_ns())
 }
 
-/// A trajectory that waits to be handed over, and when it begins.
+/// Trajectory that is ready to be submitted, with its start time.
 struct Started {
     trajectory: Trajectory,
-    /// Nanoseconds since the Unix epoch; none: at once.
+    /// Nanoseconds since the Unix epoch; `None`: at once.
     stamp_ns: Option<i64>,
 }
 
 impl Started {
-    /// The trajectory for a machine whose next cycle is at `now_ns`: what reading it took is not added to its start.
+    /// Returns the trajectory for a machine whose next cycle is at `now_ns`: the time for reading it is not added to its start.
     fn begin(self, now_ns: i64) -> Arc<Trajectory> {
         Arc::new(self.trajectory.starting(self.stamp_ns.map_or(0, |stamp| stamp.saturating_sub(now_ns))))
     }

@@ -1,4 +1,4 @@
-//! Where the joints of a group should be and where they are, as points of a trajectory.
+//! Desired and actual positions of the joints of a group, as points of a trajectory.
 
 use super::joints::Joints;
 use crate::surface::messages::AxisView;
@@ -6,14 +6,14 @@ use lineshaft_core::signal::Board;
 use lineshaft_core::signal::axis::AxisSignal;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint;
 
-/// At the end of a cycle, in SI units.
+/// Points at the end of a cycle, in SI units.
 pub(super) struct Points {
-    /// Where the trajectory wants the joints to be; the command where none moves them.
+    /// Point that the trajectory demands; the command if there is no trajectory.
     pub reference: JointTrajectoryPoint,
-    /// The command, which lags behind the trajectory where the axis cannot follow.
+    /// Command, which lags behind the trajectory if the axis cannot follow.
     pub command: JointTrajectoryPoint,
     pub actual: JointTrajectoryPoint,
-    /// Reference minus actual.
+    /// Reference point minus actual point.
     pub error: JointTrajectoryPoint,
 }
 

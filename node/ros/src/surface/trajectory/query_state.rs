@@ -1,8 +1,8 @@
-//! `~/query_state`: what the trajectory of a group asks of its joints at a time.
+//! `~/query_state`: state that the trajectory of a group commands to its joints at a time.
 //!
-//! Law      the machine answers for each joint, of the trajectory by which it moves or will move. A joint without one stands where it is
-//! Refuses  a time that the trajectory does not cover; no trajectory at all; a joint that moves otherwise; an inactive controller
-//! Source   joint_trajectory_controller (Jazzy), which answers with the time of its last point, too, that it has ended
+//! Law      the machine answers for each joint, from its present or waiting trajectory. A joint without one stays at its position
+//! Refuses  a time that the trajectory does not cover; no trajectory at all; a joint in another motion; an inactive controller
+//! Source   joint_trajectory_controller (Jazzy), which also answers at the time of its last point that the trajectory has ended
 
 use super::Taker;
 use super::convert::seconds;
@@ -15,7 +15,7 @@ use lineshaft_msgs::foreign::control_msgs::srv::{QueryTrajectoryState, QueryTraj
 use tokio::task::JoinSet;
 
 pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker: Taker) {
-    // Answers that wait for the machine end with the service.
+    // Waiting answers end with the service.
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
@@ -23,14 +23,14 @@ pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker
         open.spawn(async move {
             let response = taker.states(&message.time).await;
             let refusal = |message| QueryTrajectoryStateResponse { message, ..Default::default() };
-            // A client that has gone is no fault of the machine; the layer logs it.
+            // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response.unwrap_or_else(refusal)).await;
         });
     }
 }
 
 impl Taker {
-    /// Asks the machine for one joint after the other, so that a refusal is reported once.
+    /// Queries one joint after another, so that a refusal is reported once.
     async fn states(&self, time: &Time) -> Result<QueryTrajectoryStateResponse, String> {
         let Self { hub, controllers, joints, place } = self;
         controllers.check(*place)?;
@@ -52,7 +52,7 @@ impl Taker {
     }
 }
 
-/// The time of the machine that a request asks for (ns); `now_ns` is that of a cycle, `stamp_ns` the stamp of it.
+/// Converts the requested time to time of the machine, in ns; `now_ns` is that of a cycle, `stamp_ns` its stamp.
 fn machine_ns(time: &Time, now_ns: u64, stamp_ns: u64) -> Result<u64, String> {
     let asked_ns = i64::from(time.sec) * 1_000_000_000 + i64::from(time.nanosec);
     let at_ns = i128::from(now_ns) + i128::from(asked_ns) - i128::from(stamp_ns);
@@ -63,7 +63,7 @@ fn machine_ns(time: &Time, now_ns: u64, stamp_ns: u64) -> Result<u64, String> {
     })
 }
 
-/// What the machine has answered, in SI units, in the order of the joints.
+/// Returns the answers of the machine, in SI units, in the order of the joints.
 fn states(answers: &[Event], scales: impl Iterator<Item = Scale>) -> QueryTrajectoryStateResponse {
     let mut response = QueryTrajectoryStateResponse::default();
     for (answer, scale) in answers.iter().zip(scales) {
@@ -76,7 +76,7 @@ fn states(answers: &[Event], scales: impl Iterator<Item = Scale>) -> QueryTrajec
         response.velocity.push(rate(answer.asked));
         response.acceleration.push(rate(answer.limit));
     }
-    // The next point of the trajectory, the same for all joints that have one.
+    // Next point of the trajectory, the same for all joints that have one.
     let mut places = answers.iter().filter_map(|answer| answer.place);
     let first = places.next();
     response.message = match first {

@@ -1,5 +1,5 @@
-//! The parameters of trajectories, with the names of joint_trajectory_controller. Axes may stand in several groups: what is said
-//! of a joint, and of trajectories as such, counts for all of them.
+//! Parameters of trajectories, with the names of joint_trajectory_controller. Axes may belong to several groups: parameters of joints, and
+//! general ones, apply to all groups.
 
 use super::joints::Joints;
 use crate::surface::group::TrajectorySettings;
@@ -18,7 +18,7 @@ const MOVING_END: &str = "allow_nonzero_velocity_at_trajectory_end";
 const MONITOR_RATE: &str = "action_monitor_rate";
 const GOAL_TIME: &str = "constraints.goal_time";
 const STOPPED: &str = "constraints.stopped_velocity_tolerance";
-/// Of each group.
+/// Parameter of each group.
 const MARGIN: &str = "trajectory_limits.margin";
 const ON_EXCESS: &str = "trajectory_limits.on_excess";
 const MAX_STRETCH: &str = "trajectory_limits.max_stretch";
@@ -26,29 +26,29 @@ const WRAPAROUND: &str = "angle_wraparound";
 const MAX_DURATION: &str = "max_duration";
 const STATE_RATE: &str = "controller_state_rate";
 
-/// What ON_EXCESS may be.
+/// Allowed values of ON_EXCESS.
 const WORDS: &[&str] = &["scale", "refuse"];
 
-/// Feedback per second, and what may be set.
+/// Default feedback rate, and its allowed range, in messages per second.
 const USUAL_RATE: f64 = 20.0;
 const RATES: (f64, f64) = (0.1, 1000.0);
 
-/// What they are worth when a goal comes.
+/// Values of the parameters when a goal arrives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Settings {
-    /// A goal may name some of the joints only.
+    /// Whether a goal may name only some of the joints.
     pub partial: bool,
-    /// Points may carry velocities alone.
+    /// Whether points may have only velocities.
     pub integration: bool,
-    /// The last point may have velocities.
+    /// Whether the last point may have velocities.
     pub may_end_in_motion: bool,
-    /// How long after its last point its goal tolerances may be met (s); 0: for ever.
+    /// Time after the last point within which the goal tolerances must be met, in s; 0: unlimited.
     pub goal_time: f64,
-    /// Velocity of a joint that stands (m/s, rad/s); 0: none is asked for.
+    /// Velocity below which a joint counts as at rest, in m/s or rad/s; 0: not checked.
     pub stopped: f64,
-    /// For each joint: how far it may be off on the way, at the end, and at the start (m, rad); 0: as far as it likes.
+    /// Tolerances for each joint during the motion, at the end and at the start, in m or rad; 0: unlimited.
     pub joints: Vec<[f64; 3]>,
-    /// How the trajectories of the group are taken.
+    /// Trajectory settings of the group.
     pub group: TrajectorySettings,
 }
 
@@ -56,7 +56,7 @@ fn of_joint(name: &str) -> [String; 3] {
     ["trajectory", "goal", "start"].map(|what| format!("constraints.{name}.{what}"))
 }
 
-/// Declares them, with those of each group.
+/// Declares the parameters, with those of each group.
 pub(super) fn declare<'a>(
     own: &OwnParameters,
     config: &MachineConfig,
@@ -144,7 +144,7 @@ fn real(name: &str, usual: f64, (from_value, to_value): (f64, f64), text: &str) 
 }
 
 impl Settings {
-    /// For goals of these joints.
+    /// Reads the settings for goals of these joints.
     pub(super) fn read(own: &OwnParameters, joints: &Joints) -> Self {
         own.read(|own| Self::of(own, joints))
     }
@@ -178,13 +178,13 @@ fn limits(own: &Values<'_>, joints: &Joints) -> TrajectoryLimits {
     }
 }
 
-/// Time between two messages of `~/controller_state`; none where there are none.
+/// Returns the time between two messages of `~/controller_state`; `None` if they are disabled.
 pub(super) fn state_period(own: &OwnParameters, joints: &Joints) -> Option<Duration> {
     let rate = own.real(&joints.parameter(STATE_RATE));
     (rate > 0.0).then(|| Duration::try_from_secs_f64(1.0 / rate).unwrap_or(Duration::MAX))
 }
 
-/// Time between two feedback messages.
+/// Returns the time between two feedback messages.
 pub(super) fn feedback_period(own: &OwnParameters) -> Duration {
     let rate = own.real(MONITOR_RATE);
     // A rate outside its range cannot be declared or set.

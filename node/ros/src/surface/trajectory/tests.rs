@@ -1,4 +1,4 @@
-//! A small machine for the tests: line is virtual, x and y have a drive; 1000 inc/mm, 1 m/s, 5 m/s^2.
+//! A small machine for tests: line is virtual, x and y have a drive; 1000 inc/mm, 1 m/s, 5 m/s^2.
 
 use super::action::feedback;
 use super::joints::Joints;
@@ -26,17 +26,17 @@ pub(in crate::surface) fn config() -> MachineConfig {
     }
 }
 
-/// Without joint names of their own.
+/// Returns the object names as joint names.
 pub(in crate::surface) fn joint_names() -> JointNames {
     JointNames::of_objects(&config())
 }
 
-/// Its axes with a drive.
+/// Returns the axes with a drive.
 pub(super) fn joints() -> Joints {
     joints_called(&joint_names())
 }
 
-/// Its axes with a drive, with these joint names.
+/// Returns the axes with a drive, with these joint names.
 pub(super) fn joints_called(names: &JointNames) -> Joints {
     let config = config();
     let machine = Machine::new(config.clone()).expect("a sound machine");

@@ -1,4 +1,4 @@
-//! `~/joint_trajectory`: trajectories without an answer. What is refused stands on `/rosout` and in `~/events`.
+//! `~/joint_trajectory`: trajectories without an answer. Refusals are reported on `/rosout` and in `~/events`.
 
 use super::super::topic_commands::message_refused;
 use super::joints::Joints;
@@ -11,11 +11,11 @@ use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectory;
 use std::sync::Arc;
 use tokio::task::{JoinSet, spawn_blocking};
 
-/// What a message asks for.
+/// Request of a message.
 enum Asked {
-    /// A trajectory with the tolerances of the parameters.
+    /// Trajectory with the tolerances of the parameters.
     Trajectory(Started),
-    /// A message without points: these axes stop.
+    /// Message without points, which stops these axes.
     Stop(AxisSet),
 }
 
@@ -26,7 +26,7 @@ pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker
     while let Some(message) = topic.next().await {
         while open.try_join_next().is_some() {}
         let reader = taker.clone();
-        // A long one takes its time, on a thread of its own; one after the other, so that the newest one counts.
+        // A long message takes time and is read in a separate thread; in sequence, so that the newest one takes effect.
         let Ok(asked) = spawn_blocking(move || asked(&reader, message)).await else { continue };
         if let Err(sentence) = asked.and_then(|asked| give(&taker, &name, asked, &mut open)) {
             taker.hub.refuse(message_refused(&name, &sentence));
@@ -34,7 +34,7 @@ pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker
     }
 }
 
-/// Reads a message. A stop is taken by an inactive controller, too.
+/// Reads a message. An inactive controller accepts a stop as well.
 fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
     if message.points.is_empty() {
         return stopped(&taker.joints, &message).map(Asked::Stop);
@@ -43,7 +43,7 @@ fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
     taker.read(&goal).map(Asked::Trajectory)
 }
 
-/// Hands over what a message asks for.
+/// Submits the request of a message.
 fn give(taker: &Taker, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
     match asked {
         Asked::Stop(axes) => taker.hub.submit_unheard(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
@@ -53,7 +53,7 @@ fn give(taker: &Taker, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Res
                 let (controllers, place) = (Arc::clone(&taker.controllers), taker.place);
                 open.spawn(async move {
                     let sequence = answers.sequence;
-                    // What is refused is told by the machine.
+                    // The machine reports a refusal itself.
                     let _ = answers.accepted().await;
                     controllers.is_read(place, sequence);
                 });
@@ -63,7 +63,7 @@ fn give(taker: &Taker, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Res
     }
 }
 
-/// The axes that a message without points stops: those that it names, or all.
+/// Returns the axes that a message without points stops: the named ones, or all.
 fn stopped(joints: &Joints, message: &JointTrajectory) -> Result<AxisSet, String> {
     if message.joint_names.is_empty() {
         return Ok(joints.axes.iter().copied().collect());

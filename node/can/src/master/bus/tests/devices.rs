@@ -1,9 +1,9 @@
-//! Devices with terminals, and what is shown while words are missing.
+//! Tests of devices with terminals, and of missing process data.
 
 use super::*;
 
-/// A module of 16 inputs and 8 outputs, of an analog input and an analog output, at node 3: its outputs go in each cycle, its inputs
-/// are those of its last words; nothing of it is there before both of its PDOs have come, and behind a boot-up.
+/// A module with 16 inputs and 8 outputs, an analog input and an analog output, at node 3. Its outputs are sent in each cycle, and its
+/// inputs are the last received ones. They are invalid until both of its PDOs have arrived, and after a boot-up.
 #[test]
 fn a_module_is_inputs_and_outputs_of_the_machine() {
     let terminal = |place, address| Terminal { place, address };
@@ -41,7 +41,7 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
     assert_eq!(violation_count(), 0);
 }
 
-/// An encoder that counts begins anew behind a boot-up, and counts on behind a silence.
+/// An encoder starts a new coordinate system after a boot-up, and counts on after a silence.
 #[test]
 fn an_encoder_that_has_booted_has_another_coordinate() {
     let mut config = drive(0, 3, Watching::None);
@@ -70,7 +70,7 @@ fn an_encoder_that_has_booted_has_another_coordinate() {
     assert_eq!(seen, [1, 1, 2]);
 }
 
-/// Efforts are per mille of the rated torque, 16 bits of them, there and back.
+/// Efforts are per mille of rated torque, as 16 bits in both directions.
 #[test]
 fn a_drive_of_torques_takes_and_tells_them_per_mille() {
     let mut config = drive(0, 3, Watching::None);
@@ -99,8 +99,8 @@ fn a_drive_of_torques_takes_and_tells_them_per_mille() {
     }
 }
 
-/// 100 counts a cycle: while its words are missing the position stays, or goes on, for as many cycles as are waited for. A thousandth of the
-/// rated torque is 2 mNm.
+/// 100 counts per cycle: while process data is missing, the position stays or is extrapolated, for the configured number of cycles. One per
+/// mille of rated torque is 2 mNm.
 #[test]
 fn missing_words_are_held_or_extrapolated() {
     for (extrapolates, expected) in [(false, [200; 4]), (true, [300, 400, 500, 500])] {

@@ -1,9 +1,9 @@
-//! Drives that map 6060h or 6061h to no PDO.
+//! Tests of drives that cannot map 6060h or 6061h to a PDO.
 
 use super::super::super::fixtures::dictionary_without;
 use super::*;
 
-/// Drive 0, node 3, which cannot map these objects.
+/// Returns a rig with drive 0, node 3, that cannot map these objects.
 fn by_sdo(objects: &[&str]) -> Rig {
     let mut config = drive(0, 3, Watching::None);
     let known = dictionary_without(objects);
@@ -14,7 +14,7 @@ fn by_sdo(objects: &[&str]) -> Rig {
     rig
 }
 
-/// The SDO server of node 3.
+/// Simulated SDO server of node 3.
 #[derive(Default)]
 struct Server {
     mode: i8,
@@ -24,7 +24,7 @@ struct Server {
 }
 
 impl Server {
-    /// Answers what was sent.
+    /// Answers the sent requests.
     fn serve(&mut self, rig: &Rig, sent: &[Frame]) {
         for frame in sent.iter().filter(|frame| frame.id().get() == 0x603) {
             let &[command, low, high, sub, data, ..] = frame.bytes() else { continue };
@@ -45,7 +45,7 @@ impl Server {
         }
     }
 
-    /// A cycle in which the drive sends these words, and answers. Returns the control word that it is sent.
+    /// Runs a cycle in which the drive sends these values and answers. Returns the control word that it received.
     fn turn(&mut self, rig: &mut Rig, status: u16, position: i32) -> u8 {
         rig.answer(status, position, self.mode);
         rig.cycle();
@@ -60,8 +60,8 @@ fn mode_of(rig: &Rig) -> i8 {
     rig.inputs.drive[0].mode
 }
 
-/// 6060h is written, then 6061h read; the mode is shown with the second status word behind the answer. The drive is not enabled before, also
-/// where another client has changed the mode meanwhile.
+/// 6060h is written, then 6061h is read; the mode is valid with the second status word after the answer. The drive is not enabled before
+/// that, even if another client has changed the mode meanwhile.
 #[test]
 fn mode_by_sdo_is_confirmed_before_the_drive_is_enabled() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
@@ -79,11 +79,11 @@ fn mode_by_sdo_is_confirmed_before_the_drive_is_enabled() {
     });
     assert_eq!(sent, [(7, 8), (7, 0), (7, 0), (15, 8), (15, 8), (15, 8)]);
     assert_eq!((server.written.as_slice(), server.mode), ([8, 8].as_slice(), 8));
-    // Enabled, nothing holds its control word back.
+    // An enabled drive receives its control word without delay.
     assert_eq!((server.turn(&mut rig, 0x1237, 0), server.reads), (15, 2));
 }
 
-/// The drive never takes the mode: it is never enabled.
+/// The drive never changes to the mode, so it is never enabled.
 #[test]
 fn drive_in_another_mode_is_not_enabled() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
@@ -99,7 +99,7 @@ fn drive_in_another_mode_is_not_enabled() {
     assert!((2..=most).contains(&server.reads), "{} reads, one in 10 ms: others have their turn", server.reads);
 }
 
-/// Only 6060h cannot be mapped: 6061h comes in TPDO 1.
+/// Only 6060h cannot be mapped: 6061h is in TPDO 1.
 #[test]
 fn mode_that_a_pdo_reports_is_written_alone() {
     let (mut rig, mut server) = (by_sdo(&["6060"]), Server::default());
@@ -108,12 +108,12 @@ fn mode_that_a_pdo_reports_is_written_alone() {
         let control = server.turn(&mut rig, 0x0233, 0);
         (control, mode_of(&rig))
     });
-    // The mode that the server has taken comes with the next words.
+    // The mode that the server has accepted is in the next process data.
     assert_eq!(sent, [(7, 0), (15, 8), (15, 8)]);
     assert_eq!((server.written.as_slice(), server.reads), ([8].as_slice(), 0));
 }
 
-/// Only 6061h cannot be mapped: 6060h goes in RPDO 1.
+/// Only 6061h cannot be mapped: 6060h is in RPDO 1.
 #[test]
 fn mode_that_a_pdo_commands_is_read_alone() {
     let (mut rig, mut server) = (by_sdo(&["6061"]), Server { mode: 8, ..Server::default() });
@@ -125,7 +125,7 @@ fn mode_that_a_pdo_commands_is_read_alone() {
     assert_eq!((server.written.as_slice(), server.reads), ([].as_slice(), 1));
 }
 
-/// A read times out; its answer of before comes as that of the next one.
+/// A read times out. Its answer arrives as the answer to the next read.
 #[test]
 fn late_answer_does_not_confirm_a_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
@@ -149,7 +149,7 @@ fn late_answer_does_not_confirm_a_mode() {
     }
 }
 
-/// Refused once, it is reported once; another mode is written.
+/// The refusal is reported once, and another mode can be written.
 #[test]
 fn refused_mode_is_reported_once() {
     let mut rig = by_sdo(&["6060", "6061"]);
@@ -161,7 +161,7 @@ fn refused_mode_is_reported_once() {
     }
     assert!(matches!(rig.reports.pop(), Ok(Report::ModeRefused(0, SdoError::Refused(..)))));
     assert!(rig.reports.pop().is_err());
-    // A drive may take it once it has power: it is written again when the drive is enabled.
+    // The drive may accept the mode later: it is written again when the drive is enabled.
     rig.outputs.drive[0].control = control::ENABLE;
     rig.answer(0x0233, 0, 0);
     rig.cycle();
@@ -169,7 +169,8 @@ fn refused_mode_is_reported_once() {
     assert!(rig.sent().iter().any(is_written));
 }
 
-/// The axis sees its zero once the drive is in mode 8 again, so that it cannot move away before: then bits 10 and 12 come, in mode 6.
+/// The axis sees homing attained only once the drive is in mode 8 again, so that it cannot move before. Then bits 10 and 12 are reported,
+/// with mode 6.
 #[test]
 fn homing_by_sdo_is_over_once_the_drive_is_back_in_its_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
@@ -204,7 +205,7 @@ fn homing_by_sdo_is_over_once_the_drive_is_back_in_its_mode() {
     assert_eq!((mode, status, epoch), (MODE_CSP, 0x1237, 1));
 }
 
-/// Commanded back to 8 before 6 was confirmed, the 8 that was read before is not shown: the drive may be in 6, and is disabled.
+/// 8 is commanded again before 6 was confirmed. The 8 that was read before is not reported, because the drive may be in 6; it is disabled.
 #[test]
 fn drive_whose_homing_is_ended_is_disabled_until_it_is_back_in_its_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
@@ -220,11 +221,12 @@ fn drive_whose_homing_is_ended_is_disabled_until_it_is_back_in_its_mode() {
         let control = server.turn(&mut rig, 0x1237, 0);
         (control, mode_of(&rig), server.mode)
     });
-    // The write of 8, its answer, two status words. Until then the drive could jump to where the axis is: its operation is disabled.
+    // The write of 8, its answer, two status words. Until then the drive could jump to the position of the axis, so its operation is
+    // disabled.
     assert_eq!(shown, [(7, 0, 8), (7, 0, 8), (7, 0, 8), (15, 8, 8), (15, 8, 8)]);
 }
 
-/// A target velocity that is meant for homing would move a drive that is not in mode homing yet.
+/// A target velocity of the homing would move a drive that is not in mode homing yet.
 #[test]
 fn drive_in_csv_has_target_velocity_zero_while_a_homing_is_set_up() {
     let mut config = drive(0, 3, Watching::None);

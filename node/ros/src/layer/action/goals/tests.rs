@@ -5,7 +5,7 @@ const NONE: i8 = 0;
 const UNKNOWN_GOAL: i8 = 2;
 const TERMINATED: i8 = 3;
 
-/// Results are texts, askers are numbers.
+/// Results are texts, result requests are numbers.
 type Tested = Goals<&'static str, u32>;
 
 fn id(n: u8) -> GoalId {
@@ -16,7 +16,7 @@ fn at(sec: i32, nanosec: u32) -> Stamp {
     Stamp { sec, nanosec }
 }
 
-/// A request that was written, and came, at so many ns.
+/// Returns the origin of a request that was written and received at `ns`.
 fn sent(ns: u64) -> Origin {
     Origin::of(1, Some(ns), ns)
 }
@@ -25,7 +25,7 @@ fn goals() -> (Tested, Instant) {
     (Goals::new(KEEP, 4), Instant::now())
 }
 
-/// With goal n accepted at n seconds, and being done.
+/// Returns goals of which goal n was accepted at n seconds and is executing.
 fn executing(ns: &[u8]) -> (Tested, Instant) {
     let (mut goals, now) = goals();
     for n in ns {
@@ -182,7 +182,7 @@ fn cancel_all() {
     assert_eq!(selected(&mut none, GoalId::default(), Stamp::default(), now), (NONE, vec![]));
 }
 
-/// The goals were sent at 10 and 30 ns, the request at 20 ns; the second one came in time to be accepted first.
+/// The goals were sent at 10 and 30 ns, the cancel request at 20 ns; the second goal was accepted before the cancel request.
 #[test]
 fn cancel_of_all_goals_means_those_that_were_sent_before_it() {
     let (mut goals, now) = goals();
@@ -192,7 +192,7 @@ fn cancel_of_all_goals_means_those_that_were_sent_before_it() {
     }
     let selection = goals.select(GoalId::default(), Stamp::default(), sent(20), now);
     assert_eq!(selection, Selection { code: NONE, open: vec![id(1)], canceling: vec![] });
-    // By its id the later one is meant all the same.
+    // Selected by its ID, the later goal is canceled too.
     assert_eq!(goals.select(id(3), Stamp::default(), sent(20), now).open, [id(3)]);
 }
 

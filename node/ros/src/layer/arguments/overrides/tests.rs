@@ -5,7 +5,7 @@ fn node(full: &str) -> NodeName {
     NodeName::new(if namespace.is_empty() { "/" } else { namespace }, name).unwrap()
 }
 
-/// The names that a file gives to a node.
+/// Returns the names that a file gives to a node.
 fn names(text: &str, full: &str) -> Vec<String> {
     let overrides = Overrides::of(&read("p.yaml", text).unwrap(), &node(full));
     overrides.iter().map(|(name, _)| name.clone()).collect()

@@ -19,12 +19,12 @@ fn sample(vendor: [u8; 2], bytes: Vec<u8>) -> Sample {
     Sample { id, related: None, is_stale: false, written: None, came_ns: 0, is_big_endian: false, bytes: bytes.into() }
 }
 
-/// As rmw_fastrtps sends it.
+/// Returns a request as rmw_fastrtps sends it.
 fn fast(bytes: Vec<u8>) -> Sample {
     Sample { related: Some(Related { guid: guid(FAST, 4), number: None }), ..sample(FAST, bytes) }
 }
 
-/// As rmw_cyclonedds sends it.
+/// Returns a request as rmw_cyclonedds sends it.
 fn cyclone(request: &impl Serialize) -> Sample {
     sample(CYCLONE, with_header(request))
 }
@@ -107,7 +107,7 @@ fn padding_is_allowed_and_a_fourth_byte_is_not() {
 
 #[test]
 fn a_request_in_the_form_of_the_other_rmw_is_refused() {
-    // The header of 16 bytes has the length of a goal id and of two f64: these are the dangerous ones.
+    // The header of 16 bytes has the length of a goal ID and of two f64, so these requests could be confused.
     let id = GetResultRequest { goal_id: UUID { uuid: [7; 16] } };
     let position = SetPositionRequest { axis: "x".to_owned(), position: 1.5, units: 0 };
     assert!(read::<GetResultRequest>(&cyclone(&id)).is_ok() && read::<GetResultRequest>(&fast(encode(&id))).is_ok());
@@ -125,7 +125,7 @@ fn a_request_in_the_form_of_the_other_rmw_is_refused() {
 
 #[test]
 fn what_fits_both_forms_is_refused_unless_it_is_marked() {
-    // Without header two empty names; with it, what is left is an empty list, which would mean all axes.
+    // Without header: two empty names. With header: the rest is an empty list, which would mean all axes.
     let mut both = encode(&axes(&["", ""]));
     both.extend([0; 3]);
     assert_eq!(both.len(), 20);

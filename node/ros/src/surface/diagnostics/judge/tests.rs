@@ -10,7 +10,7 @@ const WARN: u8 = 1;
 const ERROR: u8 = 2;
 const STALE: u8 = 3;
 
-/// A machine with line (virtual) and x, as after its first cycle.
+/// A machine with axes line (virtual) and x, after its first cycle.
 struct Bench {
     machine: Machine,
     judge: Judge,
@@ -41,7 +41,7 @@ impl Bench {
         self.snapshot.board.set_int(signal, value);
     }
 
-    /// Levels of machine, x and recorder at so many milliseconds.
+    /// Returns the levels of machine, x and recorder at a time in milliseconds.
     fn levels(&mut self, ms: u64) -> Vec<u8> {
         let now = self.begin + Duration::from_millis(ms);
         self.judge.look(&self.snapshot, now, &[], &Recorder::Unknown).levels()
@@ -79,7 +79,7 @@ fn a_cycle_stands_after_100_ms_and_10_cycles_without_a_new_one() {
     let mut look =
         |ms| slow.look(&bench.snapshot, bench.begin + Duration::from_millis(ms), &[], &Recorder::Unknown).machine;
     assert_eq!((look(0), look(200), look(201)), (Finding::Good, Finding::Good, Finding::Standing));
-    // Before the first cycle it stands.
+    // Before the first cycle the cycle is stale.
     bench.snapshot.stamp_ns = 0;
     assert_eq!(bench.levels(102), [STALE, STALE, OK]);
 }
@@ -138,7 +138,7 @@ fn values_have_their_units() {
     let velocity = bench.machine.directory().find("x.actual.velocity").unwrap();
     bench.snapshot.board.set_real(velocity, 2_500.0);
     let all = bench.describe(0, &Recorder::Unknown);
-    // 1000 increments are a millimetre.
+    // 1000 increments are one millimetre.
     let texts = ["position", "command position", "following error", "velocity", "error code", "drive state"];
     let texts = texts.map(|key| value(&all[1], key));
     assert_eq!(texts, ["12.345 mm", "-0.5 mm", "0.007 mm", "2.5 mm/s", "0", "SWITCH_ON_DISABLED"]);
@@ -189,7 +189,7 @@ fn a_machine_in_error_says_so_whatever_was_missed() {
     assert_eq!(bench.levels(0)[0], ERROR);
 }
 
-/// A backend is stale before its start, and in error with each of its sentences; between the drives and the recorder.
+/// A backend is stale before its start, and in error with each of its messages; its status is between those of the drives and the recorder.
 #[test]
 fn a_backend_tells_its_problems_and_its_values() {
     let mut bench = Bench::new();

@@ -1,4 +1,4 @@
-//! What a transition makes of a machine and of backends that do not do what they should.
+//! Tests of transitions with machines and backends that do not behave as they should.
 
 use super::super::states::{ACTIVE, FINALIZED, INACTIVE, UNCONFIGURED};
 use super::*;
@@ -18,16 +18,16 @@ use tokio::sync::mpsc::UnboundedSender;
 use tokio::sync::oneshot;
 use tokio::task::JoinSet;
 
-/// What a machine does.
+/// Behaviour of the machine.
 #[derive(Clone, Copy, Debug, Default)]
 struct Script {
-    /// Its backends do not start.
+    /// Whether its backends do not start.
     no_backend: bool,
-    /// It refuses to be activated.
+    /// Whether it refuses activation.
     refuses: bool,
-    /// So many deactivations never end.
+    /// Number of deactivations that never end.
     stuck: u64,
-    /// Its cycles do not end.
+    /// Whether its cycles do not end.
     runs_on: bool,
 }
 
@@ -37,7 +37,7 @@ struct Fake {
     directory: Directory,
     script: Script,
     gate: Mutex<GateState>,
-    /// Commands so far, and deactivations among them.
+    /// Number of commands so far, and number of deactivations among them.
     given: Mutex<(u64, u64)>,
     events: UnboundedSender<StampedEvent>,
 }
@@ -136,7 +136,7 @@ impl Host for Fake {
     }
 }
 
-/// A life on a fake machine.
+/// The lifecycle of a simulated machine.
 struct Bench {
     life: Life,
     host: Arc<Fake>,
@@ -146,7 +146,7 @@ struct Bench {
 
 impl Bench {
     fn new(script: Script) -> Self {
-        // A domain that tests with other peers (10..101) do not take.
+        // A domain that tests with other peers (10 to 101) do not use.
         let domain = 201 + u16::try_from(std::process::id() % 32).expect("a small number");
         let environment = Environment { domain, networks: Networks::Loopback };
         let node = Node::new(NodeName::new("/", "life").expect("a name"), &environment).expect("a node");
@@ -211,7 +211,7 @@ fn failed_transition_says_how_to_try_again() {
     for (end, advice) in [(UNCONFIGURED, configure), (INACTIVE, activate), (FINALIZED, restart)] {
         assert_eq!(remedy(end, "/a/b").as_deref(), Some(advice));
     }
-    // The end of the error is still to come.
+    // The processing of the error has not ended yet.
     assert_eq!(remedy(states::ERROR_PROCESSING, "/a/b"), None);
     assert_eq!(remedy(ACTIVE, "/a/b"), None);
 }

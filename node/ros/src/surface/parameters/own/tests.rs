@@ -21,7 +21,7 @@ fn string(text: &str) -> ParameterValue {
     ParameterValue { r#type: ParameterType::PARAMETER_STRING, string_value, ..ParameterValue::default() }
 }
 
-/// A number in 0 to 1, a count in 1 to 10 by threes, a fixed list, one of two words.
+/// Declares a number in 0 to 1, a count in 1 to 10 with step 3, a read-only list, and a string with two allowed values.
 fn declare(own: &OwnParameters) {
     let descriptor = |name: &str, r#type| ParameterDescriptor { name: name.to_owned(), r#type, ..Default::default() };
     let range = FloatingPointRange { from_value: 0.0, to_value: 1.0, step: 0.0 };
@@ -108,7 +108,7 @@ fn a_name_that_stands_for_another_parameter_is_refused_with_that_one() {
     assert_eq!(own.fitting("part", &double(0.25)), Some(Err(sentence.to_owned())));
     assert_eq!(own.fitting("share", &double(0.25)), Some(Ok(double(0.25))));
     assert!(own.get("part").is_none() && !own.names().contains(&"part".to_owned()), "it is no parameter");
-    // Nobody has given it.
+    // There is no override for it.
     let own = given("share:=0.25");
     declare(&own);
     own.rename("part".to_owned(), "share".to_owned());

@@ -21,7 +21,7 @@ fn point(seconds: f64, positions: &[f64]) -> Point {
     Point { positions: positions.to_vec(), time_from_start: at(seconds), ..Point::default() }
 }
 
-/// Both joints to 1 and 2 in a second, then on to 3 and 4.
+/// Returns a goal that moves both joints to 1 and 2 in one second, then to 3 and 4.
 fn goal() -> Goal {
     Goal {
         trajectory: JointTrajectory {
@@ -49,7 +49,7 @@ fn refused(change: impl FnOnce(&mut Goal), sentence: &str) {
     assert_eq!(error, sentence);
 }
 
-/// The same, where the core refuses what becomes of the goal.
+/// Checks that the core refuses the request of the goal.
 #[track_caller]
 fn refused_by_core(change: impl FnOnce(&mut Goal), sentence: &str) {
     let mut goal = goal();
@@ -122,7 +122,7 @@ fn a_stamp_moves_the_start() {
         start(now + 600, 500_000_000).unwrap_err().to_string(),
         "the stamp is 1700000600.5 s, 600.5 s after now, 1700000000 s; at most 600 s is allowed"
     );
-    // A simulation that has not said its time yet: a stamp of the system would wait for half a century.
+    // A simulation whose time is still unknown: a stamp of system time would delay the start by half a century.
     let mut early = goal();
     early.trajectory.header.stamp = Time { sec: now, nanosec: 0 };
     let unknown = request(&joints(), &settings(), &early, 0).unwrap_err().to_string();
@@ -181,7 +181,7 @@ fn a_trajectory_ends_at_rest() {
         "the velocity of `y` in the last point is -0.25 m/s (-250 mm/s); 0 is expected, or set \
          allow_nonzero_velocity_at_trajectory_end",
     );
-    // What a float rounds away is no velocity: 1.19e-7, as in the controller.
+    // Velocities below the float epsilon count as zero: 1.19e-7, as in the controller.
     let mut goal = goal();
     let is_taken = |goal: &Goal| config().resolve_trajectory(&read(goal).expect("a good message")).is_ok();
     goal.trajectory.points[1].velocities = vec![1.1e-7, -1.1e-7];
@@ -190,7 +190,7 @@ fn a_trajectory_ends_at_rest() {
     assert!(!is_taken(&goal));
 }
 
-/// The range of these parameters has no end.
+/// The range of these parameters is unlimited.
 #[test]
 fn parameters_that_are_very_large_are_no_limit_and_refuse_no_goal() {
     let settings =
@@ -206,7 +206,7 @@ fn a_goal_says_its_own_tolerances() {
     let settings =
         Settings { goal_time: 1.5, stopped: 0.01, joints: vec![[0.1, 0.2, 0.0], [0.0; 3]], ..Settings::default() };
     let mut goal = goal();
-    // 0: what the parameters say; -1: without limit; else: this.
+    // 0: value of the parameters; -1: no limit; otherwise: this value.
     goal.path_tolerance = vec![tolerance("x", -1.0, 0.0, 3.0)];
     goal.goal_tolerance = vec![tolerance("x", 0.0, -1.0, 0.0), tolerance("y", 0.7, 0.8, 0.0)];
     let merged = |goal: &Goal| request(&joints(), &settings, goal, NOW).unwrap();
@@ -325,7 +325,7 @@ fn joint_names_stand_for_their_axes_and_object_names_are_refused_with_them() {
     let wrong = read(&|goal| goal.trajectory.points[0].positions[1] = 1e300);
     let sentence = "points[0].positions of `Shoulder_Pan` is 1e300; a finite number within +-1e38 is expected";
     assert_eq!(wrong.unwrap_err(), sentence);
-    // Of an axis that is none of the group nothing is meant.
+    // For an axis outside the group there is no suggestion.
     let wrong = read(&|goal| goal.trajectory.joint_names[1] = "line".to_owned());
     assert_eq!(wrong.unwrap_err(), "joint_names has the joint `line`; there are Shoulder_Pan, left/arm_1");
     let wrong = read(&|goal| goal.trajectory.points[0].positions[1] = f64::NAN);

@@ -1,15 +1,15 @@
-//! Whatever goal comes, it becomes a request that keeps what it promises, or is refused with a sentence.
+//! Any goal becomes a request with the promised properties, or is refused with a message.
 
 use super::*;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-/// Names of joints, more often good than bad.
+/// Generates joint names, mostly valid ones.
 fn name() -> impl Strategy<Value = String> {
     prop_oneof![4 => Just("x".to_owned()), 4 => Just("y".to_owned()), 1 => Just("line".to_owned()), 1 => ".{0,8}"]
 }
 
-/// Numbers, more often small than strange.
+/// Generates numbers, mostly small ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![8 => -2.0..2.0, 2 => Just(0.0), 1 => Just(-1.0), 1 => any::<f64>()]
 }
@@ -50,7 +50,7 @@ fn any_goal() -> impl Strategy<Value = Goal> {
     let stamp = prop_oneof![4 => Just((0, 0)), 1 => (any::<i32>(), any::<u32>())];
     (names, vec(any_point(), 0..4), stamp, vec(any_tolerance(), 0..2), vec(any_tolerance(), 0..2), duration()).prop_map(
         |(joint_names, mut points, (sec, nanosec), path_tolerance, goal_tolerance, goal_time_tolerance)| {
-            // Most goals have ascending times: else nearly all would end at the same check.
+            // Most goals have ascending times; otherwise nearly all would fail at the same check.
             points.sort_by_key(|point| duration_ns(&point.time_from_start));
             let mut goal = Goal { path_tolerance, goal_tolerance, goal_time_tolerance, ..Goal::default() };
             goal.trajectory.joint_names = joint_names;
@@ -94,7 +94,7 @@ proptest! {
         let tolerances = request.path.iter().chain(&request.goal);
         let mut limits = tolerances.flat_map(|t| [t.position, t.velocity, t.acceleration]).flatten();
         prop_assert!(limits.all(|limit| limit > 0.0 && limit.is_finite()));
-        // What the core refuses, it refuses with a sentence as well.
+        // Refusals of the core have a message as well.
         if let Err(error) = config().resolve_trajectory(&request) {
             let sentence = error.to_string();
             prop_assert!(!sentence.is_empty() && sentence.len() < 300, "{}", sentence);
