@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub struct MovedBy {
     /// Sink of the function.
     pub sink: Leader,
-    /// Speed (inc/s) at full value of a sink that has a speed. None: position.
+    /// Velocity per unit of the sink (inc/s), for a sink of speeds. None: the sink is a position.
     pub speed: Option<f64>,
 }
 
