@@ -78,7 +78,7 @@ impl Own {
 pub struct InForce {
     pub(super) derived: Derived,
     values: AxisParameters,
-    /// Whether they were written since the last call of [`take_new`](Self::take_new).
+    /// Whether they were written since the last call of `take_new`.
     is_new: bool,
     /// Own parameters of the axis before it changed them in this cycle.
     own_before: Option<Own>,
