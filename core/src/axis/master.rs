@@ -1,11 +1,11 @@
 //! The master of an axis: selected by parameters (MENCODERTYPE), the simulated master, and its displayed position.
 //!
 //! Law      simulated: position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc per cycle. It counts
-//!          from 0 as long as mencodertype is 6, also without followers, and stops otherwise. Displayed
-//!          position = position of the leader + offset. A new zero of a leading axis is no motion: the displayed
-//!          position continues from its former value, also if the axis is a member of a sum, with its sign. A new value
-//!          of an encoder applies to all its users. Another leader is shown with its own position, or continues from
-//!          that of the former leader (MENCCONTROL bit 0)
+//!          from 0 as long as mencodertype is 6, also without followers, and stops otherwise.
+//!          displayed position = position of the leader + offset. A new zero of a leading axis is no motion: the
+//!          displayed position continues from its former value, also if the axis is a member of a sum, with its sign. A
+//!          new value of an encoder applies to all its users. Another leader is shown with its own position, or
+//!          continues from that of the former leader (MENCCONTROL bit 0)
 //! Reads    mencodertype, master_simulation_velocity, menccontrol, mencoder, the ratio
 //! Writes   a leader that is not counted, so it is as smooth as a command; the displayed position of the leader
 //! Refuses  numbers of masters that do not exist; a new value for a lost leader, or an absolute encoder

@@ -1,11 +1,12 @@
 //! Decides how much of a cycle an axis executes.
 //!
-//! Law      Passed: the axis is at rest, and no timer runs; a cycle changes nothing but the counts of cycles. Calm: the
-//!          axis only moves; a cycle moves and supervises it, and omits the inactive parts. Full: everything else. The
-//!          first two begin after two successive full cycles that found the axis in this state. They last while there
-//!          is no command, no effect from outside its cycle, no event, and no change of its inputs (for Calm except
-//!          count, velocity and effort). After two cycles everything that the end of a cycle leaves to the start of the
-//!          next one is done
+//! Law      Passed: the axis is at rest, and no timer runs; a cycle changes nothing but the counts of cycles.
+//!          Calm: the axis only moves; a cycle moves and supervises it, and omits the inactive parts.
+//!          Full: everything else.
+//!          The first two begin after two successive full cycles that found the axis in this state. They last while
+//!          there is no command, no effect from outside its cycle, no event, and no change of its inputs (for Calm
+//!          except count, velocity and effort). After two cycles everything that the end of a cycle leaves to the start
+//!          of the next one is done
 //! Reads    the whole state after a full cycle; the inputs of its drive, bit by bit
 //! Writes   only the counts of cycles
 //! Refuses  every function that may need the omitted parts: a loop closed here that is active at rest, vocabularies in

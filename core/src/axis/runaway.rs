@@ -1,11 +1,11 @@
 //! Removes the power of an axis that the loop closed here cannot control.
 //!
-//! Law      After an error the loop stops the axis under power. The axis is lost if its following error is more than
+//! Law      after an error the loop stops the axis under power. The axis is lost if its following error is more than
 //!          twice the allowed one, and exceeds that at the start of the stop by more than the allowed one; or if it
 //!          exceeds the allowed one and has not become smaller for [`PATIENCE_NS`] while the command is at rest. A
-//!          direction is wired wrong, or the drive does not follow. In any state the encoder is dead or the axis
-//!          blocked if the encoder counts nothing while the drive is commanded a distance of more than
-//!          max_following_error, or the largest effort for [`PUSH_NS`]
+//!          direction is wired wrong, or the drive does not follow.
+//!          In any state the encoder is dead or the axis blocked if the encoder counts nothing while the drive is
+//!          commanded a distance of more than max_following_error, or the largest effort for [`PUSH_NS`]
 //! Reads    the following error, command and state of the axis, the command to its drive, whether its encoder moves
 //! Writes   the error, which removes the power
 //! Refuses  nothing; a drive that closes the loop supervises itself

@@ -1,13 +1,14 @@
 //! The encoder of the velocity loop, if it is not that of the position loop: it is connected to the drive, on the
 //! motor.
 //!
-//! Law      The velocity loop uses its velocity as a fraction of the full one, which is AMPENCRPM turns per minute of
+//! Law      the velocity loop uses its velocity as a fraction of the full one, which is AMPENCRPM turns per minute of
 //!          AMPENCRES increments, in the direction of the tens digit of POSDRCT. Only changes of its values count: the
-//!          axis has no zero on it. apart = travel of the position - travel of this encoder under power, both in
-//!          increments of the axis. After a section of travel in which both moved in the same direction, neither less
-//!          than half as far as the other, apart is moved towards 0 by half of the longer travel. So neither a slightly
-//!          different ratio nor torsion or backlash accumulates, but an encoder that stops or reverses while the other
-//!          one moves is detected. More than max_following_error: one of both encoders is not the configured one
+//!          axis has no zero on it.
+//!          apart = travel of the position - travel of this encoder under power, both in increments of the axis. After
+//!          a section of travel in which both moved in the same direction, neither less than half as far as the other,
+//!          apart is moved towards 0 by half of the longer travel. So neither a slightly different ratio nor torsion or
+//!          backlash accumulates, but an encoder that stops or reverses while the other one moves is detected. More
+//!          than max_following_error: one of both encoders is not the configured one
 //! Reads    the values of the drive, the change of the actual position, AMPENCNO, AMPENCRES, AMPENCRPM, POSDRCT
 //! Writes   the travel from which the velocity is calculated; the error, which removes the power
 //! Refuses  an encoder of another axis, an axis with two drives, two directions of one encoder

@@ -1,8 +1,8 @@
 //! The current loop of an amplifier, and its design for a winding.
 //!
-//! Law      voltage = U kc ku (CURKPROP e + 4 CURKINT SUM e), within +-U; e in A, summed per sample. |SUM
-//!          e| <= CURKILIM, and the sum does not grow while the voltage is at its limit in that direction. Design:
-//!          w = Beta pi / (2 Ts); CURKPROP = (2 w - R/L) L / (U kc ku); CURKINT = w^2 L / (kc ku U) Ts / 4
+//! Law      voltage = U kc ku (CURKPROP e + 4 CURKINT SUM e), within +-U; e in A, summed per sample.
+//!          |SUM e| <= CURKILIM, and the sum does not grow while the voltage is at its limit in that direction.
+//!          Design: w = Beta pi / (2 Ts); CURKPROP = (2 w - R/L) L / (U kc ku); CURKINT = w^2 L / (kc ku U) Ts / 4
 //! Reads    the error, setpoint minus actual current (A); the setpoint within [`capped`]
 //! Writes   the voltage at the winding (V)
 //! Refuses  a design beyond the ranges of the source, or with gains beyond the range of the parameters. The loop

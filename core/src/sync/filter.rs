@@ -2,12 +2,13 @@
 //!
 //! Law      velocity(k) = velocity(k-1) + (change(k) - velocity(k-1)) T / tau, in inc per cycle, with T / tau limited
 //!          to 1. If positions are kept, the distance that the filter holds back is owed, to 2^-32 inc, and T / (10
-//!          tau) of it is given back in each cycle, so that no increment is lost. While more than a limit is owed, tau
-//!          decreases by T per cycle, at least to 5 ms; while less than a fifth of the limit is owed, it increases at
-//!          the same rate. For this comparison the owed distance is that of a filter with unchanged tau. A coupling by
-//!          marks owes nothing, as the marks correct the difference. The distance held back is summed only for the
-//!          limit, again for each tau, and tau increases after a period of tau in which the sum has stayed below the
-//!          limit
+//!          tau) of it is given back in each cycle, so that no increment is lost.
+//!          While more than a limit is owed, tau decreases by T per cycle, at least to 5 ms; while less than a fifth of
+//!          the limit is owed, it increases at the same rate. For this comparison the owed distance is that of a filter
+//!          with unchanged tau.
+//!          A coupling by marks owes nothing, as the marks correct the difference. The distance held back is summed
+//!          only for the limit, again for each tau, and tau increases after a period of tau in which the sum has stayed
+//!          below the limit
 //! Reads    the change of the master
 //! Writes   the change for the gear
 //! Refuses  nothing: the parameter limits tau

@@ -1,12 +1,13 @@
 //! A coupled axis: it accelerates to its leader, catches up the lost distance, and then follows exactly.
 //!
-//! Law      coupled: slave(k) = slave(k-1) + gear(master change of k). catching up (mode position): velocity = geared
-//!          master velocity + w, where w is the largest velocity from which the slave can still slow down to the master
-//!          with its acceleration in whole cycles without passing it: with e the distance to catch up and d the change
-//!          of velocity in a cycle (all in inc per cycle), n the least number with e <= d (n + 1)(n + 2) / 2: w = e
-//!          / (n + 1) + d n / 2; it arrives after exactly n + 1 cycles. ahead: the leading position is
-//!          geared(k) + ahead * (geared(k) - geared(k-1)). While catching up the velocity can be kept in a band around
-//!          that of the leader, which is 0 for a leader at rest
+//! Law      coupled: slave(k) = slave(k-1) + gear(master change of k).
+//!          catching up (mode position): velocity = geared master velocity + w, where w is the largest velocity from
+//!          which the slave can still slow down to the master with its acceleration in whole cycles without passing it.
+//!          With e the distance to catch up and d the change of velocity in a cycle (all in inc per cycle), n the least
+//!          number with e <= d (n + 1)(n + 2) / 2:
+//!          w = e / (n + 1) + d n / 2; it arrives after exactly n + 1 cycles.
+//!          ahead: the leading position is geared(k) + ahead * (geared(k) - geared(k-1)). While catching up the
+//!          velocity can be kept in a band around that of the leader, which is 0 for a leader at rest
 //! Reads    the change of the leader; the last motion of the slave; added motions
 //! Writes   the motion of the slave, to 2^-32 inc
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis

@@ -3,8 +3,8 @@
 //! Law      a lead has the values of its source at t_k as far as the cycle has advanced: encoders, then actual
 //!          positions and simulated masters, then sinks, then the command of each axis after its motion. The virtual
 //!          master comes before all axes, or after the axis that it follows. A follower reads its lead after that, as
-//!          leaders come first. A sum of several leads is calculated when it is read, from the present values of its
-//!          members
+//!          leaders come first.
+//!          A sum of several leads is calculated when it is read, from the present values of its members
 //! Reads    indices by [`Leader`]; a new kind of lead needs a case there and a list here
 //! Refuses  nothing: a leader that does not exist is a lost lead
 //! Source   MACS-ENC-10, MACS-SYNC-01

@@ -3,8 +3,8 @@
 //! Law      v(k) = v(k-1) moved towards the setpoint by at most pulsacc T; position(k) = position(k-1) + v(k) T. The
 //!          setpoint is pulsvel, or the change of the command of an axis; with pulsacc -1 v(k) is setsys_15 at once.
 //!          Off, it is at rest. Only the position is rounded, down to 2^-32 inc, and the remainder is kept. An axis
-//!          within the ramp is followed exactly. The index counts each pulse reached from either side, or the edges of
-//!          an input
+//!          within the ramp is followed exactly.
+//!          The index counts each pulse reached from either side, or the edges of an input
 //! Reads    the parameters of the machine, the command of the axis after its motion
 //! Refuses  nothing: velocities out of range saturate
 //! Source   MACS-VM-01..08, A-46

@@ -3,7 +3,8 @@
 //! Law      x' = F x + G noise, position = H x + quantization. For constant velocity x is position and velocity,
 //!          G = (1/2, 1) times an acceleration; for constant acceleration x also contains that, G = (1/6, 1/2, 1) times
 //!          a jerk. Both are held over a cycle and independent from cycle to cycle. Quantization is a variance of 1/12
-//!          inc^2. The gain is P H' / (H P H' + R) with the P for which P = F (P - P H' H P / (H P H' + R)) F' + G G'
+//!          inc^2.
+//!          The gain is P H' / (H P H' + R) with the P for which P = F (P - P H' H P / (H P H' + R)) F' + G G'
 //! Reads    the index: effect of the noise on the position relative to the quantization
 //! Writes   gains of a track
 //! Refuses  an index for which the iteration does not settle: none of the allowed indices

@@ -1,10 +1,11 @@
 //! The PID position loop with feed-forward.
 //!
-//! Law      every TIMER: u = clamp((KPROP e + KDER (e - e') + KINT sum e) / [`K_OUT`], +-BANDWIDTH/1000) + FFVEL/1000
-//!          v/VELMAX + FFACC/1000 a/amax, clamped to +-1. e' is the error of the sample before; there is no division by
-//!          time, so that the same loop with a doubled TIMER needs half the KDER and twice the KINT. The sum is clamped
-//!          to KILIM times the share of KILIMTIME. Outside the window the loop, but not the feed-forward, is off and
-//!          its sum is 0. New gains cause no step: the difference fades within 64 samples
+//! Law      every TIMER: u = clamp((KPROP e + KDER (e - e') + KINT sum e) / [`K_OUT`], +-BANDWIDTH/1000)
+//!                         + FFVEL/1000 v/VELMAX + FFACC/1000 a/amax, clamped to +-1.
+//!          e' is the error of the sample before; there is no division by time, so that the same loop with a doubled
+//!          TIMER needs half the KDER and twice the KINT.
+//!          The sum is clamped to KILIM times the share of KILIMTIME. Outside the window the loop, but not the
+//!          feed-forward, is off and its sum is 0. New gains cause no step: the difference fades within 64 samples
 //! Reads    error and command of the sample; between two samples nothing
 //! Writes   u, 1 for the full reference of the drive, held between two samples
 //! Refuses  nothing: the rows of its parameters do. NaN counts as 0
