@@ -100,7 +100,8 @@ fn attribute<'t>(line: &'t str, name: &str) -> Option<&'t str> {
     rest.split('"').next()
 }
 
-/// Reads crates and dependencies from the picture. An arrow and its line are in one line of the file, the name of a box follows it.
+/// Reads crates and dependencies from the picture. An arrow and its line are in one line of the file, the name of a box
+/// follows it.
 fn drawn(picture: &str) -> Crates {
     let mut found = Crates::default();
     for line in picture.lines() {

@@ -93,7 +93,7 @@ impl Axis {
     }
 
     /// Returns the distance by which the axis leads (SYNCFFVEL), if a coupling in `mode` continues with that. This
-    /// distance is then no motion to make up, and the follower does not start beside its drive.
+    /// distance is then no motion to make up, and the follower starts at the position of its drive.
     pub(super) fn led_ahead(&self, mode: SyncMode) -> Position {
         let before = self.coupling().filter(|_| mode.keeps_position());
         before.map_or(Position::ZERO, |coupling| coupling.follower.led_by())

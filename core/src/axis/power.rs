@@ -15,7 +15,7 @@ const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
 /// The power state of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Power {
-    /// No voltage.
+    /// The drive has no voltage.
     Off,
     /// Changing to operation enabled, since that cycle.
     SwitchingOn { since: u64 },

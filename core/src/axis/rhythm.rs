@@ -23,12 +23,12 @@ use crate::profile::Motion;
 /// How much of the present cycle is executed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// All of it.
+    /// The whole cycle.
     #[default]
     Full,
     /// Only the motion.
     Calm,
-    /// Nothing.
+    /// No part of it.
     Passed,
 }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Code of the words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WordCode {
-    /// As a binary number.
+    /// Binary number.
     #[default]
     Binary,
     /// Reflected Gray code: one bit changes from step to step.

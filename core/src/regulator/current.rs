@@ -47,7 +47,7 @@ pub struct CurrentGains {
     pub limit: f64,
     /// U: supply of the power stage (V), above 0 up to 1000.
     pub voltage: f64,
-    /// kc: counts for one A ([`DC6`], [`DC3`]), above 0 up to 1000000.
+    /// kc: counts per A ([`DC6`], [`DC3`]), above 0 up to 1000000.
     pub scale: f64,
 }
 
@@ -149,7 +149,7 @@ pub struct Winding {
     pub sample: f64,
     /// U: supply of the power stage (V), 12 to 48.
     pub voltage: f64,
-    /// kc: counts for one A, above 0 up to 1000000.
+    /// kc: counts per A, above 0 up to 1000000.
     pub scale: f64,
     /// L (H), above 0 up to 1000.
     pub inductance: f64,

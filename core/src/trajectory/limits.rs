@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 /// Action if a trajectory exceeds a limit by more than the margin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OnExcess {
-    /// Its time is stretched until it is within the limits. Its path does not change.
+    /// The time of the trajectory is stretched until it is within the limits. Its path does not change.
     #[default]
     Scale,
-    /// It is refused.
+    /// The trajectory is refused.
     Refuse,
 }
 

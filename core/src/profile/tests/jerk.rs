@@ -1,6 +1,7 @@
 use super::*;
 
-/// VELMAX 3000 rpm, 2000 qc per turn, RAMPMIN 500 ms, JERKMIN 200 ms: 100 qc/ms, 0.2 qc/ms^2, 0.001 qc/ms^3 (MACS-O-10).
+/// VELMAX 3000 rpm, 2000 qc per turn, RAMPMIN 500 ms, JERKMIN 200 ms: 100 qc/ms, 0.2 qc/ms^2, 0.001 qc/ms^3
+/// (MACS-O-10).
 fn manual() -> Limits {
     jerk_limits(100e3, 0.2e6, 0.001e9)
 }

@@ -26,13 +26,13 @@ pub const K_OUT: f64 = 60_000.0;
 /// Parameters, each within the range of its row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PidGains {
-    /// KPROP
+    /// KPROP: proportional gain.
     pub proportional: i64,
-    /// KDER
+    /// KDER: derivative gain.
     pub derivative: i64,
-    /// KINT
+    /// KINT: integral gain.
     pub integral: i64,
-    /// KILIM: bound of the sum of errors (inc); 0 is no integral part.
+    /// KILIM: bound of the sum of errors (inc); 0 switches the integral part off.
     pub limit: i64,
     /// KILIMTIME (ms)
     pub limit_time: i64,

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 /// Bounds of the window (inc).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
-    /// REGWMIN
+    /// REGWMIN: lower bound.
     pub min: i64,
-    /// REGWMAX
+    /// REGWMAX: upper bound.
     pub max: i64,
 }
 

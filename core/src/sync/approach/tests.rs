@@ -84,7 +84,8 @@ fn before_its_start_it_holds_and_behind_the_pair_it_is_a_gear() {
     assert_eq!(step(-300), (Position::whole(-150), false));
 }
 
-/// From rest to the slope r over L: the shape finds the extrema of the bend. A distance of r L / 2 has the least bend:
+/// From rest to the slope r over L: the shape finds the extrema of the bend, which contains terms such as 60 d / L^2. A
+/// distance d of r L / 2 has the least bend:
 /// y'' = r / L (60 (s - 3 s^2 + 2 s^3) / 2 + (-24 s + 84 s^2 - 60 s^3)) = r / L (6 s - 6 s^2), at most 1.5 r / L at the
 /// middle.
 #[test]

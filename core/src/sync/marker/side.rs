@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(places(&side), [270_000]);
     }
 
-    /// A value of 0 is 1.
+    /// A value of 0 counts as 1.
     #[test]
     fn a_group_has_at_least_one_mark() {
         let (side, _) = at(30_000, &Judged { group: 0, ..EACH });
