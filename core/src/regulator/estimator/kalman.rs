@@ -101,8 +101,8 @@ mod tests {
     }
 
     /// By spectral factorisation: on the unit circle
-    /// |closed|^2 / (1 - a) = |z - 1|^6 + index^2 |(z^2 + 4 z + 1) / 6|^2, where `closed` is the characteristic polynomial
-    /// of the error of the observer.
+    /// |closed|^2 / (1 - a) = |z - 1|^6 + index^2 |(z^2 + 4 z + 1) / 6|^2, where `closed` is the characteristic
+    /// polynomial of the error of the observer.
     #[test]
     fn the_gains_of_constant_acceleration_factor_the_spectrum() {
         for index in indices() {
