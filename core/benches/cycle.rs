@@ -1,7 +1,7 @@
-//! Time of a cycle by the number of moving axes, each with a drive that obeys at once.
+//! Time of a cycle by the number of moving axes, each with a drive that follows at once.
 //!
-//! `cargo bench -p lineshaft-core`: the figure per element is the time per axis and cycle; group `step` of the bench `profile`, in the same
-//! run, is Ruckig's step beside it.
+//! `cargo bench -p lineshaft-core`: the figure per element is the time per axis and cycle. For comparison, group `step`
+//! of the bench `profile`, in the same run, has the step of Ruckig.
 
 mod shop;
 
@@ -38,7 +38,7 @@ fn cycles(c: &mut Criterion) {
     group.finish();
 }
 
-/// Axes whose loops are closed here.
+/// Measures axes whose loops are closed here.
 fn loops(c: &mut Criterion) {
     let mut group = c.benchmark_group("loops");
     for axes in [1_u16, 64] {
@@ -53,7 +53,7 @@ fn loops(c: &mut Criterion) {
     group.finish();
 }
 
-/// What a key cycle of a recording takes on top: the state of the machine is copied whole.
+/// Measures the additional time of a key cycle of a recording, in which the state of the machine is copied.
 fn key_cycles(c: &mut Criterion) {
     let mut group = c.benchmark_group("key_cycle");
     for axes in [64_u16, 512] {
@@ -67,7 +67,7 @@ fn key_cycles(c: &mut Criterion) {
     group.finish();
 }
 
-/// Slots of each type: the figure per element is the time per slot and cycle.
+/// Measures slots of each type: the figure per element is the time per slot and cycle.
 fn slots(c: &mut Criterion) {
     let mut group = c.benchmark_group("slots");
     for row in TYPES {

@@ -1,9 +1,9 @@
-//! Instructions of a cycle, by what the axes do and how many there are: a figure that no load on the host changes.
+//! Instructions of a cycle, by the activity and the number of axes: a figure independent of the load of the host.
 //!
-//! `cargo bench -p lineshaft-core --bench instructions` runs itself under `valgrind --tool=callgrind`, which counts inside
-//! `Machine::cycle` alone, and fails where a figure is more than 5 % above the stored one (`instructions.txt`).
-//! It measures 1 and 64 axes or slots; the argument `--all-sizes` (`-- --all-sizes` after the command) adds 512 axes and 256
-//! slots. `LINESHAFT_RENEW=1` measures all sizes and stores the figures instead. Two processes run at a time.
+//! `cargo bench -p lineshaft-core --bench instructions` runs itself under `valgrind --tool=callgrind`, which counts
+//! only inside `Machine::cycle`, and fails if a figure is more than 5 % above the stored one (`instructions.txt`). It
+//! measures 1 and 64 axes or slots; the argument `--all-sizes` (`-- --all-sizes` after the command) adds 512 axes and
+//! 256 slots. `LINESHAFT_RENEW=1` measures all sizes and stores the figures instead. Two processes run at a time.
 
 mod shop;
 
@@ -21,27 +21,27 @@ use std::sync::Mutex;
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 
-/// What the axes do.
+/// Activity of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Case {
     /// Switched off.
     Disabled,
-    /// On, and standing.
+    /// On, and at rest.
     Rest,
-    /// On their way to a position: half of the cycles speeding up, half of them at a constant velocity.
+    /// Moving to a position: accelerating in half of the cycles, at constant velocity in the other half.
     Moving,
     /// At a velocity without end.
     Velocity,
-    /// Coupled 355 : 113 to a virtual one, which is one of them; alone it has one beside it.
+    /// Coupled 355 : 113 to a virtual axis, which is one of them; a single axis has it in addition.
     Geared,
-    /// On a cam of 1,001 points of that one.
+    /// On a cam of 1,001 points of that virtual axis.
     Cam(Interpolation),
     /// At a velocity without end, with loops that are closed here.
     Loops(Loops),
 }
 
 impl Case {
-    /// Axes that lead: they have no drive.
+    /// Returns the number of leading axes: they have no drive.
     fn leaders(self) -> u16 {
         u16::from(matches!(self, Self::Geared | Self::Cam(_)))
     }
@@ -56,7 +56,7 @@ const CASES: [(&str, Case); 7] = [
     ("on_cam", Case::Cam(Interpolation::Linear)),
     ("spline", Case::Cam(Interpolation::Quintic)),
 ];
-/// Those of motions, and of loops.
+/// Returns the cases of motions and of loops.
 fn cases() -> impl Iterator<Item = (&'static str, Case)> {
     CASES.into_iter().chain(Loops::ALL.map(|(name, loops)| (name, Case::Loops(loops))))
 }
@@ -64,19 +64,19 @@ const AXES: [u16; 3] = [1, 64, 512];
 /// Slots that were never started.
 const AT_REST: &str = "at_rest";
 const SLOTS: [u16; 3] = [1, 64, 256];
-/// Largest size that is measured without `--all-sizes`.
+/// Largest size measured without `--all-sizes`.
 const LARGEST: u16 = 64;
-/// Processes that run at a time.
+/// Number of simultaneous processes.
 const PROCESSES: usize = 2;
-/// Cycles before those that are counted: what was begun has shown, and nothing settles any more.
+/// Cycles before the counted ones, after which commands have taken effect and no transient is left.
 const SETTLING: usize = 10;
-/// Cycles that are counted.
+/// Number of counted cycles.
 const CYCLES: usize = 40;
-/// Set for the process that is counted.
+/// Environment variable of the counted process.
 const COUNTED: &str = "LINESHAFT_COUNTED";
 const STORED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/instructions.txt");
 
-/// A machine whose axes do what is to be counted.
+/// Returns a machine whose axes have the activity to be measured.
 fn shop(case: Case, axes: u16) -> Shop {
     let leaders = case.leaders();
     let mut shop = Shop::new(leaders, axes.max(1 + leaders));
@@ -107,14 +107,14 @@ fn begin(shop: &mut Shop, case: Case, first: u16) {
         let actions: Vec<_> = (first..axes).map(action).collect();
         shop.give(&actions);
     }
-    // Once all of them follow, and no faster than they can.
+    // After all of them have coupled, and not faster than they can follow.
     if case.leaders() == 1 {
         let slow = Move { acceleration: 2e6, ..goal(0, MoveMode::Velocity, 0, 1e5) };
         shop.give(&[Action::Move(slow)]);
     }
 }
 
-/// Do the axes do what is to be counted?
+/// Checks that the axes have the activity to be measured.
 fn check(shop: &Shop, case: Case) {
     let machine = &shop.machine;
     let wanted = match case {
@@ -131,8 +131,8 @@ fn check(shop: &Shop, case: Case) {
     assert!(machine.events().is_empty(), "{case:?}: {:?}", machine.events());
 }
 
-/// Runs the cycles that are counted. Callgrind sets its counters to 0 when this function is entered, so the set-up is not in
-/// the figure.
+/// Runs the counted cycles. Callgrind sets its counters to 0 on entry into this function, so the figure excludes the
+/// set-up.
 #[inline(never)]
 fn counted_cycles(shop: &mut Shop) {
     (0..CYCLES).for_each(|_| shop.cycle(Commands::default()));
@@ -217,7 +217,7 @@ fn measure_all(
     })
 }
 
-/// The stored figure of a line.
+/// Returns the stored figure of a line.
 fn stored(text: &str, name: &str, axes: u16) -> Option<u64> {
     let parts = |line: &str| -> Option<u64> {
         let mut words = line.split_whitespace();

@@ -1,6 +1,6 @@
-//! Time to plan one axis from a random state under limited jerk, and to read one cycle, beside Ruckig.
+//! Time to plan one axis from a random state with limited jerk, and to evaluate one cycle, compared with Ruckig.
 //!
-//! `cargo bench -p lineshaft-core --bench profile`: both get the same states, in increments here and in metres there.
+//! `cargo bench -p lineshaft-core --bench profile`: both get the same states, ours in increments, Ruckig's in metres.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lineshaft_core::position::Position;
@@ -11,7 +11,7 @@ use std::hint::black_box;
 /// Increments per metre.
 const SCALE: f64 = 1e6;
 const CYCLE_NS: u64 = 1_000_000;
-/// States per run.
+/// Number of states per run.
 const COUNT: usize = 1024;
 
 /// A state and its limits (m, s).
@@ -37,7 +37,7 @@ impl Random {
     }
 }
 
-/// States as in Ruckig's own benchmark: within their limits, targets near and far.
+/// Returns states as in Ruckig's own benchmark: within their limits, with near and far targets.
 fn tasks() -> Vec<Task> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let task = |_| Task {

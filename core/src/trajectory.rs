@@ -1,9 +1,9 @@
-//! Trajectories: points of several axes over time, which the machine runs as one goal.
+//! Trajectories: points of several axes over time, which the machine executes as one goal.
 //!
-//! Law      between two points each axis moves on a spline whose degree is decided by what both carry; up to the first point
-//!          that lies ahead it moves on one that begins where it is taken over; after the last one it rests on the whole
-//!          increment that is nearest to it. An axis whose last knot has a velocity continues with that instead
-//! Refuses  times that do not ascend, knots that are not one for each time
+//! Law      between two points each axis moves on a spline whose degree depends on the values that both points have. To
+//!          the first future point it moves on a spline from the motion at which it is taken over. After the last one
+//!          it rests at the nearest whole increment. An axis whose last knot has a velocity continues with that instead
+//! Refuses  times that do not ascend, tracks without one knot for each time
 
 mod lag;
 mod limits;
@@ -20,24 +20,24 @@ use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
-/// Most points of a trajectory.
+/// Largest number of points of a trajectory.
 pub const MAX_POINTS: usize = 100_000;
-/// Most points of all of its axes together: a recording has to hold them.
+/// Largest number of points of all axes together: a recording has to hold them.
 pub const MAX_KNOTS: usize = 100_000;
 
-/// How far an axis may be off; none: without limit.
+/// Tolerances of an axis; none: no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
-    /// (inc)
+    /// Position tolerance (inc).
     pub position: Option<f64>,
-    /// (inc/s)
+    /// Velocity tolerance (inc/s).
     pub velocity: Option<f64>,
-    /// (inc/s^2)
+    /// Acceleration tolerance (inc/s^2).
     pub acceleration: Option<f64>,
 }
 
 impl Tolerance {
-    /// Without any limit?
+    /// Whether it has no limit.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -48,14 +48,14 @@ impl Tolerance {
     }
 }
 
-/// What a point asks of one axis. What it does not carry is none; which of them a segment has decides the order of its spline.
+/// A point of one axis. Missing values are none; the values of both ends of a segment decide the degree of its spline.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Knot {
-    /// Where to be.
+    /// Position.
     pub position: Position,
-    /// (inc/s)
+    /// Velocity (inc/s).
     pub velocity: Option<f64>,
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     pub acceleration: Option<f64>,
 }
 
@@ -76,43 +76,43 @@ impl From<Motion> for Knot {
 /// One axis of a trajectory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Track {
-    /// The axis.
+    /// Index of the axis.
     pub axis: u16,
-    /// One for each time of the trajectory.
+    /// Knots, one for each time of the trajectory.
     pub knots: Box<[Knot]>,
-    /// On the way.
+    /// Tolerance before the end.
     pub path: Tolerance,
-    /// At the end.
+    /// Tolerance at the end.
     pub goal: Tolerance,
-    /// How far the command may be from a first point at time 0 (inc); none: as far as it likes (GRP-TRAJ-11).
+    /// Largest distance of the command from a first point at time 0 (inc); none: no limit (GRP-TRAJ-11).
     pub start: Option<f64>,
-    /// Whether the track is moved by whole turns of a modulo axis until it is nearest to the axis (GRP-TRAJ-10).
+    /// Whether the track is shifted by whole turns of a modulo axis until it is nearest to the axis (GRP-TRAJ-10).
     pub wraps: bool,
 }
 
-/// Where a track has its largest values: the number of a point, or of the point at which the segment with the value ends.
+/// Points of the largest values of a track: the index of the point, or of the end of the segment with the value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Peaks {
-    /// Of the lowest point.
+    /// Point of the lowest knot.
     pub lowest: u32,
-    /// Of the highest point.
+    /// Point of the highest knot.
     pub highest: u32,
-    /// Of the lowest position.
+    /// Point of the lowest position.
     pub low: u32,
-    /// Of the highest position.
+    /// Point of the highest position.
     pub high: u32,
-    /// Of the highest speed.
+    /// Point of the highest speed.
     pub speed: u32,
-    /// Of the highest acceleration.
+    /// Point of the highest acceleration.
     pub acceleration: u32,
-    /// Of the highest deceleration.
+    /// Point of the highest deceleration.
     pub deceleration: u32,
-    /// Of the largest step of the velocity.
+    /// Point of the largest step of velocity.
     pub step: u32,
 }
 
 impl Peaks {
-    /// All in the segment that ends at one point.
+    /// Returns peaks that are all in the segment that ends at one point.
     pub fn at(point: u32) -> Self {
         Self {
             lowest: point,
@@ -126,7 +126,7 @@ impl Peaks {
         }
     }
 
-    /// Notes a segment that ends at `point` where it exceeds what was before it.
+    /// Notes a segment that ends at `point` if it exceeds the segments before.
     fn note(&mut self, before: &Reach, segment: &Reach, point: u32) {
         for (is_more, peak) in [
             (segment.low < before.low, &mut self.low),
@@ -142,24 +142,25 @@ impl Peaks {
     }
 }
 
-/// What a trajectory asks of an axis from its first point on, or from the first point that lies ahead where it began in the past.
+/// Demands of a trajectory on an axis from its first point on, or from the first future point if it began in the past.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Demand {
-    /// Of its splines.
+    /// Range and rates of its splines.
     pub way: Reach,
-    /// Where `way` has its largest values.
+    /// Points of the largest values of `way`.
     pub peaks: Peaks,
-    /// Largest step of the velocity at a point, where straight segments meet others or end (inc/s).
+    /// Largest step of velocity at a point, where straight segments meet others or end (inc/s).
     pub step: f64,
     /// Lowest knot.
     pub lowest: Position,
     /// Highest knot.
     pub highest: Position,
-    /// The knot from which on it stands at its end: the last one, or one before it where all behind only hold.
+    /// Index of the knot from which on it rests at its end: the last one, or an earlier one if all knots after it only
+    /// hold.
     pub stands: u32,
 }
 
-/// A trajectory. It begins where its axes are, and comes to its first point at the first of its times.
+/// A trajectory. It begins at the positions of its axes, and reaches its first point at the first of its times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Read")]
 pub struct Trajectory {
@@ -169,11 +170,11 @@ pub struct Trajectory {
     goal_time_ns: Option<u64>,
     limits: TrajectoryLimits,
     max_duration_ns: Option<u64>,
-    /// Of each track, so that nobody looks at all knots in a cycle.
+    /// Demand of each track, so that no cycle has to read all knots.
     demands: Box<[Demand]>,
 }
 
-/// A trajectory that was read: what it asks for is computed again.
+/// A trajectory that was read from outside: its demands are calculated again.
 #[derive(Deserialize)]
 struct Read {
     start_ns: i64,
@@ -194,21 +195,22 @@ impl From<Read> for Trajectory {
     }
 }
 
-/// Where a trajectory begins on an axis. Its positions are those of the trajectory, without the shift.
+/// Start of a trajectory on an axis. Its positions are those of the trajectory, without the shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Begin {
-    /// The motion there: that of the axis, or what the points ask for where the axis is near to that.
+    /// Motion at the start: that of the axis, or that of the points if the axis is near them.
     pub motion: Motion,
-    /// When, in the trajectory's time (ns).
+    /// Time of the start, in the time of the trajectory (ns).
     pub time_ns: u64,
-    /// How far the track is moved on the axis.
+    /// Shift of the track on the axis.
     pub shift: Position,
 }
 
 impl Trajectory {
-    /// A trajectory of these tracks; none where its law does not hold. `start_ns` is the time from the cycle in which the
-    /// command applies to time 0, negative where that has been before; `times_ns` are counted from time 0; `goal_time_ns` is
-    /// how long after the last point the axes may take to come within their goal tolerances, none for ever.
+    /// Returns a trajectory of these tracks; none if they violate its law. `start_ns` is the time from the cycle in
+    /// which the command acts to time 0, negative if that is in the past; `times_ns` are counted from time 0;
+    /// `goal_time_ns` is the time after the last point within which the axes must reach their goal tolerances, none: no
+    /// limit.
     pub fn new(start_ns: i64, times_ns: Box<[u64]>, tracks: Box<[Track]>, goal_time_ns: Option<u64>) -> Option<Self> {
         let (limits, demands) = (TrajectoryLimits::default(), Box::default());
         let trajectory = Self { start_ns, times_ns, tracks, goal_time_ns, limits, max_duration_ns: None, demands };
@@ -216,14 +218,14 @@ impl Trajectory {
         trajectory.is_sound().then_some(trajectory)
     }
 
-    /// How long ago its time 0 was when the command applies (ns).
+    /// Returns the time since its time 0 in the cycle in which the command acts (ns).
     fn past_ns(&self) -> u64 {
         if self.start_ns < 0 { self.start_ns.unsigned_abs() } else { 0 }
     }
 
-    /// The same, with what it asks of its axes; without that where its law does not hold.
+    /// Returns the trajectory with its demands; without demands if it violates its law.
     fn with_demands(self) -> Self {
-        // Past points are skipped. A point at time 0 is where a trajectory that starts now begins.
+        // Past points are skipped. A point at time 0 is the start of a trajectory that starts now.
         let ahead = if self.past_ns() == 0 { 0 } else { self.passed(self.past_ns()) };
         let of = |track| demand(&self.times_ns, track, ahead);
         let demands = if self.has_shape() { self.tracks.iter().map(of).collect() } else { Box::default() };
@@ -250,19 +252,19 @@ impl Trajectory {
             && tracks.iter().enumerate().all(fits)
     }
 
-    /// Does its law hold? One that was read from outside may hold anything.
+    /// Whether it obeys its law; a trajectory from outside may contain any values.
     pub fn is_sound(&self) -> bool {
-        // There is one track at least.
+        // There is at least one track.
         !self.demands.is_empty() && self.limits.is_sound()
     }
 
-    /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
+    /// Returns the time from the cycle in which the command acts to time 0 (ns); negative: it has already begun.
     pub fn start_ns(&self) -> i64 {
         self.start_ns
     }
 
-    /// The same, with another time from the cycle in which the command applies to time 0 (ns). For a time in the past all points are
-    /// looked at.
+    /// Returns the trajectory with another time from the cycle in which the command acts to time 0 (ns). A time in the
+    /// past requires a new reading of all points.
     #[must_use]
     pub fn starting(self, start_ns: i64) -> Self {
         let before_ns = self.past_ns();
@@ -270,61 +272,62 @@ impl Trajectory {
         if started.past_ns() == before_ns { started } else { started.with_demands() }
     }
 
-    /// The same, with what happens where its points exceed limits of axes.
+    /// Returns the trajectory with other settings for points that exceed limits of axes.
     #[must_use]
     pub fn within(self, limits: TrajectoryLimits) -> Self {
         Self { limits, ..self }
     }
 
-    /// What happens where its points exceed limits of axes.
+    /// Returns the settings for points that exceed limits of axes.
     pub fn limits(&self) -> TrajectoryLimits {
         self.limits
     }
 
-    /// The same, which is ended where it takes longer (ns), counted from its start.
+    /// Returns the trajectory with a longest duration (ns) from its start, after which it is ended.
     #[must_use]
     pub fn ended_after(self, max_duration_ns: Option<u64>) -> Self {
         Self { max_duration_ns, ..self }
     }
 
-    /// Longest time from its start to its end (ns); none: without limit.
+    /// Returns the longest duration from its start to its end (ns); none: no limit.
     pub fn max_duration_ns(&self) -> Option<u64> {
         self.max_duration_ns
     }
 
-    /// When the points are reached, from time 0, ascending (ns); at least one.
+    /// Returns the times of the points from time 0, ascending (ns); at least one.
     pub fn times_ns(&self) -> &[u64] {
         &self.times_ns
     }
 
-    /// Its axes, at least one, each once.
+    /// Returns its tracks: at least one, one for each axis.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
 
-    /// How long after the last point the axes may take to come within their goal tolerances (ns); none: for ever.
+    /// Returns the time after the last point within which the axes must reach their goal tolerances (ns); none: no
+    /// limit.
     pub fn goal_time_ns(&self) -> Option<u64> {
         self.goal_time_ns
     }
 
-    /// When the last point is reached, from time 0 (ns).
+    /// Returns the time of the last point from time 0 (ns).
     pub fn end_ns(&self) -> u64 {
         self.times_ns.last().copied().unwrap_or(0)
     }
 
-    /// What it asks of the axis of a track.
+    /// Returns its demand on the axis of a track.
     pub fn demand(&self, track: usize) -> Option<&Demand> {
         self.demands.get(track)
     }
 
-    /// The velocity with which a track ends (inc/s); 0: it ends at rest.
+    /// Returns the velocity with which a track ends (inc/s); 0: it ends at rest.
     pub fn end_velocity(&self, track: usize) -> f64 {
         let last = self.tracks.get(track).and_then(|track| track.knots.last());
         last.and_then(|last| last.velocity).unwrap_or(0.0)
     }
 
-    /// The velocity with which the last segment of a track comes to the last point (inc/s), which is another one than that where the segment
-    /// is straight.
+    /// Returns the velocity of the last segment of a track at the last point (inc/s), which differs from that of the
+    /// point if the segment is straight.
     pub fn last_slope(&self, track: usize) -> f64 {
         let knots = self.tracks.get(track).map(|track| &track.knots[..]);
         let Some(([.., from, to], [.., since, until])) = knots.zip(Some(&self.times_ns[..])) else { return 0.0 };
@@ -336,19 +339,20 @@ impl Trajectory {
         (0..self.tracks.len()).any(|track| self.end_velocity(track) != 0.0)
     }
 
-    /// Where a track that is moved by `shift` rests at last: the whole increment that is nearest to its last point, as the target of every
-    /// goal is.
+    /// Returns the final rest position of a track that is shifted by `shift`: the whole increment nearest to its last
+    /// point, as for the target of every goal.
     pub fn end(&self, track: usize, shift: Position) -> Option<Position> {
         let last = self.tracks.get(track)?.knots.last()?.position + shift;
         Some(Position::whole(last.nearest()))
     }
 
-    /// The same without the shift.
+    /// Returns the same position without the shift.
     fn planned_end(&self, track: usize, shift: Position) -> Option<Position> {
         self.end(track, shift).map(|end| end - shift)
     }
 
-    /// The motion that its points alone ask of a track at a time; none before the first of them and after the last one.
+    /// Returns the motion of a track at a time from its points alone; none before the first point and after the last
+    /// one.
     pub fn given(&self, track: usize, time_ns: u64) -> Option<Motion> {
         let next = self.passed(time_ns);
         let before = next.checked_sub(1)?;
@@ -358,15 +362,15 @@ impl Trajectory {
         Some(spline.at(time_ns.saturating_sub(since) as f64))
     }
 
-    /// From where a track begins to the first point that lies ahead; none where none does.
+    /// Returns the spline from the start of a track to the first future point; none if there is none.
     pub fn first_spline(&self, track: usize, begin: &Begin) -> Option<Spline> {
         let first = self.passed(begin.time_ns);
         let knot = self.tracks.get(track)?.knots.get(first)?;
         Some(Spline::new(&begin.motion.into(), knot, self.times_ns.get(first)?.saturating_sub(begin.time_ns)))
     }
 
-    /// How far a track is moved, so that it is nearest to a position of its axis where it begins: at its first point, or where its points
-    /// ask for at a time after that.
+    /// Returns the shift of a track that brings it nearest to the position of its axis at the start: with its first
+    /// point, or with the position of its points at a later time.
     pub fn shift(&self, track: usize, time_ns: u64, from: Position, turn: Option<Modulo>) -> Position {
         let knots = self.tracks.get(track).filter(|track| track.wraps).map(|track| &track.knots);
         let ahead = knots.and_then(|knots| knots.get(self.times_ns.partition_point(|&time| time < time_ns)));
@@ -375,12 +379,12 @@ impl Trajectory {
         turn.target(place, from, from, Direction::Shortest, 0.0) - place
     }
 
-    /// The first point that lies ahead of a time; the last point where none does.
+    /// Returns the index of the first point after a time; of the last point if there is none.
     pub fn point_ahead(&self, time_ns: u64) -> u32 {
         self.passed(time_ns).min(self.times_ns.len().saturating_sub(1)) as u32
     }
 
-    /// Where a track ends, if it is on a straight line there at a time: nothing slows it down before.
+    /// Returns the end of a track that is on a straight line to it at that time: nothing slows it down before.
     pub fn straight_end(&self, track: usize, begin: &Begin, time_ns: u64) -> Option<Position> {
         let next = self.passed(time_ns);
         let end = self.planned_end(track, begin.shift)?;
@@ -389,12 +393,12 @@ impl Trajectory {
         }
         match self.under_way(track, begin, time_ns) {
             Some((spline, _)) => spline.is_straight().then_some(end),
-            // Who lags is still on that line.
+            // A lagging axis is still on that line.
             None => Some(end),
         }
     }
 
-    /// The motion of a track at a time, not before its begin.
+    /// Returns the motion of a track at a time, not before its start.
     pub fn sample(&self, track: usize, begin: &Begin, time: Moment) -> Motion {
         match self.under_way(track, begin, time.ns) {
             Some((spline, since)) => spline.at(time.since(since)),
@@ -403,7 +407,7 @@ impl Trajectory {
         }
     }
 
-    /// The motion of a track that ends with a velocity, after its last point.
+    /// Returns the motion of a track that ends with a velocity, after its last point.
     fn beyond_end(&self, track: usize, time: Moment) -> Motion {
         let velocity = self.end_velocity(track);
         let last =
@@ -412,16 +416,16 @@ impl Trajectory {
         Motion { position, velocity, acceleration: 0.0, jerk: 0.0 }
     }
 
-    /// The segment that a track is on at a time, and when it began (ns); none behind the last one.
+    /// Returns the segment of a track at a time, and the start of the segment (ns); none after the last one.
     fn under_way(&self, track: usize, begin: &Begin, time_ns: u64) -> Option<(Spline, u64)> {
         self.segment(track, begin, self.passed(time_ns))
     }
 
-    /// The segment of a track that ends at a point, and when it begins (ns).
+    /// Returns the segment of a track that ends at a point, and its start (ns).
     fn segment(&self, track: usize, begin: &Begin, point: usize) -> Option<(Spline, u64)> {
         let knots = &self.tracks.get(track)?.knots;
         let (knot, time) = knots.get(point).zip(self.times_ns.get(point))?;
-        // A point at or before the begin is passed over.
+        // A point at or before the start is skipped.
         let before = point.checked_sub(1).and_then(|before| knots.get(before).zip(self.times_ns.get(before)));
         let (from, since) = match before {
             Some((knot, &since)) if since > begin.time_ns => (*knot, since),
@@ -430,13 +434,13 @@ impl Trajectory {
         Some((Spline::new(&from, knot, time.saturating_sub(since)), since))
     }
 
-    /// How many points are reached by then.
+    /// Returns the number of points reached by that time.
     fn passed(&self, time_ns: u64) -> usize {
         self.times_ns.partition_point(|&time| time <= time_ns)
     }
 }
 
-/// What a track asks for from a point on: from the last one where none lies ahead.
+/// Returns the demand of a track from a point on; from the last one if that is not in the future.
 fn demand(times_ns: &[u64], track: &Track, ahead: usize) -> Demand {
     let first = ahead.min(track.knots.len().saturating_sub(1));
     let places = || track.knots.iter().map(|knot| knot.position).enumerate().skip(first);
@@ -459,7 +463,7 @@ fn demand(times_ns: &[u64], track: &Track, ahead: usize) -> Demand {
         }
         velocity = Some(end);
     }
-    // A track ends at rest, or with a velocity of its own.
+    // A track ends at rest, or with its own velocity.
     let ends_with = track.knots.last().and_then(|last| last.velocity).unwrap_or(0.0);
     (way.slowest, way.fastest) = (way.slowest.min(ends_with), way.fastest.max(ends_with));
     if let Some(last) = velocity.map(|velocity| (velocity - ends_with).abs()).filter(|last| *last > step) {

@@ -1,8 +1,8 @@
-//! docs/ARCHITECTURE.md leads to the code: its picture has the crates of the workspace, its entry points have files and symbols.
+//! Checks docs/ARCHITECTURE.md: its picture has the crates of the workspace, its entry points have files and symbols.
 //!
-//! `tests/drawing/crates.py` draws the picture. The tables of section "Entry points" have the columns step, file and symbol.
-//! Section "Own code instead of a library" gives two sentences of reason for each, with the versions of Cargo.toml.
-//! docs/realtime.md says in which functions the instructions of a moving axis are.
+//! `tests/drawing/crates.py` draws the picture. The tables of section "Entry points" have the columns step, file and
+//! symbol. Section "Own code instead of a library" gives two sentences of reason for each, with the versions of
+//! Cargo.toml. docs/realtime.md lists the functions with the instructions of a moving axis.
 
 mod tree;
 
@@ -29,7 +29,7 @@ const GOALS: [&str; 8] = [
     "Add an error code",
 ];
 
-/// What the picture shows: folders by crate, and dependencies as crate, crate, kind.
+/// Contents of the picture: folders by crate, and dependencies as crate, crate, kind.
 #[derive(Debug, Default, PartialEq)]
 struct Crates {
     folders: BTreeMap<String, String>,
@@ -100,7 +100,8 @@ fn attribute<'t>(line: &'t str, name: &str) -> Option<&'t str> {
     rest.split('"').next()
 }
 
-/// Reads crates and dependencies from the picture. An arrow and its line are in one line of the file, the name of a box follows it.
+/// Reads crates and dependencies from the picture. An arrow and its line are in one line of the file, the name of a box
+/// follows it.
 fn drawn(picture: &str) -> Crates {
     let mut found = Crates::default();
     for line in picture.lines() {
@@ -131,7 +132,7 @@ fn code(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// Whether a text has a word that is no part of a longer one.
+/// Whether a text has a word that is not part of a longer one.
 fn has_word(text: &str, word: &str) -> bool {
     let is_part = |sign: Option<char>| sign.is_some_and(|sign| sign.is_alphanumeric() || sign == '_');
     text.match_indices(word).any(|(at, _)| {

@@ -1,8 +1,8 @@
-//! The vocabularies stand behind their border: no other room names one of them, but where they are registered.
+//! Checks that no other module names a vocabulary, except in the files that register it.
 //!
-//! A name is a word of the program of which a part is `amc`, `saia` or `wf`, in whatever case, but for codes, which are rows of
-//! one table for all; or a text that begins as the key of one of their parameters does. docs/ARCHITECTURE.md has the list of
-//! files that register them. Sentences, comments and tests may name them.
+//! A name is an identifier with a part `amc`, `saia` or `wf`, in upper or lower case, except codes, which are rows of
+//! one table for all; or a text that begins like the key of one of their parameters. docs/ARCHITECTURE.md has the list
+//! of files that register them. Messages, comments and tests may name them.
 
 mod program;
 mod tree;
@@ -12,11 +12,11 @@ use std::collections::BTreeSet;
 use tree::{files, read};
 
 const PAGE: &str = "docs/ARCHITECTURE.md";
-/// What the line of the page with the list begins with.
+/// Start of the line with the list in the page.
 const LIST: &str = "Registered:";
 const NAMES: [&str; 3] = ["amc", "saia", "wf"];
 
-/// Is the text a key, or the beginning of one?
+/// Whether the text is a key, or the beginning of one.
 fn is_key(text: &str) -> bool {
     let is_plain =
         |key: &str| key.chars().all(|sign| sign.is_ascii_lowercase() || sign.is_ascii_digit() || "._".contains(sign));
@@ -24,7 +24,7 @@ fn is_key(text: &str) -> bool {
     NAMES.iter().any(|name| key.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'))) && is_plain(key)
 }
 
-/// Has a word of the program one of the names as a part: `Amc`, `run_saia`, `WfSignal`?
+/// Whether an identifier has one of the names as a part: `Amc`, `run_saia`, `WfSignal`.
 fn names_one(word: &str) -> bool {
     // Codes, and other constants.
     if word.chars().all(|sign| !sign.is_lowercase()) {
@@ -40,7 +40,8 @@ fn names_one(word: &str) -> bool {
     parts.split('_').any(|part| NAMES.contains(&part))
 }
 
-/// The lines of a program that name a vocabulary, each with its name, and the modules that are built for tests alone.
+/// Returns the lines of a program that name a vocabulary, each with its name, and the modules that are built only for
+/// tests.
 fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
     let tokens = tokens(text, is_key);
     let (mut found, mut tests, mut at) = (Vec::new(), Vec::new(), 0);
@@ -60,7 +61,7 @@ fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
     (found, tests)
 }
 
-/// The files of core that are built without tests, with what they name.
+/// Returns the files of core that are built without tests, with the names that they use.
 fn production() -> Vec<(String, Vec<(usize, String)>)> {
     let of_core = |file: &String| file.starts_with("core/src/");
     let texts: Vec<_> = files(&[".rs"]).into_iter().filter(of_core).map(|file| (named(&read(&file)), file)).collect();
@@ -78,14 +79,14 @@ fn production() -> Vec<(String, Vec<(usize, String)>)> {
     texts.into_iter().filter(|(_, file)| !is_test(file)).map(|((found, _), file)| (file, found)).collect()
 }
 
-/// The files that the page lists; a folder ends with a slash and stands for all that it has.
+/// Returns the files that the page lists; a folder ends with a slash and includes all its files.
 fn registered(page: &str) -> BTreeSet<String> {
     let list = page.split(LIST).nth(1).and_then(|rest| rest.split("\n\n").next());
     let list = list.unwrap_or_else(|| panic!("{PAGE} has no list `{LIST}`"));
     list.split('`').skip(1).step_by(2).map(|file| format!("core/src/{file}")).collect()
 }
 
-/// What stands in the list for that file.
+/// Returns the entry of the list for that file.
 fn entry<'l>(list: &'l BTreeSet<String>, file: &str) -> Option<&'l String> {
     list.iter().find(|entry| *entry == file || entry.ends_with('/') && file.starts_with(entry.as_str()))
 }

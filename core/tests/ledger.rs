@@ -1,8 +1,8 @@
-//! The ledger of proofs: which requirements of docs/spec a test proves, which are set aside, which are open.
+//! The ledger of proofs: requirements of docs/spec that a test proves, that are set aside, or that are open.
 //!
-//! A requirement is a line of a book that begins with its ID. A test, a scenario or a source names those that it proves,
-//! with commas between them; `MACS-STO-02..08` are seven of them. docs/spec/not-applicable.md sets some aside, a line each,
-//! with the reason. All others stand in docs/spec/open.md.
+//! A requirement is a line of a book that begins with its ID. A test, a scenario or a source names the requirements
+//! that it proves, with commas between them; `MACS-STO-02..08` are seven of them. docs/spec/not-applicable.md sets some
+//! aside, a line each, with the reason. All others are listed in docs/spec/open.md.
 
 mod tree;
 
@@ -10,10 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use tree::{files, read, root};
 
-/// What stands before the IDs of a proof; in two parts, so that this line is none.
+/// Text before the IDs of a proof; in two parts, so that this line is none.
 const PROVES: &str = concat!("Pro", "ves:");
 
-/// The books with what their IDs begin with, which their own lines may leave out.
+/// The books, with the start of their IDs, which their own lines may omit.
 const BOOKS: [(&str, &str); 7] = [
     ("macs.md", "MACS"),
     ("amc.md", "AMC"),
@@ -35,14 +35,14 @@ const HEAD: &str = "\
 Requirements that no test proves and that are not [set aside](not-applicable.md), a line per group.
 ";
 
-/// A word of a file, with where it stands: `tests/motion.rs:12`.
+/// A word of a file with its place: `tests/motion.rs:12`.
 #[derive(Debug, PartialEq)]
 struct Named {
     place: String,
     word: String,
 }
 
-/// Is it an ID as `AMK-FIPW-07`, `MACS-O-26` or `AMK-CAM-O3`: system, group, number?
+/// Whether it is an ID such as `AMK-FIPW-07`, `MACS-O-26` or `AMK-CAM-O3`: system, group, number.
 fn is_id(word: &str) -> bool {
     let Some((stem, number)) = word.rsplit_once('-') else { return false };
     let Some((system, group)) = stem.split_once('-') else { return false };
@@ -54,7 +54,7 @@ fn is_id(word: &str) -> bool {
         && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The ID with which a line of a book begins, behind the sign of a list or the bar of a table.
+/// Returns the ID at the start of a line of a book, after the sign of a list or the bar of a table.
 fn requirement(line: &str, system: &str) -> Option<String> {
     let line = line.trim_start();
     let item = line.strip_prefix("- ").or_else(|| line.strip_prefix("* ")).or_else(|| line.strip_prefix('|'));
@@ -69,7 +69,8 @@ fn requirement(line: &str, system: &str) -> Option<String> {
     [word.to_owned(), format!("{system}-{word}")].into_iter().find(|word| is_id(word))
 }
 
-/// Each requirement of the books, with where it stands. Behind the heading of their coverage they name IDs, and have none.
+/// Returns each requirement of the books with its place. After the heading of their coverage the books name IDs, but
+/// have no requirements.
 fn requirements() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for (book, system) in BOOKS {
@@ -87,7 +88,7 @@ fn requirements() -> BTreeMap<String, String> {
     found
 }
 
-/// The words behind each [`PROVES`] of a file. A list that ends in a comma goes on in the next line.
+/// Returns the words after each [`PROVES`] of a file. A list that ends in a comma continues in the next line.
 fn named(file: &str, text: &str) -> Vec<Named> {
     let (mut found, mut goes_on) = (Vec::new(), false);
     for (number, line) in (1..).zip(text.lines()) {
@@ -103,7 +104,7 @@ fn named(file: &str, text: &str) -> Vec<Named> {
     found
 }
 
-/// The IDs of a word: its own, or those of a range; none where it is neither.
+/// Returns the IDs of a word: its own, or those of a range; none if it is neither.
 fn ids(word: &str) -> Option<Vec<String>> {
     let Some((first, last)) = word.split_once("..") else { return is_id(word).then(|| vec![word.to_owned()]) };
     let (stem, number) = first.rsplit_once('-')?;
@@ -113,13 +114,13 @@ fn ids(word: &str) -> Option<Vec<String>> {
         .then(|| (from..=to).map(|number| format!("{stem}-{number:0width$}")).collect())
 }
 
-/// Everything that the tree names as proved; its pages prove nothing.
+/// Returns everything that the tree names as proved; its pages prove nothing.
 fn proofs() -> Vec<Named> {
     let files = files(&[".rs", ".py", ".yaml", ".yml"]).into_iter().filter(|file| !file.starts_with("docs/"));
     files.flat_map(|file| named(&file, &fs::read_to_string(root().join(&file)).unwrap_or_default())).collect()
 }
 
-/// What is set aside: `- ID: reason`, a line each.
+/// Returns the requirements that are set aside: `- ID: reason`, a line each.
 fn aside() -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for (number, line) in (1..).zip(read(ASIDE).lines()) {
@@ -132,7 +133,7 @@ fn aside() -> BTreeMap<String, String> {
     found
 }
 
-/// What is wrong with a proof, a sentence each.
+/// Returns the errors of a proof, a sentence each.
 fn faults(proof: &Named, known: &BTreeMap<String, String>, aside: &BTreeMap<String, String>) -> Vec<String> {
     let Named { place, word } = proof;
     let Some(ids) = ids(word) else { return vec![format!("{place}: `{word}` is no ID of a requirement")] };
@@ -144,7 +145,7 @@ fn faults(proof: &Named, known: &BTreeMap<String, String>, aside: &BTreeMap<Stri
     ids.iter().filter_map(fault).collect()
 }
 
-/// Numbers of a group as `01..03, 05`; those of oracles, which may begin with O, behind the others.
+/// Returns numbers of a group as `01..03, 05`; those of oracles, which may begin with O, after the others.
 fn ranges(mut numbers: Vec<&str>) -> String {
     let value = |number: &str| number.trim_start_matches('O').parse::<u16>().unwrap_or_default();
     numbers.sort_by_key(|number| (number.starts_with('O'), value(number)));
@@ -160,7 +161,7 @@ fn ranges(mut numbers: Vec<&str>) -> String {
     runs.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
-/// docs/spec/open.md.
+/// Returns docs/spec/open.md.
 fn page(open: &BTreeSet<String>) -> String {
     let mut groups: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for (group, number) in open.iter().filter_map(|id| id.rsplit_once('-')) {
@@ -207,7 +208,7 @@ fn the_list_of_what_is_open_is_true() {
     assert!(there == made, "{hint}\nin the page: {gone:#?}\nin the tree: {come:#?}");
 }
 
-/// The forms in which the books print their requirements.
+/// The forms of requirements in the books.
 #[test]
 fn a_requirement_begins_its_line() {
     for (line, id) in [

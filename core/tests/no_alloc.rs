@@ -1,4 +1,4 @@
-//! The cycle takes no memory and gives none back, whatever happens in it: an armed allocator watches.
+//! The cycle neither allocates nor frees memory in any case: an allocator checks this.
 
 #[path = "no_alloc/actions.rs"]
 mod actions;
@@ -36,7 +36,8 @@ macro_rules! kinds {
         /// Names of all actions.
         const KINDS: &[&str] = &["Saia", "Wf", $(stringify!($name)),*];
 
-        /// The name of an action. An action that the list lacks does not compile, and an action that it has must be given.
+        /// Returns the name of an action. An action missing in the list does not compile, and every action of the list
+        /// must be given.
         fn kind(action: &Action) -> &'static str {
             match action {
                 Action::Vocabulary(vocabulary::Request::Saia(_)) => "Saia",
@@ -53,7 +54,7 @@ kinds! {
     ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
 }
 
-/// How often each kind of action was given, and accepted.
+/// Numbers of commands given and accepted, by kind of action.
 #[derive(Default)]
 struct Tally(BTreeMap<&'static str, [usize; 2]>);
 
@@ -67,7 +68,8 @@ impl Tally {
         }
     }
 
-    /// Each kind was given and accepted; a request that is none is refused, and a note is answered by its warning.
+    /// Checks that each kind was given and accepted. An invalid request is refused, and a note is answered by its
+    /// warning.
     fn is_whole(&self) {
         for kind in KINDS {
             let [given, accepted] = self.0.get(kind).copied().unwrap_or_default();
@@ -77,7 +79,7 @@ impl Tally {
     }
 }
 
-/// Of all axes, in file order.
+/// Returns the actual positions of all axes, in file order.
 fn actual_positions(machine: &Machine) -> [f64; AXES as usize] {
     std::array::from_fn(|axis| {
         let directory = machine.directory();
@@ -101,7 +103,7 @@ fn no_cycle_of_a_drive_behind_a_voltage_takes_or_gives_back_memory() {
     assert_eq!(cycles_take_and_give_back_no_memory(analog()), 0);
 }
 
-/// Everything that there is comes by chance; the number of words of an encoder that were replaced.
+/// Runs a cell with random commands and inputs. Returns the number of encoder values that were replaced.
 fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let models = models();
     let mut plant = Plant::new(&config, &models);
@@ -111,18 +113,18 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let mut machine = Machine::new(config).expect("a legal machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
-    // Those of functions come beside the others, which stay as they were without them.
+    // Orders of functions use their own random numbers, so that the other ones do not depend on them.
     let (mut numbers, mut orders, mut goals, mut openings) = (Numbers(7), Numbers(11), Numbers(13), Numbers(17));
     let mut stream = Setpoints::none(usize::from(AXES));
     let (mut sequence, mut count, mut events, mut marks) = (0, 0_i64, 0, 0);
-    // As whoever gives them does: kept for as long as the machine may have them.
+    // Kept, as their sender does, for as long as the machine may have them.
     let (mut trajectories, mut tables, mut programs, mut runs) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let mut tally = Tally::default();
     let mut started = [0; TYPES.len()];
     let (mut positions, mut moved) = (actual_positions(&machine), [0; AXES as usize]);
     let mut substituted = 0;
     for cycle in 0..40_000_u64 {
-        // Now and then all axes are switched off, and so is the power; nothing else is asked for then.
+        // From time to time all axes and the power are switched off; there are no other commands then.
         let pause = (cycle % 4_000).checked_sub(3_000).filter(|pause| *pause < 500);
         let all = AxisSet::first(usize::from(AXES));
         let planned = match pause {
@@ -156,7 +158,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
             sequence += 1;
             commands.push(Command { sequence, source: Source::Scenario, action: open(&mut openings) });
         }
-        // A coupling is to be left as soon as it is asked for: later it is seldom there.
+        // A coupling is left as soon as it is requested, because later it has usually ended.
         let coupled = commands.iter().find_map(|command| match &command.action {
             Action::Synchronize(request) => Some(request.axis),
             _ => None,
@@ -188,16 +190,16 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
         if numbers.below(700) == 0
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
         {
-            // Limit switches come and go.
+            // Limit switches change.
             drive.stick(3, numbers.below(16).saturating_sub(12) as u32);
         }
         if numbers.below(600) == 0
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
         {
-            // Some words of its encoder are bad.
+            // Some values of its encoder are bad.
             drive.disturb(1 << numbers.below(16), numbers.below(5) as u32);
         }
-        // The emergency stop is pressed now and then.
+        // The emergency stop is pressed from time to time.
         plant.set_digital(0, numbers.below(3_000) != 0);
         stream.axes[3] = (cycle % 4_000 < 1_000).then_some(Setpoint { velocity: 1_000.0, duration: None });
         inputs.begin(cycle, 0);
@@ -256,7 +258,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     substituted
 }
 
-/// The watch is armed: a cycle that did take memory would be seen.
+/// The check works: an allocation in the cycle is detected.
 #[test]
 fn the_watch_sees_an_allocation() {
     let before = violation_count();
@@ -311,7 +313,7 @@ fn homing_takes_no_memory() {
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), positive: Some(30_000), ..Fixtures::default() };
     plant.drive(1).unwrap().fit(fixtures);
-    // The emergency stop is closed.
+    // The contact of the emergency stop is closed.
     plant.set_digital(0, true);
     let mut machine = Machine::new(config).unwrap();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
@@ -349,14 +351,14 @@ fn homing_takes_no_memory() {
     assert_eq!((violation_count(), homed.len()), (0, 6));
 }
 
-/// A table is handed over by its pointer, however long it is: its numbers are neither copied nor freed in the cycle.
+/// A table is passed by its pointer, whatever its length: its numbers are neither copied nor freed in the cycle.
 #[test]
 fn a_million_points_change_hands_without_memory() {
     let numbers: Vec<i64> = (0..MOST as i64).collect();
     let points = |form, x: &[i64]| Arc::new(Table::new(form, x, &numbers).expect("as many as a table may have"));
     let tables = [table(1), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
     let tables = ["w", "y", "xy"].iter().zip(tables).map(|(name, table)| TableConfig { name: (*name).into(), table });
-    // A cam reads the words, and takes new ones while it runs.
+    // A cam reads the words, and gets new ones while it runs.
     let place = slots().iter().position(|slot| slot.kind == function::Kind::Cam).expect("one of each type");
     let slots = vec![slots().swap_remove(place)];
     let mut config = MachineConfig { tables: tables.collect(), slots, masters: Vec::new(), ..config() };
@@ -367,7 +369,7 @@ fn a_million_points_change_hands_without_memory() {
     let start = CommandFunction { slot: 0, order: Order::Start, values: Box::new([]) };
     let commands = [Command { sequence: 1, source: Source::Ros, action: Action::CommandFunction(start) }];
     machine.cycle(&inputs, Commands::queue(&commands), &mut outputs);
-    // Who gives tables keeps them as long as the machine may have them.
+    // The sender of tables keeps them as long as the machine may have them.
     let mut given = Vec::new();
     for turn in 1..4 {
         let loaded = [long_table(turn, MOST), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];

@@ -1,4 +1,4 @@
-//! The pages of the project lead somewhere: every link to a file or a heading, every page that a text names.
+//! Checks every link to a file or a heading in the pages of the project, and every page that a text names.
 
 mod tree;
 
@@ -7,12 +7,12 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use tree::{files, read, root};
 
-/// Every page, by its path from the root, with its text.
+/// Returns every page with its path from the root and its text.
 fn pages() -> impl Iterator<Item = (PathBuf, String)> {
     files(&[".md"]).into_iter().map(|file| (file.clone().into(), read(&file)))
 }
 
-/// A path from a folder, both from the root, without its dots; none where it leaves the root.
+/// Returns a path from a folder, both from the root, without its dots; none if it leaves the root.
 fn join(folder: &Path, path: &str) -> Option<PathBuf> {
     let mut joined = PathBuf::new();
     for part in folder.join(path).components() {
@@ -26,7 +26,7 @@ fn join(folder: &Path, path: &str) -> Option<PathBuf> {
     Some(joined)
 }
 
-/// The name by which a link finds a heading: small letters, hyphens for spaces, no other signs.
+/// Returns the name of a heading in links: small letters, hyphens for spaces, no other signs.
 fn anchor(heading: &str) -> String {
     let sign = |sign: char| match sign {
         ' ' => Some('-'),
@@ -40,13 +40,13 @@ fn anchors(text: &str) -> BTreeSet<String> {
     text.lines().filter(|line| line.starts_with('#')).map(anchor).collect()
 }
 
-/// The targets of the links of a line, `[text](target)`, to what is no address.
+/// Returns the targets of the links of a line, `[text](target)`, without addresses.
 fn links(line: &str) -> impl Iterator<Item = &str> {
     let targets = line.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next());
     targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:"))
 }
 
-/// Names of pages in a line, links or not: `docs/io.md`, not `wf.md42` and not `x.wf.md`.
+/// Returns names of pages in a line, links or not: `docs/io.md`, not `wf.md42` and not `x.wf.md`.
 fn names(line: &str) -> impl Iterator<Item = &str> {
     let words = line.split(|sign: char| !(sign.is_ascii_alphanumeric() || "_-./".contains(sign)));
     words.map(|word| word.trim_end_matches('.')).filter(|word| {
@@ -82,7 +82,7 @@ fn every_link_leads_to_a_file_and_to_a_heading_of_it() {
     assert!(count > 50, "{count} links");
 }
 
-/// A page is named from its own folder, from the root, or by what it is called in docs.
+/// A page is named relative to its own folder, to the root, or to docs.
 #[test]
 fn every_page_that_a_page_names_is_there() {
     let (mut missing, mut count) = (Vec::new(), 0);

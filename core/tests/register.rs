@@ -1,4 +1,5 @@
-//! Printing mark control over 10,000 marks of a web that stretches, loses marks and has false ones; figures and drawing of docs/cams.md.
+//! Print mark control with 10,000 marks of a web with stretch, lost marks and false marks; figures and drawing of
+//! docs/cams.md.
 
 #[path = "register/page.rs"]
 mod page;
@@ -16,7 +17,7 @@ use web::{MARKS, Mark, Web, drift};
 const OFF: Control = Control { weight: 32, range: 200 };
 /// Half of a deviation, within 20 mm.
 const WIDE: Control = Control { weight: 1, range: 200 };
-/// Half of it, within 5 mm.
+/// Half of a deviation, within 5 mm.
 const NARROW: Control = Control { weight: 1, range: 50 };
 
 const SEED: u64 = 20_261_122;
@@ -25,9 +26,9 @@ fn disturbed(control: Control) -> Run {
     run(&Web::stretched(drift).disturbed(SEED), control)
 }
 
-/// Of e = 60 inc in each format (0.1 %) and half of each deviation 2 e stay at the sensor, and e at the knife. The drum counts in steps of 3 inc of
-/// the slave: a mark that is d off is seen at d - (10000 + d) mod 3, and d' = d - trunc(seen / 2) + 60, from 0 on. 120 and 121 are never seen, so it ends
-/// with 121 and 122 in turn.
+/// With e = 60 inc per format (0.1 %), and half of each deviation corrected, 2 e remain at the sensor, and e at the
+/// knife. The drum counts in steps of 3 inc of the slave: a mark with error d is seen at d - (10000 + d) mod 3, and
+/// d' = d - trunc(seen / 2) + 60, from 0 on. 120 and 121 are never seen, so it ends with 121 and 122 in turn.
 ///
 /// Proves: AMK-PMC-06, AMK-PMC-22, AMK-PMC-23
 #[test]
@@ -51,7 +52,7 @@ fn an_even_drift_leaves_its_closed_form() {
         let [even, odd] = [0, 1].map(|i| (pair[i].off, pair[i].error));
         assert_eq!((even, odd), ((122, 61), (121, 62)));
     }
-    // e / F, of what the steps of the drum and whole increments let it be seen.
+    // e / F, within the resolution of the drum and whole increments.
     for (weight, stays) in [(0, 60), (2, 240), (3, 480)] {
         let passes = run(&Web::stretched(|_| 60), Control { weight, ..WIDE }).passes;
         let off =
@@ -60,8 +61,9 @@ fn an_even_drift_leaves_its_closed_form() {
     }
 }
 
-/// The distance of marks is 60 inc too long in the mean, so each thousand of them moves the register by 60,000 inc, a whole format; the last one is
-/// off by 9999 * 60 inc, less what the 10,000th distance, 31 inc too long, has less than 60: 599,969 inc, 3 m.
+/// The mean distance between marks is 60 inc too long, so each thousand of them moves the register by 60,000 inc, a
+/// whole format. The error of the last one is 9999 * 60 inc, less the difference between 60 and the 31 inc of the
+/// 10,000th distance: 599,969 inc, 3 m.
 #[test]
 fn without_control_the_error_leaves_by_the_drift() {
     let run = disturbed(OFF);
@@ -72,8 +74,9 @@ fn without_control_the_error_leaves_by_the_drift() {
     assert!(run.passes.iter().all(|pass| pass.correction == 0));
 }
 
-/// Between which bounds a mark may be off at the sensor, from the law alone: e is 30 to 90 inc. Seen is d - 2 to d, so C is d/2 - 3/2 to d/2 + 1/2 (whole
-/// increments, towards 0), and d' = d - C + e. Without a mark C is 0, and of a false one -limit to +limit.
+/// Returns the bounds of the error of the next mark at the sensor, from the law alone: e is 30 to 90 inc. Seen is d - 2
+/// to d, so C is d/2 - 3/2 to d/2 + 1/2 (whole increments, towards 0), and d' = d - C + e. Without a mark C is 0, and
+/// with a false one -limit to +limit.
 fn next(taken: Taken, (low, high): (f64, f64), limit: i64) -> (f64, f64) {
     let limit = limit as f64;
     match taken {
@@ -83,7 +86,7 @@ fn next(taken: Taken, (low, high): (f64, f64), limit: i64) -> (f64, f64) {
     }
 }
 
-/// Undisturbed, `next` ends between 59 and 183 inc; the half of it stays at the knife.
+/// Checks the errors. Undisturbed, `next` ends between 59 and 183 inc; half of it remains at the knife.
 fn assert_within_the_law(passes: &[Pass], limit: i64) {
     let mut bounds = (0.0, 0.0);
     for (n, pass) in passes.iter().enumerate() {
@@ -92,14 +95,14 @@ fn assert_within_the_law(passes: &[Pass], limit: i64) {
         assert_eq!(pass.error, pass.off - pass.correction, "mark {n}");
         bounds = next(pass.taken, bounds, limit);
     }
-    // Twelve marks halve what a disturbance of 4096 inc has left to an increment.
+    // Twelve marks halve the rest of a disturbance of 4096 inc to an increment.
     for (n, around) in passes.windows(13).enumerate() {
         if around.iter().all(|pass| pass.taken == Taken::Printed) {
             let Pass { off, error, .. } = around[12];
             assert!((58..=184).contains(&off) && (28..=94).contains(&error), "mark {}: {off}, {error}", n + 12);
         }
     }
-    // What a false mark does, it does at once; the next ones take it back by halves.
+    // A false mark acts at once; the next marks correct its effect by halves.
     for (n, pair) in passes.windows(2).enumerate() {
         let moved = pair[1].off - pair[0].off;
         if pair[0].taken == Taken::False {
@@ -116,7 +119,7 @@ fn ten_thousand_marks_are_held_in_register() {
         assert_eq!(control.limit(), limit);
         assert_within_the_law(&run.passes, limit);
         let count = run.count;
-        // 2 % are lost, 1 % are false: 9,800 and 100 are seen, and each is one of these.
+        // 2 % are lost, 1 % are false: 9,800 and 100 are seen, and each has one of these results.
         assert_eq!(count.printed + count.wrong + count.outside + count.second + count.strayed, 9_900);
         assert_eq!(count.strayed, 0, "the control loses no printed mark");
         assert!(count.wrong > 0 && count.outside > 50 && count.second > 0, "{count:?}");
@@ -124,8 +127,8 @@ fn ten_thousand_marks_are_held_in_register() {
     }
 }
 
-/// A false mark at the edge of the range W = 1000 inc, 60 inc of drift in a format. F = 1/2: 120 inc are left, 500 and 60 come: 680. F = 1: 60 are left,
-/// 1000 and 60 come, and the next mark lies beyond the range.
+/// A false mark at the edge of the range W = 1000 inc, 60 inc of drift per format. F = 1/2: 120 inc remain, 500 and 60
+/// are added: 680. F = 1: 60 remain, 1000 and 60 are added, and the next mark is beyond the range.
 #[test]
 fn a_false_mark_at_the_edge_of_the_range_is_survived_by_half_a_correction() {
     for (weight, before, holds) in [(1, 1110, true), (0, 1050, false)] {
@@ -140,7 +143,7 @@ fn a_false_mark_at_the_edge_of_the_range_is_survived_by_half_a_correction() {
     }
 }
 
-/// `LINESHAFT_RENEW=1 cargo test -p lineshaft-core --test register` writes both anew.
+/// `LINESHAFT_RENEW=1 cargo test -p lineshaft-core --test register` regenerates both.
 #[test]
 fn the_figures_and_the_drawing_in_docs_are_those_of_the_run() {
     let rows = [("without control", OFF), ("marks within 20 mm", WIDE), ("marks within 5 mm", NARROW)];

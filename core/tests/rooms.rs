@@ -1,9 +1,9 @@
-//! The rooms of the tree import downwards only.
+//! Checks that modules import only lower modules.
 //!
-//! A room is a module of core, of the cells, or of the ROS layer; docs/ARCHITECTURE.md has the order of the rooms, the lowest
-//! first. What a file of a room imports is every path that begins with `crate`, `super` or `self` and leads out of it: in a `use`, in an
-//! expression, through a re-export. What is built for tests alone may import what it likes. Inside a room files may import each
-//! other; docs/ARCHITECTURE.md says of how many files the largest circle is at most.
+//! A room is a module of core, of the cells, or of the ROS layer; docs/ARCHITECTURE.md has the order of the rooms, the
+//! lowest first. An import is every path that begins with `crate`, `super` or `self` and leads out of the room: in a
+//! `use`, in an expression, through a re-export. Code that is built only for tests may import anything. Inside a room
+//! files may import each other; docs/ARCHITECTURE.md limits the number of files in the largest import cycle.
 
 mod program;
 mod tree;
@@ -14,21 +14,21 @@ use tree::{files, read};
 
 const PAGE: &str = "docs/ARCHITECTURE.md";
 
-/// Folders whose modules are rooms, with the path of the folder in its crate and how many imports it has at least.
+/// Folders whose modules are rooms, with the path of the folder in its crate and its least number of imports.
 const HOUSES: [(&str, &[&str], usize); 3] =
     [("core/src", &[], 500), ("node/src/cell", &["cell"], 50), ("node/ros/src/layer", &["layer"], 50)];
 
 /// A path of modules, from the crate on.
 type Module = Vec<String>;
 
-/// Something that a file names by its path.
+/// A path that a file names.
 #[derive(Clone, Debug, PartialEq)]
 struct Import {
     line: usize,
     path: Module,
 }
 
-/// What a file names, and its modules that are built for tests alone.
+/// Imports of a file, and its modules that are built only for tests.
 #[derive(Debug, Default)]
 struct Named {
     imports: Vec<Import>,
@@ -38,19 +38,20 @@ struct Named {
 /// The production files of a folder, by their module.
 struct House {
     folder: &'static str,
-    /// The path of the folder's own module.
+    /// Path of the folder's own module.
     own: Module,
     files: BTreeMap<Module, (String, Vec<Import>)>,
 }
 
-/// What the page says of a house.
+/// Entries of the page for a folder.
 struct Order {
     rooms: Vec<String>,
-    /// Where the largest circle of files is, and of how many.
+    /// Room and size of the largest import cycle.
     circle: (String, usize),
 }
 
-/// The paths of a tree of paths (`a::{b, c::d}`) that begins there, behind `base`, and where it ends.
+/// Adds the paths of a tree of paths (`a::{b, c::d}`) that begins at `at`, after `base`, and returns the end of the
+/// tree.
 fn paths(tokens: &[Token], mut at: usize, mut base: Module, found: &mut Vec<Import>) -> usize {
     let is = |at: usize, sign: &str| tokens.get(at).is_some_and(|(_, word)| word == sign);
     while let Some((line, word)) = tokens.get(at) {
@@ -82,7 +83,7 @@ fn paths(tokens: &[Token], mut at: usize, mut base: Module, found: &mut Vec<Impo
     at
 }
 
-/// What a file of that module names.
+/// Returns the names in a file of that module.
 fn named(text: &str, module: &Module) -> Named {
     let tokens = program::tokens(text, |_| false);
     let word = |at: usize| tokens.get(at).map_or("", |(_, word)| word.as_str());
@@ -104,7 +105,7 @@ fn named(text: &str, module: &Module) -> Named {
                 inner.retain(|(at, _)| *at < depth || *at == 0);
                 depth -= 1;
             }
-            // Who may see something is no import.
+            // A visibility is no import.
             "in" if word(at.wrapping_sub(1)) == "(" => {
                 at = (at..tokens.len()).find(|at| word(*at) == ")").unwrap_or(tokens.len());
                 continue;
@@ -114,7 +115,7 @@ fn named(text: &str, module: &Module) -> Named {
                 continue;
             }
             "macro_rules" => macro_end = behind_item(&tokens, at),
-            // The place where a macro is expanded decides what these mean in it.
+            // The place of expansion of a macro decides the meaning of these.
             "super" | "self" | "use" if at < macro_end => {}
             "super" | "self" if word(at + 1) == "::" && word(at.wrapping_sub(1)) != "::" => {
                 at = paths(&tokens, at, here, &mut named.imports);
@@ -153,7 +154,7 @@ impl House {
         Self { folder, own, files }
     }
 
-    /// The room of a module; none of the door of the house, which stands above all of them.
+    /// Returns the room of a module; none for the root module of the folder, which is above all rooms.
     fn room<'m>(&self, module: &'m Module) -> Option<&'m str> {
         module.strip_prefix(self.own.as_slice())?.first().map(String::as_str)
     }
@@ -162,11 +163,11 @@ impl House {
         self.files.keys().filter_map(|module| self.room(module)).collect()
     }
 
-    /// Each import that leads out of its room and not out of the house: where, the room, what is imported.
+    /// Returns each import that leads out of its room but not out of the folder: place, room, imported path.
     fn arrows(&self) -> Vec<(String, &str, &Module)> {
         let mut found = Vec::new();
         for (module, (file, imports)) in &self.files {
-            // The door may import what it likes.
+            // The root module may import anything.
             let Some(room) = self.room(module) else { continue };
             for Import { line, path } in imports {
                 if path.starts_with(&self.own) && self.room(path) != Some(room) {
@@ -177,7 +178,7 @@ impl House {
         found
     }
 
-    /// What is wrong with the rooms, a sentence each.
+    /// Returns the errors of the rooms, a sentence each.
     fn faults(&self, order: &[String]) -> Vec<String> {
         let rooms = self.rooms();
         let place = |room: &str| order.iter().position(|known| known == room);
@@ -193,7 +194,7 @@ impl House {
             }
         }
         for (line, room, path) in self.arrows() {
-            // What is in no room is the door's.
+            // Items that are in no room belong to the root module.
             let is_below = |other: &str| rooms.contains(other) && place(other) < place(room);
             if !self.room(path).is_some_and(is_below) {
                 let what = if path.is_empty() { "the door".to_owned() } else { path.join("::") };
@@ -203,7 +204,8 @@ impl House {
         found
     }
 
-    /// The largest circle of files in one room, that room first: each of them reaches each other one by imports.
+    /// Returns the largest import cycle of files in one room, the room first: each file reaches each other one by
+    /// imports.
     fn circle(&self) -> (String, Vec<&str>) {
         let modules: Vec<&Module> = self.files.keys().collect();
         let file_of = |path: &Module| {
@@ -231,7 +233,7 @@ impl House {
     }
 }
 
-/// The row of a house in the page: rooms in their order, and the largest circle of files.
+/// Returns the row of a folder in the page: rooms in their order, and the largest import cycle.
 fn order(page: &str, folder: &str) -> Order {
     let row = page.lines().find_map(|line| line.strip_prefix(&format!("| `{folder}` |")));
     let row = row.unwrap_or_else(|| panic!("{PAGE} has no row `{folder}`"));

@@ -1,4 +1,5 @@
-//! Sixty-four slots of every type, linked at random by a seed: the same bytes in every run, from any state, and no memory taken.
+//! Sixty-four slots of all types with random links from a seed: identical bytes in every run, from any state, and no
+//! allocation.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_core::command::{Action, Command, CommandFunction, Commands, Source};
@@ -24,7 +25,7 @@ const SLOTS: u16 = 64;
 const WORDS: u16 = 40;
 const BITS: u16 = 40;
 
-/// A small generator of numbers that are the same in every run.
+/// A random number generator with the same numbers in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -34,7 +35,7 @@ impl Numbers {
     }
 }
 
-/// A set of an interpolator, one of its movements: round for ever, at once, in and out, by time.
+/// Sets an interpolator to one of its movements: endless, at once, in and out, by time.
 fn interpolate(slot: &mut SlotConfig, movement: usize) {
     let several = i64::from(movement == 2) + 1;
     let (way, time) = if movement == 3 { (0, 70) } else { (900, 0) };
@@ -64,7 +65,7 @@ fn interpolate(slot: &mut SlotConfig, movement: usize) {
     }
 }
 
-/// The cell of a seed: each type four times or more, sources and sinks by chance.
+/// Returns the cell of a seed: each type at least four times, with random sources and sinks.
 fn cell(numbers: &mut Numbers) -> MachineConfig {
     let memory = |name: String, kind| MemoryConfig { name, kind, initial: 0.0 };
     let words = (0..WORDS).map(|n| memory(format!("w{n}"), if n % 2 == 0 { MemoryKind::I16 } else { MemoryKind::I32 }));
@@ -133,13 +134,14 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             }
         }
         if let Some((_, ba)) = row.find("ba").filter(|_| row.kind != Kind::Imes) {
-            // A dfkt by way, and by its inputs; a fgen by the way of its source, a regl with switches at its inputs.
+            // A dfkt by distance, and by its inputs; a fgen by the travel of its source, a regl with switches at its
+            // inputs.
             slot.values[ba] = if row.kind == Kind::Dfkt { 3 } else { 1 };
         }
         let more: &[(&str, i64)] = match row.kind {
             Kind::Fgen => &[("fct", 7), ("cycle_increments", 900), ("accel", 90_000_000), ("aw_mask", 3)],
             Kind::Regl => &[("kp", 300), ("ki", 20), ("kd", 9), ("y_max", 900_000), ("gain_v", -30), ("i_max", 5000)],
-            // By the way of its source, added to.
+            // By the travel of its source, added.
             Kind::Epos => &[
                 ("ba", 9),
                 ("travel", 9000),
@@ -163,7 +165,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
     };
     MachineConfig {
         cycle_ns: 1_000_000,
-        // Those of bits 0 and 1 of a mask.
+        // Axes of bits 0 and 1 of a mask.
         axes: ["a", "b"].map(axis).into(),
         slots: slots.collect(),
         programs: vec![ProgramConfig { name: "wild".into(), module: Arc::new(wild) }],
@@ -182,7 +184,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
     }
 }
 
-/// What comes from outside in a cycle, by chance: bits, the belt, the index that imes measures, orders.
+/// Sets random inputs of a cycle, and returns random orders: bits, the belt, the index that imes measures.
 fn outside(numbers: &mut Numbers, inputs: &mut Inputs, cycle: u64) -> Vec<Command> {
     inputs.begin(cycle, 0);
     inputs.digital[0] ^= 1 << numbers.below(24);
@@ -203,7 +205,8 @@ fn outside(numbers: &mut Numbers, inputs: &mut Inputs, cycle: u64) -> Vec<Comman
     (0..orders.min(MAX_COMMANDS as u64)).map(order).collect()
 }
 
-/// A run of so many cycles: a digest of all signals of all cycles. At half of the way it goes on from its state.
+/// Runs that number of cycles and returns a digest of all signals of all cycles. With `restores` the run continues from
+/// its saved state at half time.
 fn run(seed: u64, cycles: u64, restores: bool) -> u64 {
     let mut numbers = Numbers(seed);
     let config = cell(&mut numbers);

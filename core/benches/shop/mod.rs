@@ -1,4 +1,4 @@
-//! The machine of the benches, and the least that stands for its drives.
+//! The machine of the benches, with a minimal replacement for its drives.
 
 pub(crate) mod slots;
 
@@ -30,25 +30,25 @@ pub(crate) struct Loops {
 impl Loops {
     /// The proportional position loop.
     const KV: Self = Self { interface: Interface::Velocity, law: Law::Proportional, estimator: 0 };
-    /// The PID.
+    /// The PID controller.
     const PID: Self = Self { law: Law::Pid, ..Self::KV };
-    /// The PID and the velocity loop, on the change of each cycle.
+    /// The PID controller and the velocity loop, with the change of each cycle as velocity.
     const CASCADE: Self = Self { interface: Interface::Torque, ..Self::PID };
     /// The same with a Kalman filter.
     const OBSERVER: Self = Self { estimator: 3, ..Self::CASCADE };
-    /// All of them, by their names.
+    /// All loops with their names.
     pub(crate) const ALL: [(&'static str, Self); 4] =
         [("kv", Self::KV), ("pid", Self::PID), ("cascade", Self::CASCADE), ("observer", Self::OBSERVER)];
 }
 
-/// A machine whose drives obey at once.
+/// A machine whose drives follow at once.
 pub(crate) struct Shop {
     pub(crate) machine: Machine,
     inputs: Inputs,
     outputs: Outputs,
 }
 
-/// An axis of 1 m/s with 1 um to an increment.
+/// Returns an axis of 1 m/s with 1 um per increment.
 fn axis(index: u16, drive: Option<Capabilities>) -> AxisConfig {
     let per = Quantity::new(Fraction::from_integer(1), Unit::METRE);
     let scale = Scale::new(Fraction::from_integer(1_000_000), per).expect("a legal scale");
@@ -56,7 +56,7 @@ fn axis(index: u16, drive: Option<Capabilities>) -> AxisConfig {
 }
 
 impl Shop {
-    /// So many axes, of which the first `leaders` have no drive; the drives are not there yet.
+    /// Returns a machine with `axes` axes, of which the first `leaders` have no drive; the drives are offline.
     pub(crate) fn new(leaders: u16, axes: u16) -> Self {
         let drive = |index| (index >= leaders).then(|| Capabilities::all(0));
         let axes = (0..axes).map(|index| axis(index, drive(index))).collect();
@@ -69,7 +69,8 @@ impl Shop {
         Self { machine, inputs, outputs }
     }
 
-    /// The same with a table: 1,001 points of a parabola out and back over 200,000 increments, of which an axis of 1 m/s follows the first.
+    /// Adds a table: 1,001 points of a parabola there and back over 200,000 increments, for a cam of the first axis at
+    /// 1 m/s.
     pub(crate) fn with_cam(self, interpolation: Interpolation) -> Self {
         let y: Vec<i64> = (0..=1000).map(|point: i64| point * (1000 - point) / 20).collect();
         let setting = CamSetting { length: Some(200_000), interpolation, ..CamSetting::default() };
@@ -79,7 +80,7 @@ impl Shop {
         Self::of(MachineConfig { tables, ..config })
     }
 
-    /// The same with loops that are closed here.
+    /// Adds loops that are closed here.
     pub(crate) fn with_loops(self, Loops { interface, law, estimator }: Loops) -> Self {
         let mut config = self.machine.config().clone();
         for axis in &mut config.axes {
@@ -91,13 +92,13 @@ impl Shop {
         Self::of(config)
     }
 
-    /// Brings all drives into a state, in which they stay.
+    /// Sets the state of all drives.
     pub(crate) fn switch(&mut self, state: DriveState) {
         let drive = DriveInput { status: state.status(), online: true, fresh: true, ..DriveInput::default() };
         self.inputs.drive.fill(drive);
     }
 
-    /// The first digital input is 1 from the next cycle on.
+    /// Sets the first digital input to 1 from the next cycle on.
     pub(crate) fn set_input(&mut self) {
         if let Some(word) = self.inputs.digital.first_mut() {
             *word |= 1;
@@ -112,7 +113,7 @@ impl Shop {
         self.cycle(Commands::default());
     }
 
-    /// Gives all of them in as few cycles as take them.
+    /// Executes all commands in as few cycles as possible.
     pub(crate) fn give(&mut self, actions: &[Action]) {
         for some in actions.chunks(MAX_COMMANDS) {
             let command = |action: &Action| Command { sequence: 1, source: Source::Cli, action: action.clone() };
@@ -122,7 +123,7 @@ impl Shop {
     }
 
     pub(crate) fn cycle(&mut self, commands: Commands<'_>) {
-        // A belt runs.
+        // The belt moves.
         for encoder in &mut self.inputs.encoder {
             (encoder.count, encoder.valid) = (encoder.count.wrapping_add(7) & 0xFFFF, true);
         }
@@ -133,7 +134,7 @@ impl Shop {
     }
 }
 
-/// A goal (inc, inc/s), with the rates of the axis.
+/// Returns a goal (inc, inc/s), with the rates of the axis.
 pub(crate) fn goal(axis: u16, mode: MoveMode, target: i64, velocity: f64) -> Move {
     Move {
         axis,
@@ -148,7 +149,7 @@ pub(crate) fn goal(axis: u16, mode: MoveMode, target: i64, velocity: f64) -> Mov
     }
 }
 
-/// A coupling to the first axis, 355 : 113.
+/// Returns a coupling to the first axis, 355 : 113.
 pub(crate) fn couple(axis: u16) -> Action {
     Action::Synchronize(Synchronize {
         axis,
@@ -165,7 +166,7 @@ pub(crate) fn couple(axis: u16) -> Action {
     })
 }
 
-/// A cam of the only table, from where both are.
+/// Returns a cam of the only table, from the present positions.
 pub(crate) fn on_cam(axis: u16) -> Action {
     let Action::Synchronize(gear) = couple(axis) else { unreachable!("a coupling") };
     let scales = (Ratio::ONE, Ratio::new(7, 3).expect("legal"));

@@ -1,4 +1,4 @@
-//! Slots of one type, as many as are asked for.
+//! Machines with any number of slots of one type.
 
 use super::{Shop, axis};
 use lineshaft_core::command::{Action, CommandFunction};
@@ -14,7 +14,7 @@ use lineshaft_core::unit::Scale;
 use lineshaft_program::Module;
 use std::sync::Arc;
 
-/// Values that an ordinary set gives, by the names of their fields.
+/// Usual values, by the names of their fields.
 const VALUES: [(&str, i64); 34] = [
     ("m1", 12_345),
     ("sak", 4032),
@@ -52,14 +52,15 @@ const VALUES: [(&str, i64); 34] = [
     ("drive_resolution", 20_000),
 ];
 
-/// Sets of interpolators, which read a curve.
+/// Settings of interpolators, which read a curve.
 const CURVES: [(Kind, [(&str, i64); 4]); 3] = [
     (Kind::Fipw, [("mode", 2), ("mult", 1), ("table_count", 1), ("increments_per_rev", 20_000)]),
     (Kind::Fipz, [("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 10_000)]),
     (Kind::Xfipw, [("ba", 2), ("mult", 1), ("tables_total", 1), ("incr_per_rev", 20_000)]),
 ];
 
-/// Programs by the names of their rows: speed from a foreign encoder (AMK-APSF-46), a filter of 200 taps; what does nothing else.
+/// Programs by the names of their rows: speed from a foreign encoder (AMK-APSF-46), a filter of 200 taps, an empty
+/// program.
 pub(crate) const PROGRAMS: [(&str, Option<&[u8]>); 3] = [
     ("apsf", Some(include_bytes!("../../../launch-configs/functions/programs/fb10.wasm"))),
     ("apsf_fir", Some(include_bytes!("../../../launch-configs/functions/programs/fir.wasm"))),
@@ -69,21 +70,22 @@ pub(crate) const PROGRAMS: [(&str, Option<&[u8]>); 3] = [
 const EMPTY: &str = "(module (memory 1) (global (export \"image\") i32 (i32.const 16)) \
                      (data (i32.const 16) \"\\b0\\03\") (func (export \"cycle\")))";
 
-/// The program of that row, FB10 for any other type.
+/// Returns the program of that row, FB10 for any other type.
 fn program(name: &str) -> Module {
     let found = PROGRAMS.iter().find(|(known, _)| *known == name).unwrap_or(&PROGRAMS[0]).1;
     let empty = || wat::parse_str(EMPTY).expect("a module");
     Module::load(&found.map_or_else(empty, <[u8]>::to_vec)).expect("it is taken")
 }
 
-/// Slots of that type, or of type apsf with a program of that name.
+/// Returns a machine with slots of that type, or of type apsf with a program of that name.
 pub(crate) fn named(name: &str, count: u16, is_started: bool) -> Option<Shop> {
     let kind = if name.starts_with("apsf") { "apsf" } else { name };
     let row = Kind::find(kind)?.description();
     Some(with(row, count, is_started, program(name)))
 }
 
-/// A machine of such slots, each with one input where it has some, and without outputs; started where that is asked for.
+/// Returns a machine with such slots, each with one input if the type has inputs, and without outputs; started if
+/// requested.
 pub(crate) fn slots(row: &Description, count: u16, is_started: bool) -> Shop {
     with(row, count, is_started, program(row.name))
 }
@@ -126,7 +128,7 @@ fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop
     };
     let belt =
         EncoderConfig { name: "belt".into(), form: Form::Incremental(16), check: None, scale: Scale::increments() };
-    // Those of bits 0 and 1 of aw_mask; other types need none.
+    // Axes of bits 0 and 1 of aw_mask; other types need none.
     let axes = if row.find("aw_mask").is_some() { 2 } else { 0 };
     let config = MachineConfig {
         cycle_ns: 1_000_000,
@@ -146,7 +148,7 @@ fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop
         shop.give(&(0..count).map(start).collect::<Vec<_>>());
         assert!(shop.machine.slots().iter().all(|slot| slot.is_active()), "{} refuses its START", row.name);
         if matches!(row.kind, Kind::Fgen | Kind::Epos) {
-            // Its input rises: it runs.
+            // A rising edge of the input starts it.
             shop.set_input();
         }
     }

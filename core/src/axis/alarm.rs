@@ -1,6 +1,7 @@
 //! The error of an axis.
 //!
-//! Law      the first one stands until it is cleared; its numbers stand with it, and how the axis stood stays until the next one
+//! Law      the first error remains with its numbers until it is cleared. The snapshot of the axis at the last error
+//!          remains until the next error
 //! Source   MACS-ERR-02, -03
 
 use crate::code::Code;
@@ -9,13 +10,13 @@ use crate::position::Position;
 use crate::state::{AxisState, Reference};
 use serde::{Deserialize, Serialize};
 
-/// What was found and what is allowed.
+/// Found value and allowed value of an error.
 pub(super) type Numbers = (Number, Number);
 
-/// For codes whose sentence needs none.
+/// For codes whose message has no numbers.
 pub(super) const NO_NUMBERS: Numbers = (Number::None, Number::None);
 
-/// The error that stopped an axis, or that it reports.
+/// The active error of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Alarm {
     code: Code,
@@ -23,16 +24,16 @@ pub(super) struct Alarm {
     fault: Fault,
 }
 
-/// How an axis stood in the cycle of its last error, before the reaction.
+/// Snapshot of an axis in the cycle of its last error, before the reaction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fault {
-    /// Its code; [`Code::NONE`] where none ever came.
+    /// Code of the error; [`Code::NONE`] before the first error.
     pub code: Code,
-    /// The cycle.
+    /// Cycle of the error.
     pub cycle: u64,
-    /// Its state.
+    /// State of the axis.
     pub state: AxisState,
-    /// What commanded it.
+    /// Source of the command.
     pub reference: Reference,
     /// Command position.
     pub command: Position,
@@ -42,7 +43,7 @@ pub struct Fault {
     pub actual: i64,
     /// Actual velocity (inc/s).
     pub actual_velocity: f64,
-    /// (inc)
+    /// Following error (inc).
     pub following_error: i64,
 }
 
@@ -69,22 +70,22 @@ impl Alarm {
         self.code.is_none()
     }
 
-    /// The numbers of the last one.
+    /// Returns the numbers of the last error.
     pub(super) fn numbers(&self) -> Numbers {
         self.numbers
     }
 
-    /// How the axis stood when the last one came.
+    /// Returns the snapshot of the axis at the last error.
     pub(super) fn fault(&self) -> &Fault {
         &self.fault
     }
 
-    /// One comes.
+    /// Sets an error.
     pub(super) fn set(&mut self, numbers: Numbers, fault: Fault) {
         *self = Self { code: fault.code, numbers, fault };
     }
 
-    /// It is over; what it was.
+    /// Clears the error and returns its code.
     pub(super) fn clear(&mut self) -> Code {
         std::mem::replace(&mut self.code, Code::NONE)
     }

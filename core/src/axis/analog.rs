@@ -1,8 +1,8 @@
-//! What an axis cannot have whose drive is given a voltage alone.
+//! Restrictions of an axis whose drive has only an analog voltage command.
 //!
-//! Law      its reference does not go beyond 10 V, and nothing is read from its drive: neither position nor current. One of torques is never left to the
-//!          stop of its drive, which coasts
-//! Refuses  parameters that ask for more
+//! Law      the reference is at most 10 V. Nothing is read from the drive: neither position nor current. An axis with
+//!          torque reference never leaves its stop to the drive, which would coast
+//! Refuses  parameters beyond these restrictions
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
 use super::Axis;
@@ -12,10 +12,10 @@ use crate::drive::{AnalogWiring, Interface};
 use crate::event::{Number, Refusal};
 use crate::parameter::{AxisParameters, Row};
 
-/// May an axis with such a drive have these parameters?
+/// Checks whether an axis with such a drive may have these parameters.
 ///
 /// # Errors
-/// The key that it may not have so, and why.
+/// The key of the parameter that is not allowed, and the reason.
 pub fn may_be_analog(
     analog: Option<&AnalogWiring>,
     interface: Interface,
@@ -23,7 +23,8 @@ pub fn may_be_analog(
     p: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
     let Some(analog) = analog else { return Ok(()) };
-    // The cell sees to it that this one is as real, or as simulated, as the reference is; of others nobody knows.
+    // The cell checks that this encoder and the reference are both real or both simulated. Other encoders are not
+    // checked.
     let read = Source::of(wired, encoders, p);
     if !matches!((wired, read), (Wired::Encoder(own), Ok(Source::Encoder(place))) if own == place) {
         return Err(("encodertype", Code::ANALOG_SILENT));
@@ -45,13 +46,13 @@ pub fn may_be_analog(
 }
 
 impl Axis {
-    /// May it have these parameters, where its drive is given a voltage?
+    /// Returns an error if these parameters are invalid for a drive with voltage interface.
     pub(super) fn may_be_analog_with(&self, parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
         let sources = (self.setup.wired, self.setup.encoders);
         may_be_analog(self.setup.analog.as_ref(), self.setup.interface, sources, parameters)
     }
 
-    /// The same with what a refusal tells of it.
+    /// As [`may_be_analog_with`](Self::may_be_analog_with), with the values for the refusal.
     pub(super) fn admits_analog(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let Err((key, code)) = self.may_be_analog_with(candidate) else { return Ok(()) };
         let full = self.setup.analog.map_or(0.0, |analog| analog.full);
@@ -103,7 +104,7 @@ mod tests {
         );
         assert_eq!(check(velocity, Wired::Encoder(1), |p| p.encoder.encodertype = 10), Some("encodertype"));
         assert_eq!(check(velocity, encoder, |p| p.encoder.encodertype = 10), None);
-        // The command in the place of a position.
+        // The command takes the place of a position.
         assert_eq!(check(velocity, encoder, |p| p.encoder.encodertype = 9), Some("encodertype"));
         assert_eq!(check(torque, encoder, |p| p.error_reaction = 4), Some("error_reaction"));
         assert_eq!(check(velocity, encoder, |p| p.error_reaction = 4), None);

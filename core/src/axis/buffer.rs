@@ -1,10 +1,10 @@
-//! Goals that wait for the one before them, and how one passes into the next (PLCopen buffer modes).
+//! Buffered and blended goals (PLCopen buffer modes).
 //!
-//! Law      BUFFERED: the next goal begins when the one before it is done. BLENDING: the one before it passes its target
-//!          without a stop, with the lower, its own, the next one's or the higher velocity, and the next one begins there,
-//!          between two cycles if need be. Where both do not go the same way, or the way is too short, it passes as fast as
-//!          both can be driven without turning back: at rest in the end
-//! Refuses  too many goals, a goal behind a coupling
+//! Law      BUFFERED: the next goal begins when the active goal is done. BLENDING: the active goal passes its target
+//!          without a stop, with the lower, its own, the next or the higher velocity. The next goal begins there, also
+//!          between two cycles. If the goals have different directions, or a distance is too short, the axis passes the
+//!          target as fast as both goals allow without turning back; if necessary it stops there
+//! Refuses  too many goals, a goal after a coupling
 
 use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, Course, ROUNDING};
@@ -18,12 +18,12 @@ use crate::position::Position;
 use crate::profile::{self, Limits, Motion, Plan, Shape};
 use serde::{Deserialize, Serialize};
 
-/// Most goals that wait.
+/// Largest number of waiting goals.
 const MAX_WAITING: usize = 8;
-/// Halvings in the search for the velocity of a passage: it is found to a thousandth.
+/// Number of bisections in the search for the velocity at a target, which gives it to a thousandth.
 const HALVINGS: u32 = 10;
 
-/// A goal that waits.
+/// A waiting goal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Next {
     /// Number of its command.
@@ -32,7 +32,7 @@ pub(super) struct Next {
     limits: Limits,
 }
 
-/// The goals that wait, the next one first.
+/// The waiting goals, the next one first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Buffer([Option<Next>; MAX_WAITING]);
 
@@ -49,7 +49,7 @@ impl Buffer {
         self.0.iter().map_while(Option::as_ref)
     }
 
-    /// What each of them may use.
+    /// Returns the limits of each waiting goal.
     pub(super) fn limits(&self) -> impl Iterator<Item = Limits> {
         self.iter().map(|next| next.limits)
     }
@@ -65,12 +65,12 @@ impl Buffer {
         first
     }
 
-    /// Does the goal of that command wait here?
+    /// Whether the goal of that command is waiting.
     pub(super) fn holds(&self, sequence: u64) -> bool {
         self.iter().any(|next| next.sequence == sequence)
     }
 
-    /// Takes the goal of that command out.
+    /// Removes the goal of that command.
     fn remove(&mut self, sequence: u64) -> bool {
         let place = self.0.iter().position(|next| next.is_some_and(|next| next.sequence == sequence));
         if let Some(place) = place {
@@ -80,7 +80,7 @@ impl Buffer {
         place.is_some()
     }
 
-    /// Ends all of them.
+    /// Ends all waiting goals.
     pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, code: Code, position: Position, numbers: Numbers) {
         while let Some(next) = self.pop() {
             let done = Event::done(Object::Axis(axis), next.sequence, code, position);
@@ -88,19 +88,19 @@ impl Buffer {
         }
     }
 
-    /// Rates that a profile can be made with?
+    /// Whether all waiting goals have rates for which a profile exists.
     pub(super) fn is_sound(&self) -> bool {
         let sound = |next: &Next| next.limits.is_sound() && next.request.velocity.is_finite();
-        // No gaps: what stands behind one would never begin.
+        // No gaps: a goal after a gap would never begin.
         self.0.iter().skip_while(|next| next.is_some()).all(Option::is_none) && self.iter().all(sound)
     }
 }
 
 impl Axis {
-    /// Lets a goal wait for the ones before it.
+    /// Appends a goal to the waiting goals.
     ///
     /// # Errors
-    /// There is no room; the goal before it has no end; its target is forbidden.
+    /// There is no room; the goal before it has no end; its target is not allowed.
     pub(super) fn wait_in_buffer(
         &mut self,
         cx: &mut Context<'_>,
@@ -128,7 +128,7 @@ impl Axis {
             return Err(Refusal::new(Code::TOO_MANY_WAITING, self.object()));
         }
         self.accepted(cx, sequence);
-        // The first one may change how the active goal ends.
+        // The first waiting goal may change how the active goal ends.
         if let (Generator::Plan(course), true) = (&self.generator, self.buffer.iter().count() == 1)
             && let (Aim::Target(target), limits) = (course.aim, course.limits)
             && self.goal.is_none_or(|goal| goal.ending.is_none())
@@ -141,7 +141,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Where a goal will end, before rounding, behind one that ends at `before`; none where that is not known yet.
+    /// Returns the end of a goal before rounding, after a goal that ends at `before`. None: not known yet.
     fn end_of(&self, next: &Next, before: Option<Position>) -> Option<Position> {
         match (next.request.mode, before) {
             (MoveMode::Velocity, _) => None,
@@ -151,12 +151,12 @@ impl Axis {
         }
     }
 
-    /// Where the active goal ends, before rounding; none where it searches, or has no end.
+    /// Returns the end of the active goal before rounding. None: it searches, or has no end.
     fn known_end(&self) -> Option<Position> {
         self.goal.filter(|_| !self.searches()).and_then(|goal| goal.target)
     }
 
-    /// Where each goal that waits will end.
+    /// Returns the end of each waiting goal.
     pub(super) fn waiting_ends(&self) -> impl Iterator<Item = Option<Position>> {
         let first = self.known_end();
         self.buffer.iter().scan(first, |before, next| {
@@ -165,7 +165,7 @@ impl Axis {
         })
     }
 
-    /// Takes a goal out of the buffer; the active one may have to end otherwise then.
+    /// Removes a goal from the buffer. The active goal may then need another end.
     pub(super) fn cancel_waiting(&mut self, cx: &mut Context<'_>, sequence: u64) -> bool {
         let was_first = self.buffer.first().is_some_and(|next| next.sequence == sequence);
         let removed = self.buffer.remove(sequence);
@@ -176,8 +176,9 @@ impl Axis {
             && let Generator::Plan(course) = self.generator
             && course.pass != 0.0
         {
-            // Where the goal's own deceleration would pass a limit now, the largest one may not, and without a shape it does not:
-            // the next goal had to keep it, but an acceleration under way takes its time to run out in a shape.
+            // If the deceleration of the goal would pass a limit now, the largest deceleration or a profile without
+            // jerk limit may suffice. The goal was planned within them, but a profile with jerk limit first has to
+            // reduce the present acceleration.
             let largest = Limits { velocity: course.limits.velocity, ..self.parameters.largest_limits() };
             let constant = Limits { shape: Shape::Trapezoid, ..largest };
             let stays = |limits: &Limits| match course.aim {
@@ -190,7 +191,7 @@ impl Axis {
         removed
     }
 
-    /// The goal before is done: begins the next one at `from`, which was `lead` seconds ago.
+    /// Begins the next goal at `from`, which was `lead` seconds ago, after the end of the goal before.
     pub(super) fn begin_next(&mut self, cx: &mut Context<'_>, from: Motion, lead: f64, before: Option<Position>) {
         let Some(next) = self.buffer.pop() else { return };
         let exact = before.filter(|exact| Position::whole(exact.nearest()) == from.position);
@@ -207,7 +208,7 @@ impl Axis {
                 self.course(cx.cycle, from, aim, next.limits)
             }),
         };
-        // The zero may have been lost since the goal was taken.
+        // The axis may have lost its reference since the goal was accepted.
         let result = self
             .check_zero()
             .and(result)
@@ -233,7 +234,7 @@ impl Axis {
         }
     }
 
-    /// A velocity goal is done for the one behind it once its velocity is reached.
+    /// Ends a velocity goal at its velocity if another goal waits.
     pub(super) fn leave_velocity(&mut self, cx: &mut Context<'_>) {
         if let Generator::Plan(course) = &self.generator
             && let Aim::Velocity(_) = course.aim
@@ -252,7 +253,7 @@ impl Axis {
         profile::to_rest(from, target, limits, self.setup.cycle_ns)
     }
 
-    /// A course to a target, through it where the next goal asks for that.
+    /// Returns the planned motion to a target, or through it if the next goal requires that.
     pub(super) fn course_to(&self, cycle: u64, from: Motion, target: Position, limits: Limits) -> Course {
         let usable = self.sharpened(from, limits);
         let cap = self.override_velocity();
@@ -265,7 +266,7 @@ impl Axis {
         Course::new(plan, cycle, Aim::Target(target), limits).passing(pass)
     }
 
-    /// A plan that passes the target with `pass`, or that ends where speeding up to it has to begin.
+    /// Returns a plan that passes the target with `pass`, or that ends where the acceleration to `pass` has to begin.
     fn plan_passage(&self, from: Motion, target: Position, limits: &Limits, pass: f64) -> Plan {
         let cycle_ns = self.setup.cycle_ns;
         if pass.abs() <= limits.velocity {
@@ -277,9 +278,9 @@ impl Axis {
         profile::to_pass(from, target - way, own, limits, cycle_ns)
     }
 
-    /// The velocity with which the active goal passes its target into the next one; 0 where it has to stop.
+    /// Returns the velocity with which the active goal passes its target into the next goal; 0 if it has to stop.
     fn passage(&self, from: Motion, target: Position, limits: &Limits, own: f64) -> f64 {
-        // A search has no end to pass, and what was found is met at rest.
+        // A search has no end to pass. The axis stops at the position that it found.
         let Some(next) = self.buffer.first().filter(|_| !self.probes()) else { return 0.0 };
         let at_target = Motion::at_rest(target);
         let cap = self.override_velocity();
@@ -289,7 +290,8 @@ impl Axis {
                 let exact = self.goal.and_then(|goal| goal.target);
                 let exact = exact.filter(|exact| Position::whole(exact.nearest()) == target);
                 let end = self.target(&next.request, next.limits, at_target, exact);
-                // Where the goal before it had no end, its own was not known when it was taken: it will be refused there, at rest.
+                // If the goal before had no end, the end of this goal was unknown when it was accepted. It will be
+                // refused there, at rest.
                 if self.check_target(end, &self.parameters).is_err() {
                     return 0.0;
                 }
@@ -320,7 +322,7 @@ impl Axis {
             let there = Motion { velocity: pass, ..at_target };
             goes_straight(&plan, from.position, target, Position::from_f64(ROUNDING))
                 && match after {
-                    // Its end may be a limit.
+                    // The end may be at a limit.
                     Some(end) => goes_straight(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO),
                     None => self.can_stop(there, &next_limits),
                 }
@@ -339,7 +341,7 @@ impl Axis {
         f64::copysign(good, way)
     }
 
-    /// Is there room to stop from that motion before the limit ahead?
+    /// Whether the axis can stop from that motion before the limit ahead.
     fn can_stop(&self, from: Motion, limits: &Limits) -> bool {
         let up = from.velocity > 0.0;
         let limit = Position::whole(self.limit(up));
@@ -348,7 +350,7 @@ impl Axis {
     }
 }
 
-/// Does the plan stay between its start and the target, but for so much behind it?
+/// Whether the plan stays between its start and the target, with a tolerance of `rounding`.
 fn goes_straight(plan: &Plan, from: Position, target: Position, rounding: Position) -> bool {
     let (low, high) = plan.extent();
     low >= from.min(target) - rounding && high <= from.max(target) + rounding

@@ -1,9 +1,9 @@
-//! The cycle of an axis that only moves.
+//! The reduced cycle of an axis that only moves.
 //!
-//! Law      what a full cycle does, where the rest of a full cycle would find nothing to do
-//! Reads    its plan or its leader, its limits, what its drive tells
-//! Writes   nothing at all, where anything needs more than that: the cycle is a full one then, from its beginning
-//! Refuses  everything that tells something, ends, or comes near a limit
+//! Law      the same result as a full cycle in which only the motion changes
+//! Reads    its plan or its leader, its limits, the data of its drive
+//! Writes   nothing if any other part of the cycle is needed: the cycle then starts again as a full cycle
+//! Refuses  every event, every end of a motion, and motion close to a limit
 
 use super::generator::Coupling;
 use super::{Axis, Generator};
@@ -17,7 +17,7 @@ use crate::table::Table;
 use std::sync::Arc;
 
 impl Axis {
-    /// As [`sense`](Self::sense), where nothing but the motion of the drive can have changed.
+    /// As [`sense`](Self::sense), if only the position and the effort of the drive can have changed.
     #[inline]
     pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
         let Some(input) = input else { return };
@@ -27,7 +27,8 @@ impl Axis {
         }
     }
 
-    /// As [`begin_step`](Self::begin_step) and [`end_step`](Self::end_step), in a cycle without commands; false where it needs all of that.
+    /// As [`begin_step`](Self::begin_step) and [`end_step`](Self::end_step), in a cycle without commands. Returns false
+    /// if a full cycle is needed.
     #[inline]
     pub fn step_calmly(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> bool {
         let goes_on = self.go_on(cycle, leads, tables).is_some();
@@ -83,7 +84,7 @@ impl Axis {
         Some(())
     }
 
-    /// The motion of a slave that stays on its leader.
+    /// Returns the motion of a slave that is synchronized with its leader.
     #[inline]
     fn follow_calmly(&mut self, lead: Lead, (change, behind): (Position, impl Stepped)) -> Option<Motion> {
         let rule = self.parameters.reversing().rule;
@@ -94,10 +95,10 @@ impl Axis {
         Some(following.motion)
     }
 
-    /// May it go on with `next`, which nobody has to stop or to turn, and from where it is?
+    /// Whether the axis may continue with `next`: the motion needs no stop or reversal, and starts inside the limits.
     #[inline]
     fn may_go_on(&self, next: Motion, is_watched: bool) -> bool {
-        // NaN leads nowhere.
+        // False for NaN.
         let leads_on = next.velocity >= 0.0
             || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == Rule::Always);
         leads_on
@@ -106,7 +107,8 @@ impl Axis {
             && (!is_watched || self.is_far_from_limits(next))
     }
 
-    /// Is it within the limits, by the whole increment below it? The upper limit itself is not.
+    /// Whether the position, rounded down to a whole increment, is inside the limits. The upper limit itself is
+    /// outside.
     #[inline]
     fn is_inside(&self, place: Position) -> bool {
         let limits = &self.parameters.derived;

@@ -1,10 +1,11 @@
-//! An axis on a cam of `~/synchronize`: how it comes onto it, and its end.
+//! An axis on a cam of `~/synchronize`: start and end of the cam.
 //!
-//! Law      absolute: master and slave are where the table says, from the first cycle on; the slave is there already, to SYNCACCURACY.
-//!          relative: the table begins where both are. ramp-in: as absolute, and the slave is led there as a coupling catches up.
-//!          A cam that is not cyclic ends its goal at its end, where the slave rests or goes on as it was to
+//! Law      absolute: master and slave are at the positions of the table from the first cycle on; the slave must
+//!          already be there, within SYNCACCURACY. Relative: the table begins at the present positions. Ramp-in: as
+//!          absolute, but the slave catches up like a coupling. A cam that is not cyclic ends its goal at its end,
+//!          where the slave rests, or continues if the goal requires that
 //! Reads    the tables, the lead
-//! Refuses  a table that is no cam, a master behind its end, absolute where the slave is elsewhere
+//! Refuses  a table that is no cam, a master beyond its end, absolute if the slave is elsewhere
 //! Source   contract section 10, PLCopen (MC_CamIn, MC_CamOut)
 
 use super::course::Aim;
@@ -25,7 +26,7 @@ use crate::table::{CamError, Table};
 use crate::vocabulary::CamPoint;
 use std::sync::Arc;
 
-/// A table that is no cam, as a refusal.
+/// Returns the refusal for a table that is no cam.
 pub fn no_cam(table: u16, error: CamError) -> Refusal {
     let count = |number: usize| Number::Count(number as i64);
     let (code, asked, limit) = match error {
@@ -41,12 +42,12 @@ pub fn no_cam(table: u16, error: CamError) -> Refusal {
 }
 
 impl Axis {
-    /// The table of the cam that it is on.
+    /// Returns the table of the active cam.
     pub fn cam_table(&self) -> Option<u16> {
         self.coupling()?.follower.transmission().cam().map(Cam::table)
     }
 
-    /// The cam of a request, and how far the slave is to go from `stands` to be on it.
+    /// Returns the cam of a request, and the distance of the slave from `stands` to the cam.
     pub(super) fn cam_of(
         &self,
         tables: &[Arc<Table>],
@@ -87,7 +88,7 @@ impl Axis {
         Ok((cam, way))
     }
 
-    /// The cam that an order starts (AMC-SEL-03).
+    /// Returns the cam that an order starts (AMC-SEL-03).
     pub(super) fn ordered_cam(&self, tables: &[Arc<Table>], from: CamPoint) -> Result<Cam, Refusal> {
         let unknown = || self.refuse(Code::BAD_REQUEST);
         let table = tables.get(usize::from(from.table)).ok_or_else(unknown)?;
@@ -100,17 +101,17 @@ impl Axis {
         Cam::new(from.table, (Ratio::ONE, Ratio::ONE), place, tables).ok_or_else(unknown)
     }
 
-    /// From `now` to `place`; the shorter way where it has a turn.
+    /// Returns the distance from `now` to `place`; the shorter one for an axis with modulo.
     fn shortest(&self, place: Position, now: Position) -> Position {
         let target = |modulo: crate::modulo::Modulo| modulo.target(place, now, now, Direction::Shortest, 0.0);
         self.setup.modulo.map_or(place, target) - now
     }
 
-    /// Ends the goal of a cam that has come to its end, once the slave is there and rests, or goes on from there.
+    /// Ends the goal of a cam at the end of the table, once the slave is there and rests, or continues from there.
     pub(super) fn end_cam(&mut self, cx: &mut Context<'_>) {
         let Generator::Follow(Coupling { disengage, follower, leader, .. }) = &self.generator else { return };
         let Some(cam) = follower.transmission().cam() else { return };
-        // One that the selector started holds its slave there.
+        // A cam started by the selector holds its slave there.
         if !cam.has_ended(cx.tables) || self.goal.is_none() {
             return;
         }
@@ -128,7 +129,7 @@ impl Axis {
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else if self.command.velocity == 0.0 && (is_there || is_barred) {
             if let Some(goal) = self.goal.as_mut().filter(|_| !is_there) {
-                // It may not go back to the end.
+                // It must not move backwards to the end.
                 goal.ending = Some(Code::REVERSE_FORBIDDEN);
             }
             self.brake_to_rest(cx, &limits);

@@ -1,13 +1,14 @@
-//! Marks of the master, or of the slave, of a cam (SYNCCMM, SYNCCMS).
+//! Registration marks of the master, or of the slave, of a cam (SYNCCMM, SYNCCMS).
 //!
-//! Law      a sensor lies SYNCMPULSM before the place where a period of the cam begins, on the way of its master, or SYNCMPULSS on that of its slave; what
-//!          it sees is one side, where the cam itself has so far to go is the other: both are brought together as marks of two sides are. Marks of the master move
-//!          the master of the cam, marks of the slave the slave. Their distance is a period of the cam. A sensor that is further away
-//!          than a period tells of a later one: its marks wait for all whole periods but the last (the FIFO of MACS-MARK-03).
-//!          SYNCMSTART 2000: the master counts from its first mark on
-//! Reads    the cam, as it stands before this cycle's step
-//! Refuses  cams that are not cyclic, whose period is not of whole increments, or that do not feed where their slave has the marks; sensors more than
-//!          8 periods away
+//! Law      the sensor is SYNCMPULSM before the start of a period of the cam on the path of the master, or SYNCMPULSS
+//!          on that of the slave. Its marks are one side; the start of each period of the cam is a mark of the other
+//!          side. Both sides are matched as in marker synchronization. Marks of the master correct the master of the
+//!          cam, marks of the slave correct the slave. The distance of marks is a period of the cam. If the sensor is
+//!          more than one period away, its marks belong to later periods and wait for all whole periods but the last
+//!          (the FIFO of MACS-MARK-03). SYNCMSTART 2000: the master counts from its first mark on
+//! Reads    the cam before the step of this cycle
+//! Refuses  cams that are not cyclic, with a period of not whole increments, or without feed for marks of the slave;
+//!          sensors more than 8 periods away
 //! Source   MACS-SYNC-01, MACS-MARK-03, -04, -07, -14, MACS-CMD-13, -14
 
 use super::marker::{MarkPath, Seen, Sides};
@@ -24,37 +25,37 @@ use crate::table::{CamShape, Table};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Marks that wait, and periods that a sensor may be away.
+/// Largest number of waiting marks, and of periods between sensor and cam.
 const MOST_WAITING: usize = 8;
 
-/// What a coupling by marks of a cam keeps.
+/// State of a coupling by marks of a cam.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct CamMarks {
-    /// Ways since marks that wait for their period, the oldest first.
+    /// Travel since each mark that waits for its period, the oldest first.
     waiting: [Position; MOST_WAITING],
     count: u8,
-    /// The side of the cam in the cycle before.
+    /// Position of the side of the cam in the cycle before.
     seen: Option<Seat>,
-    /// Its period (inc); 0 before the first cycle.
+    /// Period of the cam (inc); 0 before the first cycle.
     period: i64,
-    /// What was added to the master in the cycle before.
+    /// Correction of the master in the cycle before.
     pub given: Position,
-    /// The master does not count yet.
+    /// Whether the master still waits for its first mark.
     pub holds: bool,
 }
 
-/// Where the side of a cam is in its period.
+/// Position of the side of a cam in its period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Seat {
-    /// Behind the place of its own mark, 0 to a period (inc).
+    /// Distance after its own mark, from 0 to a period (inc).
     past: f64,
-    /// Period, and how far the sensor is away (inc).
+    /// Period, and distance of the sensor (inc).
     by: (i64, i64),
 }
 
 impl Seat {
-    /// How far behind its own mark the side is that has come here from `before` by so much (inc), if it has passed that on the way. Each is passed
-    /// once, whatever rounding leaves of the ways.
+    /// Returns the distance after the mark of the cam (inc) if the side has passed that mark in moving by `change` from
+    /// `before`. Each mark is passed once, whatever the rounding of the distances.
     fn passed(self, before: Option<Self>, change: f64) -> Option<Position> {
         let period = self.by.0 as f64;
         let before = before.filter(|before| before.by == self.by)?;
@@ -64,15 +65,15 @@ impl Seat {
     }
 }
 
-/// What a cam is in this cycle to those who bring marks together with it.
+/// The cam in this cycle as one of the two sides of marker synchronization.
 #[derive(Clone, Copy, Debug)]
 struct CamSide {
-    /// Marks come so far apart (inc of their side).
+    /// Distance between marks (inc of their side).
     period: i64,
-    /// How far a mark waits for its period (inc), along `sense`, 1 or -1.
+    /// Distance by which a mark waits for its period (inc), in direction `sense`, 1 or -1.
     wait: i64,
     sense: f64,
-    /// How the side of the cam moves, and where its own mark was in this cycle, if one was.
+    /// Motion of the side of the cam, and the position of its own mark if it was passed in this cycle.
     change: Position,
     mark: Option<Position>,
 }
@@ -82,7 +83,8 @@ impl CamMarks {
         Self { holds: start == FROM_MARK, ..Self::default() }
     }
 
-    /// Marks of a side that moves by `change`, each behind its wait, and how many have found no room. One that has gone back over its sensor waits no more.
+    /// Returns the marks of a side that moves by `change`, each after its waiting distance, and the number of marks for
+    /// which there was no room. A mark that has moved back across its sensor is dropped.
     fn delayed(&mut self, mut seen: Seen, change: Position, side: &CamSide, now_ns: u64) -> (Seen, u32) {
         let wait = Position::whole(side.wait);
         if wait == Position::ZERO {
@@ -111,12 +113,12 @@ impl CamMarks {
         (passed, lost)
     }
 
-    /// The period of the cam (inc), once it is known.
+    /// Returns the period of the cam (inc) if it is known.
     pub(super) fn period(&self) -> Option<i64> {
         Some(self.period).filter(|period| *period > 0)
     }
 
-    /// Nothing is known of the cam any more.
+    /// Forgets the position and the waiting marks.
     pub(super) fn forget(&mut self) {
         (self.count, self.seen) = (0, None);
     }
@@ -129,13 +131,13 @@ impl CamMarks {
     }
 }
 
-/// Whole periods but the last that a sensor is away (inc).
+/// Returns the distance of the sensor in whole periods without the last one (inc).
 fn wait_of(distance: i64, period: i64) -> i64 {
     if period <= 0 || distance <= 0 { 0 } else { (distance - 1) / period * period }
 }
 
 impl Axis {
-    /// May marks of that side correct a cam, from where it begins?
+    /// Checks whether marks of that side can correct a cam from its start on.
     pub(super) fn check_cam_marks(
         &self,
         mode: SyncMode,
@@ -161,7 +163,7 @@ impl Axis {
         Ok(())
     }
 
-    /// The period that marks of that side go by (inc).
+    /// Returns the distance between marks of that side (inc).
     fn check_periods(&self, mode: SyncMode, periods: Periods) -> Result<u64, Refusal> {
         let period = if mode == SyncMode::SlaveMarker { periods.slave } else { periods.master };
         match period.map(i64::unsigned_abs) {
@@ -171,10 +173,10 @@ impl Axis {
         }
     }
 
-    /// May the table of its cam become one of that shape, as far as its marks go?
+    /// Checks whether the table of the cam may change to that shape with respect to marks.
     ///
     /// # Errors
-    /// They would have no period.
+    /// The marks would have no period.
     pub fn check_marks_on(&self, shape: CamShape) -> Result<(), Refusal> {
         let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Ok(()) };
         let mode = follower.mode();
@@ -184,13 +186,13 @@ impl Axis {
         }
     }
 
-    /// A cam that counts from the first mark of its master on stands where that has its sensor.
+    /// Returns the cam moved back to the sensor if it counts from the first mark of its master.
     pub(super) fn cam_before_mark(&self, mode: SyncMode, cam: Cam, tables: &[Arc<Table>]) -> Cam {
         let from_mark = mode == SyncMode::MasterMarker && self.parameters.marks.start == FROM_MARK;
         if from_mark { cam.moved_back(Position::whole(self.parameters.sync.mark_distance), tables) } else { cam }
     }
 
-    /// The side of the cam, whose master moves by `change` in this cycle.
+    /// Returns the side of the cam whose master moves by `change` in this cycle.
     fn cam_side(&self, path: &mut MarkPath, change: Position, tables: &[Arc<Table>]) -> Option<CamSide> {
         let cam = self.coupling()?.follower.transmission().cam()?;
         let Periods { master, slave } = cam.periods(tables);
@@ -211,7 +213,7 @@ impl Axis {
         Some(CamSide { period, wait: wait_of(distance, period), sense: sense as f64, change: way, mark })
     }
 
-    /// Both sides of a coupling by marks of a cam, whose master moves by `passed_on` in this cycle.
+    /// Returns both sides of a coupling by marks of a cam whose master moves by `passed_on` in this cycle.
     pub(super) fn sides_of_cam(
         &self,
         cx: &Context<'_>,
@@ -236,7 +238,8 @@ impl Axis {
         Some(Sides { seen, changes, lost, sync, marks, ratio: 1.0 })
     }
 
-    /// The parameters with which marks of a cam are judged: their distance is its period, that of the cam itself is always met, and each is one of one.
+    /// Returns the parameters for checking the marks of a cam: their distance is its period, the mark of the cam itself
+    /// is always inside the window, and every mark is used.
     fn judged_by_cam(&self, path: &MarkPath, period: i64) -> (Synchronization, Marks) {
         let sync = Synchronization { mark_distance: period, ..self.parameters.sync };
         let marks =
@@ -254,7 +257,9 @@ impl Axis {
 mod tests {
     use super::*;
 
-    /// Periods of 1000 inc: a sensor 300 or 1000 before tells of the next period, one 1001 or 2500 before of a later one.
+    /// Periods of 1000 inc: the marks of a sensor 300 or 1000 inc ahead belong to the next period, of one 1001 or 2500
+    /// inc ahead to a later one.
+    ///
     /// Proves: MACS-MARK-03
     #[test]
     fn a_sensor_further_away_than_a_period_waits() {
@@ -263,7 +268,7 @@ mod tests {
         assert_eq!(wait_of(5, 0), 0);
     }
 
-    /// From seat to seat, forwards and back, also where the ways are rounded: each place is passed once.
+    /// Forward and backward, also with rounded distances, each mark is passed once.
     #[test]
     fn a_place_is_passed_once_from_either_side() {
         let seat = |value: f64| Seat { past: value.rem_euclid(1_000.0), by: (1_000, 300) };
@@ -276,11 +281,11 @@ mod tests {
             (at(-3.0), None, at(-2.0))
         );
         assert_eq!(passed(7.0, -3.0), at(-3.0));
-        // A count is 3 inc of the table, rounded down: in the cycle of the mark it is just before it.
+        // A count is 3 inc of the table, rounded down: in the cycle of the mark the position is just before it.
         let short = 1_000.0 - 4.7e-10;
         assert_eq!(seat(short).passed(Some(seat(999.0)), 1.0), None);
         assert!(seat(short + 1.0).passed(Some(seat(short)), 1.0).is_some());
-        // What was measured otherwise says nothing.
+        // A position measured with another period or sensor distance does not count.
         assert_eq!(seat(3.0).passed(Some(Seat { by: (1_000, 0), ..seat(993.0) }), 10.0), None);
         assert_eq!(seat(3.0).passed(None, 10.0), None);
     }

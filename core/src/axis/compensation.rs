@@ -1,13 +1,16 @@
-//! What is between motor and load: pitch error and backlash of a screw, taken up by the motor so that the load is where it is asked to be.
+//! Compensation of pitch errors and backlash between motor and load, so that the load is at the commanded position.
 //!
-//! Law      counts = place of the load + c; c = pitch error(place) + gap, where the gap is 0 in the sense in which the reference was found, and
-//!          the backlash against it in the other one. The place is that of the command while the axis is on, in the coordinate of its own
-//!          zero, in the sense of the encoder. c follows that by compensation.velocity at most, in whole increments, from 0 where the axis
-//!          knows no zero; while it looks for one, while its brake is closed under power, and while OUTAN holds its position loop open, c stays what it is. The drive is asked for
-//!          command + c; off the counts is taken the c that they answer, 1 + delay cycles old, so that taking up is no motion of the axis.
-//!          A new zero is one of the motor: c is 0 there
-//! Reads    the command, whether the zero is known, the table of pitch errors, compensation.backlash, compensation.velocity
-//! Writes   what the drive is asked for beside the command, what is taken off its counts
+//! Law      counts = position of the load + c. c = pitch error(position) + gap; the gap is 0 in the direction in which
+//!          the reference was found, and the backlash against it in the other direction. The position is the command
+//!          while the axis is on, in the coordinate of the own zero of the axis and in the direction of the encoder. c
+//!          follows this value with at most compensation.velocity, in whole increments, and starts at 0 while the axis
+//!          has no reference. c stays unchanged during homing, while the brake is closed under power, and while OUTAN
+//!          opens the position loop. The drive gets command + c. The c to which the counts respond, 1 + delay cycles
+//!          old, is subtracted from the counts, so that compensation is no motion of the axis. A new zero is one of the
+//!          motor: c is 0 there
+//! Reads    the command, whether the axis is referenced, the table of pitch errors, compensation.backlash,
+//!          compensation.velocity
+//! Writes   the value added to the command of the drive, and the value subtracted from its counts
 //! Refuses  nothing: a table that is no pitch error was refused before
 //! Source   WF-INC-04, docs/compensation.md
 
@@ -22,8 +25,8 @@ use std::sync::Arc;
 const _: () = assert!(MAX_DELAY as usize + 1 == PAST, "a ring holds the cycles of the longest delay");
 
 impl Axis {
-    /// Takes off the counts, of which this cycle's are about to be read, what they answer of the compensation; returns how far the load
-    /// moves beside its counts (inc, in the sense of the encoder).
+    /// Subtracts from the counts, before those of this cycle are read, the compensation that they contain. Returns the
+    /// motion of the load in addition to its counts (inc, in the direction of the encoder).
     pub(super) fn take_compensation(&mut self) -> i64 {
         if self.compensation.is_idle() {
             return 0;
@@ -31,7 +34,7 @@ impl Axis {
         let by = self.compensation.answer().saturating_neg();
         if by != 0 {
             self.counter.shift(by);
-            // The marks of a simulated encoder are those of the command.
+            // The index pulses of a simulated encoder follow the command.
             if !self.is_simulated() {
                 self.shift_pulses(by);
             }
@@ -39,7 +42,7 @@ impl Axis {
         by
     }
 
-    /// The load has moved by so much beside its counts (inc, in the sense of the encoder).
+    /// Adds a motion of the load to that of its counts (inc, in the direction of the encoder).
     pub(super) fn move_beside_counts(&mut self, by: i64) {
         if by != 0 {
             self.actual.change += Position::whole(self.turn_counts(by));
@@ -47,20 +50,20 @@ impl Axis {
         }
     }
 
-    /// Place of its pitch error among the tables.
+    /// Returns the index of the table of pitch errors.
     pub fn pitch_error(&self) -> Option<u16> {
         self.setup.pitch_error
     }
 
-    /// Can a table be its pitch error?
+    /// Checks whether a table can be the pitch error of this axis.
     ///
     /// # Errors
-    /// What keeps it from being one.
+    /// The reason why it cannot.
     pub fn check_pitch_error(&self, table: &Table) -> Result<(), PitchError> {
         table.check_pitch(self.setup.modulo.map(Modulo::length))
     }
 
-    /// One cycle of what the drive is asked for beside the command.
+    /// Advances the compensation by one cycle.
     pub(super) fn compensate(&mut self, tables: &[Arc<Table>]) {
         let p = self.parameters.compensation;
         let pitch = self.setup.pitch_error.and_then(|place| tables.get(usize::from(place)));
@@ -74,9 +77,9 @@ impl Axis {
             self.compensation.begin_at(place);
         }
         self.compensation.note_place(place, is_own);
-        // A motor does not turn against its brake, nor while that opens or closes.
+        // The motor must not turn against its brake, nor while the brake opens or closes.
         let is_held = is_own && self.is_braked() || matches!(self.power, Power::Opening { .. } | Power::Closing { .. });
-        // Nor does anything lead it while its position loop is open.
+        // Nothing moves the motor to a new compensation while its position loop is open.
         let is_held = is_held || self.out_an().is_some();
         let target = if self.homing.is_running() || is_held {
             self.compensation.asked()
@@ -87,7 +90,8 @@ impl Axis {
             let place = self.setup.modulo.map_or(place, within);
             let target =
                 pitch.map_or(0, |table| table.pitch_at(place, turn)).saturating_add(self.compensation.gap(p.backlash));
-            // The place of an axis that is off follows from what is taken up: one increment would chase itself.
+            // The position of an axis without power depends on the compensation: a change of one increment could repeat
+            // for ever.
             let asked = self.compensation.asked();
             if !is_own && target.abs_diff(asked) <= 1 { asked } else { target }
         } else {
@@ -97,19 +101,19 @@ impl Axis {
         self.compensation.step(target, most, is_wanted);
     }
 
-    /// A zero is found: with it c is 0. `way`: the sense of the last approach, in that of the axis; 0 where there was none, so that the
-    /// sense of the last motion counts. `is_own`: the axis went there by its command.
+    /// Sets c to 0 at a new reference. `way`: direction of the last approach in that of the axis; with 0 the direction
+    /// of the last motion counts. `is_own`: whether the axis moved there by its command.
     pub(super) fn compensate_from_zero(&mut self, way: i8, is_own: bool) {
         let way = self.turn_counts(way.into()).signum() as i8;
         self.compensation.begin_from_zero(way, is_own);
     }
 
-    /// Is the load where its counts say? Else the motor is on its way there.
+    /// Whether compensation is complete. Otherwise the motor is still moving to the compensated position.
     pub(super) fn has_taken_up(&self) -> bool {
         self.compensation.is_idle() || self.compensation.is_settled()
     }
 
-    /// How far the motor has turned in this cycle (inc, in the user's sense).
+    /// Returns the motion of the motor in this cycle (inc, in the direction of the axis).
     pub(super) fn motor_change(&self) -> Position {
         if self.compensation.is_idle() {
             return self.actual.change;
@@ -117,7 +121,7 @@ impl Axis {
         self.actual.change + Position::whole(self.turn_counts(self.compensation.change()))
     }
 
-    /// What the drive is asked for beside the command, in the user's sense (inc).
+    /// Returns the value added to the command of the drive (inc, in the direction of the axis).
     pub(super) fn compensated(&self) -> i64 {
         self.turn_counts(self.compensation.asked())
     }

@@ -1,13 +1,14 @@
-//! What becomes of a master's motion before the gear of an axis, and what comes beside it.
+//! Processing of the master motion before the gear of an axis, and motions added to the slave.
 //!
-//! Law      in this order: backward motion is stored, and goes before further forward motion (SYNCTYPE 4). The velocity is filtered
-//!          (SYNCVFTIME). An offset is a way of the master that is added, at once or as a trapezoid (SYNCPOSOFFS, SYNCOFFTIME): the gear
-//!          makes of it what it makes of any motion, so that an offset taken back leaves nothing. What the rule of reversing has kept a
-//!          slave from is worked off by the same trapezoid, geared. The slave is led ahead by a share of its velocity (SYNCFFVEL).
-//!          But for the filter in modes that keep no position of the master, no increment is lost on these ways: what one gives up while it is
-//!          switched off in motion comes at once
-//! Reads    the parameters of synchronization; SYNCTYPE as the coupling began
-//! Refuses  nothing: its axis follows within its limits
+//! Law      in this order: backward motion is stored, and later forward motion first makes up for it (SYNCTYPE 4). The
+//!          velocity is filtered (SYNCVFTIME). An offset is added to the motion of the master, at once or as a
+//!          trapezoid (SYNCPOSOFFS, SYNCOFFTIME). The gear treats it as any motion of the master, so that an offset
+//!          that is removed again leaves no error. A distance that the slave could not move because of REVERS is made
+//!          up by the same trapezoid, geared. The slave leads by a share of its velocity (SYNCFFVEL). No increment is
+//!          lost, except in the filter in modes that keep no position of the master. If a function is switched off in
+//!          motion, the distance that it holds is added at once
+//! Reads    the parameters of synchronization; SYNCTYPE at the start of the coupling
+//! Refuses  nothing: the axis follows within its limits
 //! Source   MACS-SYNC-05, -08 to -15, MACS-DIR-07, A-30, A-57
 
 use super::marker::MarkPath;
@@ -21,52 +22,52 @@ use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
-/// Time over which the velocity of a counted master is smoothed for the band (ms).
+/// Time over which the velocity of a counted master is smoothed for the velocity band (ms).
 const MEAN_TIME: f64 = 64.0;
-/// Cycles without the rule of reversing before it is told again.
+/// Cycles without prevented backward motion before it is reported again.
 const SILENCE: u16 = 250;
 
-/// What an axis follows in a cycle.
+/// The input of the follower in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Conditioned {
     pub lead: Lead,
     pub beside: Beside,
 }
 
-/// What a coupling keeps of its master's motion.
+/// State of the processing of the master motion.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Conditioning {
-    /// Backward motion is stored.
+    /// Whether backward motion is stored.
     keeps_backward: bool,
-    /// What is stored (inc of the master), never below 0.
+    /// Stored backward motion (inc of the master), never below 0.
     backward: Position,
-    /// While there is one.
+    /// Filter of the master, if in use.
     filter: Option<MasterFilter>,
-    /// The offset that the slave has, or is on its way to (inc of the master).
+    /// Offset that the slave has, or moves to (inc of the master).
     offset: i64,
-    /// That way.
+    /// The motion to this offset.
     shift: Option<Shift>,
-    /// The way on which a slave makes up for what the rule has kept it from.
+    /// The motion by which a slave makes up for prevented backward motion.
     pub(super) late: Option<Shift>,
-    /// Its increments per increment of what SYNCOFFTIME is for.
+    /// Increments of this motion per increment to which SYNCOFFTIME applies.
     pub(super) late_slope: f64,
-    /// It is what the rule has kept it from, and no correction for marks.
+    /// Whether the distance comes from prevented backward motion, not from a correction by marks.
     by_rule: bool,
-    /// Cycles until the rule is told again once it keeps the slave from something.
+    /// Cycles until prevented backward motion is reported again.
     silent: u16,
-    /// The master's geared velocity for the band (inc per cycle), smoothed.
+    /// Smoothed geared velocity of the master for the velocity band (inc per cycle).
     mean: Option<f64>,
-    /// Of a coupling by marks.
+    /// State of a coupling by marks.
     pub(super) marks: Option<MarkPath>,
 }
 
 impl Conditioning {
-    /// That of a coupling that begins.
+    /// Returns the state for a coupling that begins.
     fn begin(sync: &Synchronization, marks: Option<MarkPath>) -> Self {
         Self { keeps_backward: sync.keeps_backward(), marks, ..Self::default() }
     }
 
-    /// The offset that the slave has, or is on its way to (inc of the master).
+    /// Returns the offset that the slave has, or moves to (inc of the master).
     pub(super) fn offset_given(&self) -> i64 {
         self.offset
     }
@@ -82,29 +83,29 @@ impl Conditioning {
             && shifts.into_iter().all(|shift| shift.is_none_or(|shift| shift.is_sound()))
     }
 
-    /// The filter of its master, while there is one.
+    /// Returns the filter of the master if in use.
     pub(super) fn filter(&self) -> Option<MasterFilter> {
         self.filter
     }
 
-    /// Goes on with the filter of the coupling before.
+    /// Continues with the filter of the coupling before.
     pub(super) fn go_on_with(&mut self, filter: Option<MasterFilter>) {
         self.filter = filter;
     }
 
-    /// What is left of a shift of the master.
+    /// Returns the remaining shift of the master.
     pub(super) fn shift_left(&self) -> Position {
         self.shift.map_or(Position::ZERO, |shift| shift.left())
     }
 
-    /// Shifts the master by so much more.
+    /// Shifts the master by a further distance.
     pub(super) fn shift_master(&mut self, way: Position, rates: OffsetRates, cycle_s: f64) {
         if way != Position::ZERO {
             self.shift = Some(shift(self.shift_left() + way, rates, cycle_s, self.shift.as_ref()));
         }
     }
 
-    /// Is there nothing that it has to give?
+    /// Whether there is nothing left to add.
     fn is_empty(&self) -> bool {
         self.backward == Position::ZERO
             && self.filter.is_none()
@@ -114,7 +115,8 @@ impl Conditioning {
             && self.silent == 0
     }
 
-    /// What is left of a change when backward motion is stored; a turned master goes backwards where it counts up.
+    /// Returns the rest of a change after backward motion is stored. With a negative ratio the master moves backward
+    /// while it counts up.
     fn store(&mut self, change: Position, is_turned: bool) -> Position {
         let turn = |way: Position| if is_turned { -way } else { way };
         let forwards = turn(change);
@@ -129,7 +131,8 @@ impl Conditioning {
         turn(goes_on)
     }
 
-    /// The band in which the slave stays while it catches up, with a velocity of its master (geared, inc per cycle) that may be one of single counts.
+    /// Returns the velocity band of a slave that catches up, from the velocity of its master (geared, inc per cycle),
+    /// which may come from single counts.
     fn band(&mut self, share: i64, velocity: f64, is_uneven: bool, cycle_s: f64) -> Option<Band> {
         if share == 0 {
             self.mean = None;
@@ -142,13 +145,14 @@ impl Conditioning {
         Some(Band { velocity: mean, share: share as f64 / 100.0 })
     }
 
-    /// The rates of now, by which all is worked off; none: at once. For the marks of a cam SYNCOFFTIME is the time of its period.
+    /// Returns the present rates for all corrections. None: at once. For the marks of a cam SYNCOFFTIME is the time of
+    /// its period.
     fn rates(&self, sync: &Synchronization, is_gear: bool) -> Option<OffsetRates> {
         let period = self.marks.as_ref().and_then(|marks| marks.cam.period()).filter(|_| !is_gear);
         Synchronization { mark_distance: period.unwrap_or(sync.mark_distance), ..*sync }.offset_rates()
     }
 
-    /// What is under way goes on with these rates.
+    /// Continues active corrections with these rates.
     fn go_on_at(&mut self, rates: OffsetRates, cycle_s: f64) {
         let OffsetRates { velocity, acceleration } = rates;
         let slope = self.late_slope;
@@ -156,7 +160,7 @@ impl Conditioning {
         self.late = self.late.map(|late| late.at_rates(velocity * slope, acceleration * slope, cycle_s));
     }
 
-    /// What a new offset, or one under way, adds to the master's change.
+    /// Returns what a new or active offset adds to the change of the master.
     fn step_offset(&mut self, wanted: i64, rates: Option<OffsetRates>, cycle_s: f64, most: f64) -> Position {
         let mut way = Position::ZERO;
         if wanted != self.offset {
@@ -176,7 +180,7 @@ pub(super) fn shift(whole: Position, rates: OffsetRates, cycle_s: f64, before: O
     Shift::new(whole, rates.velocity, rates.acceleration, cycle_s, before)
 }
 
-/// One cycle of a shift, no faster than `most`, which is over at its end.
+/// Advances a shift by one cycle, at most by `most`, and removes it at its end.
 fn step(shift: &mut Option<Shift>, most: f64) -> Position {
     let Some(under_way) = shift else { return Position::ZERO };
     let (way, has_ended) = under_way.step_within(most);
@@ -186,18 +190,18 @@ fn step(shift: &mut Option<Shift>, most: f64) -> Position {
     way
 }
 
-/// The same; without rates all of it at once.
+/// As [`step`], but without rates all at once.
 fn give(shift: &mut Option<Shift>, rates: Option<OffsetRates>, most: f64) -> Position {
     if rates.is_some() { step(shift, most) } else { shift.take().map_or(Position::ZERO, |shift| shift.left()) }
 }
 
 impl Axis {
-    /// Is it coupled as parameters of MACS say?
+    /// Whether the coupling is one to which the parameters of MACS apply.
     fn conditions(&self) -> bool {
         self.owner == Owner::Native && matches!(self.reference, Reference::Gear | Reference::Cam)
     }
 
-    /// Does anything come between its master and its gear, or beside?
+    /// Whether the motion of the master is changed before the gear, or a motion is added to the slave.
     pub(super) fn is_conditioned(&self) -> bool {
         let Some(follower) = self.coupling().map(|coupling| &coupling.follower).filter(|_| self.conditions()) else {
             return false;
@@ -212,7 +216,7 @@ impl Axis {
             || !self.conditioning.is_empty()
     }
 
-    /// How parameters ask for its master to be filtered, in a gear; none: it is not.
+    /// Returns the filter settings for the master of a gear. None: no filter.
     fn filtering(&self, follower: &Follower) -> Option<Filtering> {
         let mode = follower.mode();
         let tau = self.parameters.master_tau(mode.keeps_position())?;
@@ -225,13 +229,13 @@ impl Axis {
         is_gear.then_some(Filtering { tau, keeps, limit: self.parameters.sync.filter_limit as f64 })
     }
 
-    /// The tau in force of the filter of its master (us); 0 without a filter.
+    /// Returns the active time constant of the filter of the master (us); 0 without a filter.
     pub(super) fn filter_tau(&self) -> f64 {
         let (Some(filter), Some(coupling)) = (&self.conditioning.filter, self.coupling()) else { return 0.0 };
         self.filtering(&coupling.follower).map_or(0.0, |filtering| filter.tau(&filtering))
     }
 
-    /// What the slave follows in this cycle, and what comes beside.
+    /// Returns the motion that the slave follows in this cycle, and the motions added to it.
     pub(super) fn condition(&mut self, cx: &mut Context<'_>, lead: Lead) -> Conditioned {
         let Some(coupling) = self.coupling().filter(|_| self.conditions()) else {
             return Conditioned { lead, ..Conditioned::default() };
@@ -252,9 +256,9 @@ impl Axis {
             next.change = state.store(next.change, is_turned);
         }
         let passed_on = next.change;
-        // Of a master that goes backwards, and is not followed, it has none.
+        // A master whose backward motion is stored, and not followed, has no velocity.
         let velocity = if state.keeps_backward { passed_on.to_f64() } else { lead.velocity * cycle_s };
-        // What a filter gives up is no motion of the master in this cycle.
+        // The distance that a filter releases is no motion of the master in this cycle.
         let mut owed = Position::ZERO;
         if let Some(filtering) = filtering {
             let cycle_us = cycle_s * 1e6;
@@ -272,7 +276,7 @@ impl Axis {
             state.go_on_at(rates, cycle_s);
         }
         let band = state.band(sync.velocity_band, velocity * slope, lead.uneven > 0.0, cycle_s);
-        // What comes beside leaves the velocity of the master by no more than the band has, and is no faster than the goal.
+        // Added motions must keep the velocity band, and the sum must not exceed the velocity of the goal.
         let most = band.map_or(f64::INFINITY, |band| {
             (band.velocity * band.share).abs().min((fastest - band.velocity.abs()).max(0.0))
         });
@@ -281,7 +285,7 @@ impl Axis {
         let marks = self.step_marks(cx, (lead, passed_on), tau, most_of_marks).unwrap_or_default();
         let state = &mut self.conditioning;
         if marks.holds {
-            // It counts from there on.
+            // The master counts from there on.
             state.backward = Position::ZERO;
             (next.change, next.uneven) = (marks.master, lead.uneven);
             return Conditioned { lead: next, ..Conditioned::default() };
@@ -293,7 +297,7 @@ impl Axis {
             let wanted = state.marks.as_ref().map_or(sync.offset, |marks| marks.offset(sync.offset));
             added += state.step_offset(wanted, rates, cycle_s, most / slope.abs());
         } else if state.marks.is_some() {
-            // Of the master of a cam.
+            // Corrections of the master of a cam.
             added += give(&mut state.shift, rates, of_master);
         }
         next.change += added;
@@ -306,7 +310,7 @@ impl Axis {
         Conditioned { lead: next, beside }
     }
 
-    /// What the rule of reversing has kept the slave at `position` from, it makes up for in syncofftime, where that is one.
+    /// Makes up for prevented backward motion of the slave at `position` within syncofftime, if that is set.
     pub(super) fn make_up_later(&mut self, position: Position) {
         let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
         let Some(follower) = self.generator.follower_mut() else { return };
@@ -319,32 +323,33 @@ impl Axis {
         let is_gear = follower.transmission().cam().is_none();
         let rates = self.conditioning.rates(&self.parameters.sync, is_gear);
         let Some(OffsetRates { velocity, acceleration }) = rates else { return };
-        // Marks of a slave have its own increments.
+        // Marks of a slave are in its own increments.
         let is_own = follower.mode() == SyncMode::SlaveMarker;
         let slope = if is_own { 1.0 } else { follower.transmission().slope() };
         let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
         let lacked = follower.settle(position);
         let late = &mut self.conditioning.late;
-        // What the rule has taken back of this cycle has not come: the trapezoid begins where the slave lets it.
+        // The part of this cycle that was prevented has not been moved: the trapezoid begins at the actual speed of the
+        // slave.
         let before = late.map(|late| late.held_to(late.speed() - lacked.to_f64()));
         let whole = before.map_or(Position::ZERO, |late| late.left()) + lacked;
-        // One that stands has nothing to make up for.
+        // Nothing is left to make up for.
         *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
         self.conditioning.late_slope = slope;
         self.conditioning.by_rule = late.is_some();
     }
 
-    /// Was it told not long ago that it was kept from going backwards?
+    /// Whether prevented backward motion was reported recently.
     pub(super) fn was_barred(&self) -> bool {
         self.conditioning.silent > 0
     }
 
-    /// Does it make up for what the rule has kept it from?
+    /// Whether the slave makes up for prevented backward motion.
     pub(super) fn is_late(&self) -> bool {
         self.conditioning.by_rule
     }
 
-    /// What of its way the slave lacks beside what its follower knows.
+    /// Returns the distance that the slave lacks in addition to the error of its follower.
     pub(super) fn held_back(&self) -> Position {
         if self.conditioning.is_empty() {
             return Position::ZERO;
@@ -358,7 +363,7 @@ impl Axis {
         Position::from_f64(owed.to_f64() * slope) + late + spread
     }
 
-    /// What was ordered of the slave and is not done yet, but what is spread for marks.
+    /// Returns the commanded distance that the slave has not moved yet, without distances spread for marks.
     pub(super) fn under_way(&self) -> Position {
         let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Position::ZERO };
         let Conditioning { late, shift, .. } = &self.conditioning;
@@ -367,7 +372,7 @@ impl Axis {
         follower.error(self.command.position) + late + Position::from_f64(shift)
     }
 
-    /// What is stored of its master's backward motion, and what its filter lacks (inc of the master).
+    /// Returns the stored backward motion of the master, and the lag of its filter (inc of the master).
     pub(super) fn kept_of_master(&self) -> (Position, Position) {
         let lacked = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.error());
         (self.conditioning.backward, lacked)
@@ -380,17 +385,18 @@ impl Axis {
         self.conditioning = Conditioning::begin(&self.parameters.sync, marks);
     }
 
-    /// Goes on for another gear of the same leader.
+    /// Continues with another gear of the same leader.
     pub(super) fn go_on_conditioning(&mut self) {
         self.conditioning.keeps_backward = self.parameters.sync.keeps_backward();
     }
 
-    /// A pair of places says where the slave is: it has its offset by then, and what is given later shifts it by the difference.
+    /// Treats the offset as already moved: a pair of positions includes it, and a later offset shifts the slave by the
+    /// difference.
     pub(super) fn take_offset_for_given(&mut self) {
         self.conditioning.offset = self.parameters.sync.offset;
     }
 
-    /// Where its coupling is over, nothing is kept.
+    /// Clears the state when the coupling has ended.
     pub(super) fn settle_conditioning(&mut self) {
         if (self.coupling().is_none() || !self.conditions()) && !self.conditioning.is_empty() {
             self.conditioning = Conditioning::default();

@@ -1,8 +1,9 @@
 //! A coupling: an axis follows one of the leads of its machine.
 //!
-//! Law      as a follower does ([`Follower`]); the coupling adds which lead, and what becomes of the axis when the coupling ends
-//! Reads    the lead, this cycle's where the leader stands before the axis in their order
-//! Refuses  ratios that are none, rates beyond the limits, a leader that is lost
+//! Law      as a follower ([`Follower`]); the coupling adds the choice of the lead, and the state of the axis after the
+//!          coupling
+//! Reads    the lead, of this cycle if the leader is before the axis in their order
+//! Refuses  invalid ratios, rates beyond the limits, a leader that is lost
 //! Source   MACS-SYNC-01, -02, -04, PLCopen (MC_GearIn)
 
 use super::conditioning::Conditioned;
@@ -22,7 +23,7 @@ use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{SyncMode, Transmission};
 
 impl Axis {
-    /// Its coupling to a leader, if there is one.
+    /// Returns the coupling to a leader, if there is one.
     #[inline]
     pub(super) fn coupling(&self) -> Option<&Coupling> {
         match &self.generator {
@@ -31,7 +32,7 @@ impl Axis {
         }
     }
 
-    /// What it is coupled to, if anything.
+    /// Returns the leader to which the axis is coupled, if any.
     pub fn leader(&self) -> Option<Leader> {
         self.coupling().map(|coupling| coupling.leader)
     }
@@ -55,7 +56,7 @@ impl Axis {
             return self.wait_to_engage(cx, sequence, (request, leader));
         }
         let led = self.led_ahead(request.mode);
-        // Of the same leader it goes on, with what it owes.
+        // With the same leader the filter continues with the distance that it holds.
         let by_gear = request.mode == SyncMode::Position && request.cam.is_none();
         let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.conditioning.filter());
         let begins = match &request.cam {
@@ -79,7 +80,7 @@ impl Axis {
         Ok(())
     }
 
-    /// A follower that begins at once, by a transmission and an offset of the slave.
+    /// Returns a follower that begins at once, from a transmission and an offset of the slave.
     pub(super) fn follower_of(
         &self,
         request: &Synchronize,
@@ -91,21 +92,21 @@ impl Axis {
         Ok(follower.led_ahead(self.led_ahead(request.mode)))
     }
 
-    /// How far it is led ahead of what it follows, where a coupling in `mode` goes on with that: what it leads itself is then no way to go, and
-    /// where it begins not beside its drive.
+    /// Returns the distance by which the axis leads (SYNCFFVEL), if a coupling in `mode` continues with that. This
+    /// distance is then no motion to make up, and the follower starts at the position of its drive.
     pub(super) fn led_ahead(&self, mode: SyncMode) -> Position {
         let before = self.coupling().filter(|_| mode.keeps_position());
         before.map_or(Position::ZERO, |coupling| coupling.follower.led_by())
     }
 
-    /// The coupling that a request asks for.
+    /// Returns the coupling of a request.
     pub(super) fn coupling_by(&self, leader: Leader, request: &Synchronize, follower: Follower) -> Coupling {
         let (disengage, accuracy) = (request.disengage, self.parameters.sync_accuracy);
         let at_places = matches!(request.engage, Engage::InPosition { .. });
         Coupling { leader, disengage, accuracy, at_places, follower }
     }
 
-    /// What limits the slave of a request.
+    /// Returns the limits of the slave of a request.
     pub(super) fn bounds_of(&self, request: &Synchronize) -> Result<Bounds, Refusal> {
         let p = &self.parameters;
         let velocity =
@@ -129,7 +130,7 @@ impl Axis {
         })
     }
 
-    /// The ratio of a request.
+    /// Returns the ratio of a request.
     pub(super) fn ratio_of(&self, request: &Synchronize) -> Result<Ratio, Refusal> {
         let (numerator, denominator) = (request.numerator, request.denominator);
         if (numerator, denominator) == (0, 0) {
@@ -139,7 +140,7 @@ impl Axis {
             .ok_or_else(|| self.refuse(Code::BAD_RATIO).with(Number::Count(numerator), Number::Count(denominator)))
     }
 
-    /// The ratio of syncfacts to syncfactm; a refusal names the one that makes it none.
+    /// Returns the ratio of syncfacts to syncfactm. A refusal names the parameter that makes it invalid.
     pub(super) fn ratio_of_parameters(&self, p: &AxisParameters) -> Result<Ratio, Refusal> {
         let (slave, master) = (p.sync_slave, p.sync_master);
         Ratio::new(slave, master).ok_or_else(|| {
@@ -150,14 +151,14 @@ impl Axis {
         })
     }
 
-    /// The gear of a request, and the offset of the slave.
+    /// Returns the gear of a request, and the offset of the slave.
     pub(super) fn gear_of(&self, request: &Synchronize) -> Result<(Transmission, Position), Refusal> {
         let ratio = self.ratio_of(request)?;
         let offset = match request.mode {
             SyncMode::Velocity => Position::ZERO,
             _ => request.offset.exact(),
         };
-        // From one gear to the next the remainder passes on.
+        // The remainder passes from one gear to the next.
         let before = self.coupling().map(|coupling| coupling.follower.transmission());
         let gear = match before {
             Some(Transmission::Gear(gear)) => gear.with_ratio(ratio),
@@ -166,7 +167,7 @@ impl Axis {
         Ok((Transmission::Gear(gear), offset))
     }
 
-    /// The motion of this cycle by the leader; none where the coupling is lost, and the axis stops already.
+    /// Returns the motion of this cycle by the leader. None: the coupling is lost, and the axis already stops.
     pub(super) fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
         let (slave, cycle_s, reserve) = (self.underlying(), self.cycle_s(), self.reserve());
         let rule = self.parameters.reversing().rule;
@@ -175,7 +176,7 @@ impl Axis {
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
             let code = if lead.valid { Code::ENCODER_JUMP } else { Code::LEADER_LOST };
-            // The motion of this cycle is not known.
+            // The motion of this cycle is unknown.
             let change = Number::Position(lead.change.floor());
             self.raise(cx, Failure::of(code).with(change, Number::None).before_motion());
             return None;
@@ -206,7 +207,7 @@ impl Axis {
         let was = follower.phase();
         let next = follower.step_beside(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
         let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_barred());
-        // What comes beside was asked for.
+        // Added motions were requested, so they are not reported as a loss of synchronization.
         let is_told = if waits { !self.was_barred() } else { follower.is_overtaken() };
         if was != Phase::CatchingUp && is_lost && is_told {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
@@ -218,7 +219,7 @@ impl Axis {
         Some(next)
     }
 
-    /// Velocity with which a coupled axis goes on alone.
+    /// Returns the velocity with which the axis continues after the coupling.
     pub(super) fn steady_velocity(&self) -> f64 {
         let present = self.command.velocity;
         self.coupling().map_or(present, |coupling| coupling.follower.steady_velocity(present, self.cycle_s()))

@@ -1,47 +1,48 @@
-//! A course: a profile under way, what it is for, and what it may use.
+//! A course is an active planned motion: its profile, its aim and its limits.
 
 use super::{Axis, Context};
 use crate::position::Position;
 use crate::profile::{self, Jerks, Limits, Motion, Plan, Shape};
 use serde::{Deserialize, Serialize};
 
-/// Cycles after which a constant velocity starts from its own place again: f64 stays exact enough for ever.
+/// Cycles after which a motion of constant velocity is planned again from its present position, so that f64 stays exact
+/// enough.
 const REBASE_CYCLES: u64 = 1 << 20;
 
-/// What the rounding of a plan may put a place beyond another one (inc).
+/// Distance by which the rounding of a plan may exceed a position (inc).
 pub(super) const ROUNDING: f64 = 1e-3;
 
-/// What a course is for.
+/// The aim of a course.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Aim {
     /// To this whole increment.
     Target(Position),
-    /// For ever at this velocity (inc/s), not 0.
+    /// Endless at this velocity (inc/s), not 0.
     Velocity(f64),
-    /// To rest, wherever that is.
+    /// To rest, at any position.
     Stop,
 }
 
 impl Aim {
-    /// At a velocity; 0 stops.
+    /// Returns the aim for a velocity; 0 stops.
     pub(super) fn velocity(velocity: f64) -> Self {
         if velocity == 0.0 { Self::Stop } else { Self::Velocity(velocity) }
     }
 }
 
-/// A profile since a cycle.
+/// A profile that started in a cycle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Course {
     plan: Plan,
     /// Cycle in which the plan begins.
     start: u64,
-    /// What a superimposed motion has added to it.
+    /// Shift by superimposed motions.
     shift: Position,
-    /// Where the last step of a stop in whole steps ends, and does it lead up there?
+    /// End of the last step of a stop in whole steps, and whether the motion goes up there.
     bound: Option<(Position, bool)>,
-    /// What it is for.
+    /// Aim of the course.
     pub aim: Aim,
-    /// What was asked for; the plan may use less of the velocity (override).
+    /// Limits of the request; the plan may use less of the velocity (override).
     pub limits: Limits,
     /// Velocity (inc/s) with which the next goal takes over at the target; 0: it ends at rest.
     pub pass: f64,
@@ -52,12 +53,12 @@ impl Course {
         Self { plan, start, shift: Position::ZERO, bound: None, aim, limits, pass: 0.0 }
     }
 
-    /// It goes no further than there, its plan within a cycle does.
+    /// Limits the positions of each cycle to `bound`; the plan may exceed it within a cycle.
     pub(super) fn within(self, bound: Option<(Position, bool)>) -> Self {
         Self { bound, ..self }
     }
 
-    /// A place of the plan, as far as it goes.
+    /// Returns a position of the plan within the bound.
     fn bounded(&self, place: Position) -> Position {
         match self.bound {
             Some((bound, true)) => place.min(bound),
@@ -66,7 +67,7 @@ impl Course {
         }
     }
 
-    /// The next goal takes over at the target, with this velocity (inc/s).
+    /// Sets the velocity (inc/s) with which the next goal takes over at the target.
     pub(super) fn passing(self, pass: f64) -> Self {
         Self { pass, ..self }
     }
@@ -79,7 +80,7 @@ impl Course {
         self.plan.is_sound() && self.limits.is_sound() && aim && self.pass.is_finite()
     }
 
-    /// The motion of a cycle.
+    /// Returns the motion of a cycle.
     #[inline]
     pub(super) fn at(&self, cycle: u64) -> Motion {
         let motion = self.plan.at(cycle.saturating_sub(self.start));
@@ -91,54 +92,54 @@ impl Course {
         if position == place { Motion { position, ..motion } } else { Motion::at_rest(position) }
     }
 
-    /// The motion of a cycle that neither ends it nor changes it.
+    /// Returns the motion of a cycle in which the course neither ends nor changes.
     #[inline]
     pub(super) fn going_on(&self, cycle: u64) -> Option<Motion> {
-        // What has its velocity and keeps it.
+        // Velocity reached and kept.
         let stays = || matches!(self.aim, Aim::Velocity(_)) && self.end_velocity() != 0.0 && !self.is_old(cycle);
         let goes_on = self.bound.is_none() && (!self.has_ended(cycle) || stays());
         goes_on.then(|| self.at(cycle))
     }
 
-    /// Is the motion of each cycle judged by the limits? One that ends at rest was checked as a whole, and one that passes its
-    /// target with the goal behind it.
+    /// Whether each cycle is checked against the limits. A course that ends at rest was checked as a whole, and one
+    /// that passes its target was checked together with the next goal.
     #[inline]
     pub(super) fn is_watched(&self) -> bool {
         self.end_velocity() != 0.0 && self.pass == 0.0
     }
 
-    /// The plan has come to its end.
+    /// Whether the plan has ended.
     #[inline]
     pub(super) fn has_ended(&self, cycle: u64) -> bool {
         cycle.saturating_sub(self.start) >= self.plan.cycles()
     }
 
-    /// How long ago it ended (s).
+    /// Returns the time since the end of the plan (s).
     pub(super) fn overshoot(&self, cycle: u64) -> f64 {
         self.plan.overshoot(cycle.saturating_sub(self.start))
     }
 
-    /// Where the plan ends.
+    /// Returns the end position of the plan.
     pub(super) fn end(&self) -> Position {
         self.bounded(self.plan.end() + self.shift)
     }
 
-    /// The velocity with which the plan ends (inc/s).
+    /// Returns the velocity at the end of the plan (inc/s).
     pub(super) fn end_velocity(&self) -> f64 {
         self.plan.end_velocity()
     }
 
-    /// Began that long (s) before the cycle in which it starts.
+    /// Moves the start of the plan by `lead` (s) before the cycle in which the course starts.
     pub(super) fn with_lead(self, lead: f64) -> Self {
         Self { plan: self.plan.with_lead(lead), ..self }
     }
 
-    /// Began a cycle earlier.
+    /// Moves the start to one cycle earlier.
     pub(super) fn begin_earlier(&mut self) {
         self.start = self.start.saturating_sub(1);
     }
 
-    /// Moved as a whole.
+    /// Moves the whole course.
     pub(super) fn shift(&mut self, by: Position) {
         self.shift += by;
         self.bound = self.bound.map(|(bound, up)| (bound + by, up));
@@ -147,7 +148,7 @@ impl Course {
         }
     }
 
-    /// Waits at rest for an override above 0.
+    /// Whether the course waits at rest for an override above 0.
     pub(super) fn is_held(&self) -> bool {
         let ends_at_rest = self.end_velocity() == 0.0;
         match self.aim {
@@ -157,7 +158,7 @@ impl Course {
         }
     }
 
-    /// Does `next`, from `now`, go beyond the target where this one does not?
+    /// Whether `next`, from `now`, passes positions that this course does not pass.
     fn aim_is_passed(&self, next: &Self, now: Position) -> bool {
         let (low, high) = self.extent_from(now);
         let (next_low, next_high) = next.extent_from(now);
@@ -165,12 +166,12 @@ impl Course {
         next_low < low - rounding || next_high > high + rounding
     }
 
-    /// At a constant velocity for so long that it should start from its own place again.
+    /// Whether the constant velocity has lasted so long that it should be planned again from its present position.
     pub(super) fn is_old(&self, cycle: u64) -> bool {
         cycle.saturating_sub(self.start) > self.plan.cycles().saturating_add(REBASE_CYCLES)
     }
 
-    /// Lowest and highest position from `now` to its end.
+    /// Returns lowest and highest position from `now` to the end.
     pub(super) fn extent_from(&self, now: Position) -> (Position, Position) {
         let (low, high) = self.plan.extent_from(now - self.shift);
         (self.bounded(low + self.shift), self.bounded(high + self.shift))
@@ -178,14 +179,15 @@ impl Course {
 }
 
 impl Axis {
-    /// Highest velocity that the override leaves (inc/s).
+    /// Returns the highest velocity that the override allows (inc/s).
     pub(super) fn override_velocity(&self) -> f64 {
         let share = self.parameters.velocity_override / 100.0;
-        // What a goal asks for was checked against the maximum that held then.
+        // Limits of goals were checked against the maximum at that time, so an override of 100 % does not limit them
+        // again.
         if share < 1.0 { self.velocity_for_base() * share } else { f64::INFINITY }
     }
 
-    /// A course from `from` with what the override leaves.
+    /// Returns a course from `from` within the override.
     pub(super) fn course(&self, cycle: u64, from: Motion, aim: Aim, limits: Limits) -> Course {
         let usable = self.sharpened(from, limits);
         let cap = self.override_velocity();
@@ -200,13 +202,13 @@ impl Axis {
         Course::new(plan, cycle, aim, limits)
     }
 
-    /// The same limits, but for a jerk with which the present acceleration would end beyond max_velocity: a goal that asks
-    /// for less jerk than the motion before it must not drive the axis too fast.
+    /// Returns the same limits, but with a higher jerk if the present acceleration would otherwise end beyond
+    /// max_velocity. A goal with less jerk than the motion before it must not drive the axis too fast.
     pub(super) fn sharpened(&self, from: Motion, limits: Limits) -> Limits {
         sharpen(from, limits, self.velocity_for_base())
     }
 
-    /// Where the motion under way ends; none without end or motion.
+    /// Returns the end of the active motion. None: no end or no motion.
     pub(super) fn course_end(&self) -> Option<Position> {
         if let Some(goal) = self.goal.as_ref().filter(|goal| goal.track.is_some()) {
             return goal.target;
@@ -219,7 +221,7 @@ impl Axis {
         }
     }
 
-    /// Plans anew what a change of the override concerns.
+    /// Plans the active motion again after a change of the override.
     pub(super) fn follow_override(&mut self, cx: &mut Context<'_>) {
         let share = self.parameters.velocity_override;
         self.override_overlay(cx.cycle);
@@ -230,21 +232,21 @@ impl Axis {
             && course.aim != Aim::Stop
         {
             let mut next = self.course_for(cx.cycle, course.aim, course.limits);
-            // A goal that was to pass its target may have to slow down more than its own deceleration can.
+            // A goal that was to pass its target may have to slow down more than its own deceleration allows.
             if self.check_course(&next, self.base(), course.limits).is_err() {
                 let largest = self.parameters.largest_limits();
                 let limits = Limits { velocity: course.limits.velocity, ..largest };
                 next = self.course_for(cx.cycle, course.aim, limits);
             }
-            // A sine runs its acceleration out first, and so might pass the target: then the old plan, which slows down
-            // already, is kept, and asked again in the next cycle. So is one that passes its target into the next goal, where
-            // there is no room left to slow down before.
+            // An S-ramp first reduces its acceleration to 0, and so might pass the target. Then the old plan, which
+            // already slows down, is kept, and the change is tried again in the next cycle. The same applies to a goal
+            // that passes its target into the next goal without enough distance to slow down before.
             let (now, here) = (self.base(), self.command.position);
             let brakes = now.velocity * now.acceleration < 0.0 && now.velocity.abs() <= self.override_velocity();
             let keeps = course.pass != 0.0 || brakes && course.end_velocity() == 0.0;
             let turns = keeps && course.aim_is_passed(&next, here);
             let ((low, high), (down, up)) = (next.extent_from(here), self.overlay_ahead());
-            // One without end is watched in each cycle.
+            // A motion without end is checked in each cycle.
             let fits = next.end_velocity() != 0.0 || self.check_range(low + down, high + up).is_ok();
             if turns || !fits || self.check_course(&next, now, course.limits).is_err() {
                 return;
@@ -254,7 +256,7 @@ impl Axis {
         self.override_seen = share;
     }
 
-    /// Plans the active course anew from the present motion.
+    /// Plans the active motion again from the present motion.
     pub(super) fn replan(&mut self, cx: &mut Context<'_>, aim: Aim, limits: Limits) {
         self.generator = super::Generator::Plan(self.course_for(cx.cycle, aim, limits));
     }
@@ -268,7 +270,8 @@ impl Axis {
     }
 }
 
-/// The same limits, but for a jerk with which the acceleration of `from` would end beyond `most` (inc/s).
+/// Returns the same limits, but with a higher jerk if the acceleration of `from` would otherwise end beyond `most`
+/// (inc/s).
 pub(super) fn sharpen(from: Motion, limits: Limits, most: f64) -> Limits {
     let Shape::Jerk(jerks) = limits.shape else { return limits };
     let room = most - from.velocity.abs();

@@ -1,8 +1,9 @@
-//! The current loop below the others, for a drive that takes a voltage.
+//! The current loop, the innermost loop for a drive with voltage command.
 //!
-//! Law      setpoint = output of the loop above times full_current, within AMPMAXCUR; the current is what the drive tells, effort over
-//!          torque_constant. The loop of [`CurrentLoop`] makes a voltage of what is missing, in parts of that of max_effort
-//! Reads    the output of the loop above, the effort that the drive tells, both in the user's sense
+//! Law      setpoint = output of the outer loop * full_current, within AMPMAXCUR. Actual current = effort reported by
+//!          the drive / torque_constant. [`CurrentLoop`] calculates the voltage from the difference, as a fraction of
+//!          the voltage of max_effort
+//! Reads    the output of the outer loop, the effort that the drive reports, both in the direction of the axis
 //! Writes   the voltage, -1 to 1
 //! Refuses  nothing: parameters without full_current and torque_constant are refused
 //! Source   MACS-AMP-01, MACS-AMP-07, MACS-AMP-08
@@ -11,22 +12,23 @@ use crate::parameter::{Amplifier, PowerStage};
 use crate::regulator::CurrentLoop;
 use serde::{Deserialize, Serialize};
 
-/// What the loop keeps from cycle to cycle.
+/// State of the current loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct CurrentStage {
     law: CurrentLoop,
-    /// (A)
+    /// Setpoint of the current (A).
     setpoint: f64,
 }
 
 impl CurrentStage {
-    /// One cycle: the voltage, -1 to 1, behind an output of the loop above and the effort that the drive tells.
+    /// Advances by one cycle and returns the voltage, -1 to 1, from the output of the outer loop and the effort that
+    /// the drive reports.
     pub(super) fn step(&mut self, stage: &PowerStage, amplifier: &Amplifier, output: f64, told: f64) -> f64 {
         self.setpoint = stage.setpoint(output, amplifier);
         self.law.step(&stage.gains(), self.setpoint - told / amplifier.torque_constant)
     }
 
-    /// What is asked for (A).
+    /// Returns the setpoint of the current (A).
     pub(super) fn setpoint(&self) -> f64 {
         self.setpoint
     }

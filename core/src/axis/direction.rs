@@ -1,11 +1,11 @@
-//! The sense in which an axis counts, and whether it may reverse.
+//! Counting direction of an axis (POSDRCT), and whether it may reverse (REVERS).
 //!
-//! Law      position = sense * (origin + count); what goes to the drive and what comes from it is turned over at this border
-//!          only, so that everything inside the axis is in the user's sense. An axis that is turned over while it is off keeps
-//!          its place: its position becomes the mirror of what it was
+//! Law      position = direction * (origin + count). Values to and from the drive are inverted only here, so that all
+//!          values inside the axis are in the direction of the user. If the direction of an axis without power is
+//!          changed, the axis keeps its place: its position is mirrored
 //! Reads    POSDRCT, REVERS
-//! Writes   nothing; the axis asks at each place where counts and positions meet
-//! Refuses  a motion backwards where REVERS forbids it
+//! Writes   nothing; the axis calls these functions wherever counts and positions meet
+//! Refuses  backward motion that REVERS does not allow
 //! Source   MACS-DIR-01..10, A-07, A-08, A-09
 
 use super::alarm::NO_NUMBERS;
@@ -20,19 +20,20 @@ use crate::position::Position;
 use crate::profile::{self, Motion};
 use crate::vocabulary::Notice;
 
-/// Can a loop that is closed there be turned over here? Where a drive closes its position loop, it has to be told.
+/// Whether the position loop can be inverted here. A drive that closes its own position loop has to be inverted itself
+///
 pub fn may_turn_loop(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
     !parameters.sense().position || !matches!(interface, Some(Interface::Position))
 }
 
-/// Can outputs tell the sign of what the drive is given? A position has one by itself.
+/// Whether outputs can give the sign of the reference. A position reference has its own sign.
 pub fn may_tell_sign(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
     let by_speed = matches!(interface, Some(Interface::Velocity | Interface::OpenLoop));
     by_speed || parameters.reversing().polarity == Polarity::Bipolar
 }
 
 impl Axis {
-    /// The reference as a unipolar drive gets it, which has no sign (inc/s).
+    /// Returns the reference for a unipolar drive, which has no sign (inc/s).
     pub(super) fn unipolar(&self, velocity: f64) -> f64 {
         match self.parameters.reversing().polarity {
             Polarity::Bipolar => velocity,
@@ -40,13 +41,13 @@ impl Axis {
         }
     }
 
-    /// Do outputs tell the sign of its reference?
+    /// Whether outputs give the sign of the reference.
     #[inline]
     pub fn tells_sign(&self) -> bool {
         self.parameters.reversing().polarity != Polarity::Bipolar
     }
 
-    /// The outputs that tell the sign of the reference: number and level (MACS-DIR-08, MACS-DIR-09).
+    /// Returns the outputs that give the sign of the reference: number and level (MACS-DIR-08, MACS-DIR-09).
     pub fn sign_outputs(&self) -> [Option<(u8, bool)>; 2] {
         let backwards = self.is_backwards;
         match self.parameters.reversing().polarity {
@@ -59,50 +60,51 @@ impl Axis {
         }
     }
 
-    /// A virtual axis has no encoder that it could count against.
+    /// Returns the direction of the axis. A virtual axis has no encoder and so no inverted direction.
     #[inline]
     pub(super) fn turned(&self) -> Sense {
         if self.is_virtual() { Sense::default() } else { self.parameters.sense() }
     }
 
-    /// A count of the drive's coordinate in the user's sense (inc).
+    /// Converts counts of the drive to the direction of the axis (inc), and back.
     #[inline]
     pub(super) fn turn_counts(&self, counts: i64) -> i64 {
         self.turned().turn(counts)
     }
 
-    /// A value of the drive in the user's sense, and the other way round.
+    /// Converts a value of the drive to the direction of the axis, and back.
     #[inline]
     pub(super) fn across(&self, value: f64) -> f64 {
         self.turned().turn_real(value)
     }
 
-    /// A reference for the drive in the sense in which its motor turns: that of the loop that is closed here.
+    /// Converts a reference to the direction in which the motor turns, that of the loop that is closed here.
     #[inline]
     pub(super) fn reference_across(&self, value: f64) -> f64 {
         let value = self.across(value);
         if self.turned().position && self.setup.interface != Interface::Position { 0.0 - value } else { value }
     }
 
-    /// The whole increment that the drive is asked for at `position`, in the user's sense: the lower one in its own counts.
+    /// Returns the whole increment for the drive at `position`, in the direction of the axis: the lower one in the
+    /// counts of the drive.
     #[inline]
     pub(super) fn asked_at(&self, position: Position) -> i64 {
         let sense = self.turned();
         sense.turn(sense.turn_position(position).floor())
     }
 
-    /// The whole increment that the drive is asked for in this cycle, in the user's sense.
+    /// Returns the whole increment for the drive in this cycle, in the direction of the axis.
     #[inline]
     pub(super) fn asked(&self) -> i64 {
         self.asked_at(self.command.position)
     }
 
-    /// Where the axis rests that comes to rest at `position`: the increment that its drive was given already.
+    /// Returns the rest of an axis that stops at `position`: at the increment that the drive already has.
     pub(super) fn resting(&self, position: Position) -> Motion {
         Motion::at_rest(Position::whole(self.asked_at(position)))
     }
 
-    /// The outputs that choose a direction, as they are wired to the motor.
+    /// Returns the outputs that choose a direction, as wired to the motor.
     pub(crate) fn switching_of(&self, shown: Switching) -> Switching {
         if self.reference_across(1.0) > 0.0 {
             return shown;
@@ -110,8 +112,8 @@ impl Axis {
         Switching { forward: shown.backward, backward: shown.forward, dac: 0.0 - shown.dac, ..shown }
     }
 
-    /// New parameters are in force from now on. True where that turns the axis over: what others keep of its position is to
-    /// be mirrored as well.
+    /// Applies new parameters. Returns true if they mirror the axis: other copies of its position must then be
+    /// mirrored, too.
     pub fn take_parameters(&mut self, parameters: AxisParameters) -> bool {
         let before = self.turned().units;
         let had_fixed_zero = self.has_fixed_zero();
@@ -129,7 +131,7 @@ impl Axis {
         turns
     }
 
-    /// Everything that it remembers of places: it is off, and stays where it is.
+    /// Mirrors all stored positions of the axis, which is off and stays where it is.
     fn turn_over(&mut self) {
         self.command = Motion::at_rest(-self.command.position);
         self.actual.position = -self.actual.position;
@@ -141,10 +143,10 @@ impl Axis {
         self.vocabularies.notice(Notice::Turned);
     }
 
-    /// May it have these parameters?
+    /// Checks whether the axis may have these parameters.
     ///
     /// # Errors
-    /// The loop of its drive cannot be turned over here, or the loop that is closed here cannot run.
+    /// The loop of its drive cannot be inverted here, or the loop that is closed here cannot run.
     pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         self.admits_analog(candidate)?;
         let interface = self.setup.drive.map(|_| self.setup.interface);
@@ -167,12 +169,12 @@ impl Axis {
         Err(Refusal { parameter, ..Refusal::new(code, self.object()).with(asked, Number::None) })
     }
 
-    /// May a motion that no master commands go backwards?
+    /// Whether a motion without master may go backward.
     pub(super) fn reverses_alone(&self) -> bool {
         self.parameters.reversing().rule == Rule::Always
     }
 
-    /// May it go backwards in this cycle?
+    /// Whether the axis may move backward in this cycle.
     fn may_reverse(&self) -> bool {
         match self.parameters.reversing().rule {
             Rule::Always => true,
@@ -185,14 +187,14 @@ impl Axis {
         Refusal::new(Code::REVERSE_FORBIDDEN, self.object()).with(asked, Number::None)
     }
 
-    /// A velocity leads forwards, where nothing else is allowed.
+    /// Checks that a velocity is forward if REVERS requires that.
     pub(super) fn check_forward(&self, velocity: f64) -> Result<(), Refusal> {
         let good = velocity >= 0.0 || self.reverses_alone();
         if good { Ok(()) } else { Err(self.backwards(Number::Velocity(velocity))) }
     }
 
-    /// A course leads forwards all the way, where nothing else is allowed. What moves backwards already (with its master) has to
-    /// stop first.
+    /// Checks that a course is forward throughout if REVERS requires that. An axis that already moves backward (with
+    /// its master) first has to stop.
     pub(super) fn check_course_forward(&self, course: &Course, from: Motion) -> Result<(), Refusal> {
         if self.reverses_alone() {
             return Ok(());
@@ -205,7 +207,7 @@ impl Axis {
         let rounding = Position::from_f64(ROUNDING);
         let (lowest, highest) = course.extent_from(from.position);
         match course.aim {
-            // Behind where it begins, or passed and come back to.
+            // The target is behind the start, or is passed and approached again backward.
             Aim::Target(target) if lowest.min(target) < start - rounding || highest > course.end() + rounding => {
                 Err(self.backwards(Number::Position(target.nearest())))
             }
@@ -214,7 +216,7 @@ impl Axis {
         }
     }
 
-    /// A goal that waits ends no further back than the one before it.
+    /// Checks that a waiting goal does not end behind the goal before it.
     pub(super) fn check_end_forward(&self, before: Option<Position>, end: Position) -> Result<(), Refusal> {
         let behind = before.is_some_and(|before| Position::whole(end.nearest()) < Position::whole(before.nearest()));
         if behind && !self.reverses_alone() {
@@ -223,7 +225,7 @@ impl Axis {
         Ok(())
     }
 
-    /// A superimposed motion leads forwards, where nothing else is allowed.
+    /// Checks that a superimposed motion is forward if REVERS requires that.
     pub(super) fn check_overlay_forward(&self, overlay: &Overlay) -> Result<(), Refusal> {
         let (down, _) = overlay.ahead();
         if down < -Position::from_f64(ROUNDING) && !self.reverses_alone() {
@@ -232,10 +234,10 @@ impl Axis {
         Ok(())
     }
 
-    /// The motion of this cycle, no velocity below 0 where that is forbidden: what would turn back stands, and goes
-    /// on from there if its target lies ahead.
+    /// Returns the motion of this cycle without a negative velocity if REVERS forbids that: the axis stops
+    /// instead of turning back, and continues from there if its target is ahead.
     pub(super) fn forward(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
-        // One that moves backwards with its master may still slow down.
+        // An axis that moves backward with its master may still slow down.
         if next.velocity >= 0.0 || self.command.velocity < 0.0 || self.may_reverse() {
             return next;
         }
@@ -249,7 +251,7 @@ impl Axis {
             if goes_on {
                 self.generator = Generator::Plan(self.course(cx.cycle, here, course.aim, course.limits));
             } else {
-                // Homing ends with the zero that it has found, wherever the axis stands.
+                // Homing ends with the reference that it has found, wherever the axis stops.
                 if course.aim != Aim::Stop && !self.homing.is_running() {
                     self.end_goal(cx, Code::REVERSE_FORBIDDEN);
                     self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, here.position, NO_NUMBERS);

@@ -1,12 +1,13 @@
-//! The loops below the position loop, for a drive that takes an effort: a torque, or a voltage.
+//! The loops inside the position loop, for a drive with torque or voltage command.
 //!
-//! Law      AMPMODE 0: the output of the position loop is a velocity in parts of max_velocity; the velocity loop makes an effort in
-//!          parts of max_effort of what is missing of it. AMPMODE 2: that output is the effort itself. Both within what
-//!          AMPMAXCUR allows, where currents are known. Of a voltage that is the setpoint of the current loop, which makes the
-//!          effort; AMPMODE 1 and 3 are 0 and 2 without it, and without a cap
-//! Reads    the output of the position loop, the changes of the actual position, the effort that the drive tells
-//! Writes   the effort for the drive; velocity, current and heat that are shown; the error of I2TLIMIT
-//! Refuses  parameters that these loops cannot run with
+//! Law      AMPMODE 0: the output of the position loop is a velocity as a fraction of max_velocity; the velocity loop
+//!          calculates the effort as a fraction of max_effort. AMPMODE 2: the output of the position loop is the effort
+//!          itself. Both are limited by AMPMAXCUR if the current is known. With voltage interface this effort is the
+//!          setpoint of the current loop, which calculates the voltage; AMPMODE 1 and 3 are modes 0 and 2 without
+//!          current loop and without limit
+//! Reads    the output of the position loop, the changes of the actual position, the effort that the drive reports
+//! Writes   the effort for the drive; displayed velocity, current and heat; the error of I2TLIMIT
+//! Refuses  parameters with which these loops cannot run
 //! Source   MACS-AMP-01, MACS-AMP-02, MACS-AMP-04, MACS-AMP-07, MACS-AMP-08, MACS-I2T-01..05
 
 use super::current::CurrentStage;
@@ -19,28 +20,29 @@ use crate::parameter::Amplifier;
 use crate::regulator::{Heat, HeatFilter, I2t, VelocityEstimator, VelocityLoop};
 use serde::{Deserialize, Serialize};
 
-/// Share of I2TLIMIT below which a warning is over.
+/// Share of I2TLIMIT below which a warning ends.
 const TOLD_UNTIL: f64 = 0.8;
 
-/// What these loops keep from cycle to cycle.
+/// State of these loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct EffortLoops {
     velocity: VelocityLoop,
     /// None while the axis is off.
     estimator: Option<VelocityEstimator>,
-    /// Way of the encoder of the velocity loop since the axis was switched on (inc of that encoder), which no new coordinate changes.
+    /// Travel of the encoder of the velocity loop since the axis was switched on (inc of that encoder), independent of
+    /// new coordinates.
     way: i64,
     current: CurrentStage,
-    /// -1 to 1
+    /// Effort as a fraction of max_effort, -1 to 1.
     output: f64,
-    /// Ready for the cycle, with the parameters that it was made of.
+    /// I2t supervision with the parameters from which it was made.
     watch: Option<I2t>,
     heat: HeatFilter,
     is_told: bool,
 }
 
 impl EffortLoops {
-    /// `cycle_ns`: in which the axis runs with these parameters.
+    /// Whether the state is valid for these parameters. `cycle_ns`: cycle time with which the axis runs.
     pub(super) fn is_sound(&self, p: &Amplifier, cycle_ns: u64) -> bool {
         let is_made_so = |mut estimator: VelocityEstimator| {
             estimator.restart();
@@ -54,21 +56,21 @@ impl EffortLoops {
             && self.heat.is_sound()
     }
 
-    /// The loops go off: no output, no past. What is warm cools on.
+    /// Resets the loops: no output, no history. The thermal model continues.
     fn clear(&mut self) {
         *self = Self { watch: self.watch, heat: self.heat, is_told: self.is_told, ..Self::default() };
     }
 }
 
 impl Axis {
-    /// Is its drive given efforts?
+    /// Whether the drive has a torque or voltage command.
     #[inline]
     pub(super) fn takes_effort(&self) -> bool {
         !self.is_virtual() && self.setup.interface.takes_effort()
     }
 
-    /// One cycle of the loops: the effort for the drive in the user's sense, behind an output `asked` of the position loop; nothing is
-    /// stepped where all `is_done`.
+    /// Advances the loops by one cycle and returns the effort for the drive in the direction of the axis, for an output
+    /// `asked` of the position loop. With `is_done` no loop advances.
     pub(super) fn close_effort(&mut self, asked: f64, is_done: bool) -> f64 {
         if !self.has_loops() {
             self.effort_loops.clear();
@@ -84,7 +86,7 @@ impl Axis {
         }
         loops.way = loops.way.wrapping_add(moved);
         if loops.estimator.is_none() {
-            // Parameters that make none are refused.
+            // Invalid parameters are refused before.
             loops.estimator = p.estimator(self.setup.cycle_ns).ok();
         }
         let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
@@ -110,14 +112,14 @@ impl Axis {
         loops.output * p.max_effort.unwrap_or_default()
     }
 
-    /// Does its current loop run here? An effort of OUTAN passes it by.
+    /// Whether the current loop runs here. An effort of OUTAN bypasses it.
     fn closes_current_loop(&self) -> bool {
         self.setup.interface == Interface::Voltage
             && self.parameters.amplifier.has_current_loop()
             && !self.generator.asks_effort()
     }
 
-    /// The largest output of the loop above what the drive or the current loop here is given, 0 to 1.
+    /// Returns the largest input of the drive, or of the current loop here, as a fraction of its full value, 0 to 1.
     fn most_output(&self) -> f64 {
         let p = &self.parameters;
         match self.setup.interface {
@@ -127,7 +129,7 @@ impl Axis {
         }
     }
 
-    /// Is that part of the largest effort asked for, or of the largest current?
+    /// Whether that part of the largest effort, or of the largest current, is commanded.
     pub(super) fn asks_for_all(&self, part: f64) -> bool {
         let (loops, p) = (&self.effort_loops, &self.parameters);
         if !self.closes_current_loop() {
@@ -138,39 +140,40 @@ impl Axis {
         loops.output.abs() >= part || most > 0.0 && loops.current.setpoint().abs() >= part * most
     }
 
-    /// Setpoint of its current loop (mA); 0 without one.
+    /// Returns the setpoint of the current loop (mA); 0 without one.
     pub(super) fn current_setpoint(&self) -> f64 {
         self.effort_loops.current.setpoint() * 1000.0
     }
 
-    /// The effort that the drive tells in the user's sense: that in which it is asked for.
+    /// Converts the effort that the drive reports to the direction in which it is commanded.
     #[inline]
     pub(super) fn told_effort(&self, effort: f64) -> f64 {
         if self.takes_effort() { self.reference_across(effort) } else { self.across(effort) }
     }
 
-    /// Its velocity as the velocity loop sees it (inc/s of the axis, where that has the full velocity with its encoder); 0 without one.
+    /// Returns the velocity in the velocity loop (inc/s of the axis, converted if the loop has an encoder of its own);
+    /// 0 without one.
     pub(super) fn estimated_velocity(&self) -> f64 {
         let velocity = self.effort_loops.estimator.map_or(0.0, |estimator| estimator.velocity());
         if self.has_velocity_encoder() { velocity * self.per_velocity_encoder() } else { velocity }
     }
 
-    /// The effort that is asked for in parts of the full one, -1 to 1.
+    /// Returns the commanded effort as a fraction of the full one, -1 to 1.
     pub(super) fn effort_output(&self) -> f64 {
         self.effort_loops.output
     }
 
-    /// AMP_GETCUR (mA) and AMP_I2TVALUE (A^2/1000).
+    /// Returns AMP_GETCUR (mA) and AMP_I2TVALUE (A^2/1000).
     pub(super) fn shown_current(&self) -> (f64, f64) {
         (self.effort_loops.heat.current(), self.effort_loops.heat.value())
     }
 
-    /// Does the current have to be watched while nothing moves?
+    /// Whether the current has to be supervised at rest, too.
     pub(super) fn watches_current(&self) -> bool {
         self.takes_effort() && self.parameters.amplifier.torque_constant > 0.0
     }
 
-    /// Watches the current that the drive tells, also of an axis that is off: a motor cools.
+    /// Supervises the current that the drive reports, also of an axis that is off: its motor cools.
     pub(super) fn supervise_current(&mut self, cx: &mut Context<'_>) {
         if !self.watches_current() {
             return;
@@ -183,7 +186,7 @@ impl Axis {
         let heat = loops.heat.step(&watch, current);
         let (value, limit) = (Number::Real(loops.heat.value()), Number::Real(f64::from(settings.limit)));
         let was_told = loops.is_told;
-        // One that trembles around the limit is told once.
+        // A value that varies around the limit is reported once.
         loops.is_told = heat != Heat::Fine || was_told && loops.heat.value() > TOLD_UNTIL * f64::from(settings.limit);
         match heat {
             Heat::TooMuch if self.is_on() => {

@@ -1,12 +1,13 @@
-//! A coupling that waits for its moment: the end of the cam under way, a place of its leader, a latch.
+//! A coupling that waits to engage: for the end of the active cam, a position of its leader, or a latch.
 //!
-//! Law      what moves the axis goes on until then. Relative: the new cam begins exactly where end, place or latch are, though that lies between two
-//!          cycles, and no increment of leader or slave is lost there, nor what the scales keep below 2^-32 inc, where they stay the same. Absolute and
-//!          ramp-in: where leader and table are at the end of that cycle, compared with where the cam before would have the slave
-//!          Gears begin as [`gear_in`](super::gear_in) says. Of several latches the first one counts, none from before the command
-//! Reads    the leader, this cycle's; the cam under way; the latches of the cycle
-//! Refuses  the end of a cam where none is under way; at its moment what a coupling that begins at once refuses: its goal ends so, and what
-//!          moves the axis goes on
+//! Law      until then the present motion continues. Relative: the new cam begins exactly at the end, position or
+//!          latch, also between two cycles. No increment of leader or slave is lost there, nor the remainders of the
+//!          scales below 2^-32 inc if the scales stay the same. Absolute and ramp-in: leader and table are compared at
+//!          the end of that cycle with the position at which the cam before would have the slave. Gears begin as in
+//!          [`gear_in`](super::gear_in). Only the first latch counts, and none before the command
+//! Reads    the leader of this cycle; the active cam; the latches of the cycle
+//! Refuses  the end of a cam if no cam is active. When it engages: everything that a coupling without waiting refuses.
+//!          Its goal then ends, and the present motion continues
 //! Source   contract sections 7, 10, PLCopen (MC_CamIn, mcBuffered; MC_GearInPos), AMC-EVT-05
 
 use super::alarm::{NO_NUMBERS, Numbers};
@@ -29,29 +30,29 @@ use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A coupling that waits.
+/// A coupling that waits to engage.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Engagement {
     /// Number of its command.
     pub sequence: u64,
     pub leader: Leader,
     pub request: Synchronize,
-    /// Where its leader was when it was looked at last.
+    /// Position of its leader in the cycle before.
     seen: Position,
-    /// The cycle of its command: its latches were before.
+    /// Cycle of its command. Latches of that cycle came before the command.
     since: u64,
-    /// Changes of its leader (inc) in the last cycles that it has waited, the newest first, and how many there are.
+    /// Changes of its leader (inc) in the last cycles of waiting, the newest first, and their number.
     recent: [f64; RECENT],
     count: u8,
-    /// It waits for a smooth start by marks.
+    /// State of a smooth start by marks, if it waits for one.
     pub smooth: Option<Smooth>,
 }
 
-/// Cycles from which the speed of a leader is told.
+/// Cycles from which the speed of a leader is calculated.
 const RECENT: usize = 8;
 
 impl Engagement {
-    /// A cycle more, with that change of its leader (inc).
+    /// Returns it after one more cycle with that change of its leader (inc).
     fn note_change(mut self, change: f64) -> Self {
         self.recent.rotate_right(1);
         let [newest, ..] = &mut self.recent;
@@ -59,7 +60,7 @@ impl Engagement {
         Self { count: self.count.saturating_add(1).min(RECENT as u8), ..self }
     }
 
-    /// Mean change of its leader in a cycle (inc).
+    /// Returns the mean change of its leader in a cycle (inc).
     fn mean(&self) -> f64 {
         self.recent.iter().take(self.count.into()).sum::<f64>() / f64::from(self.count.max(1))
     }
@@ -87,25 +88,26 @@ impl Engagement {
     }
 }
 
-/// What a coupling that waits has waited for.
+/// The event that engages a waiting coupling.
 #[derive(Clone, Copy, Debug)]
 enum Due {
     /// The cam before has passed its end.
     End,
-    /// So far behind its place, or where it was at the latch, the leader is.
+    /// Distance of the leader after its position, or since the latch.
     Behind(Position),
 }
 
 impl Axis {
-    /// What it will follow once it is engaged.
+    /// Returns the leader that the axis will follow once it has engaged.
     pub fn engaging_leader(&self) -> Option<Leader> {
         self.engagement.map(|engagement| engagement.leader)
     }
 
-    /// Lets a coupling wait for its moment.
+    /// Lets a coupling wait to engage.
     ///
     /// # Errors
-    /// It would be refused at once, too; there is no end to wait for, or no way to its pair of places.
+    /// A coupling without waiting would be refused, too; there is no end to wait for, or no path to its pair of
+    /// positions.
     pub(super) fn wait_to_engage(
         &mut self,
         cx: &mut Context<'_>,
@@ -116,7 +118,7 @@ impl Axis {
         let request = match request.cam {
             Some(cam) => self.check_waiting_cam(cx.tables, (request, cam), leader).map(|()| *request)?,
             None => {
-                // What it is now counts.
+                // The ratio at the command counts.
                 let ratio = self.ratio_of(request)?;
                 Synchronize { numerator: ratio.numerator(), denominator: ratio.denominator(), ..*request }
             }
@@ -132,7 +134,7 @@ impl Axis {
         }
         self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
         self.engagement = Some(engagement);
-        // One that takes over at the end needs no rest there.
+        // A cam that takes over at the end needs no rest there.
         self.rest_at_end(request.engage != Engage::AtEnd);
         self.accepted(cx, sequence);
         Ok(())
@@ -157,14 +159,14 @@ impl Axis {
         Ok(())
     }
 
-    /// Does the cam under way let its slave rest at its end?
+    /// Sets whether the slave of the active cam rests at its end.
     fn rest_at_end(&mut self, rests: bool) {
         if let Generator::Follow(Coupling { disengage, follower, .. }) = &mut self.generator {
             follower.rest_at_end(rests && *disengage == Disengage::Stop);
         }
     }
 
-    /// Number of the command that waits to engage; 0 for none.
+    /// Returns the number of the command that waits to engage; 0 for none.
     pub(super) fn engaging(&self) -> u64 {
         self.engagement.map_or(0, |engagement| engagement.sequence)
     }
@@ -178,7 +180,7 @@ impl Axis {
         }
     }
 
-    /// Engages what waits, if this cycle is its moment.
+    /// Engages the waiting coupling if its event occurs in this cycle.
     pub(super) fn engage(&mut self, cx: &mut Context<'_>) {
         let Some(engagement) = self.engagement else { return };
         let lead = cx.leads.get(engagement.leader);
@@ -201,10 +203,11 @@ impl Axis {
             Ok(coupling) => {
                 self.engagement = None;
                 if matches!(moment, Due::End) {
-                    // Its cam has come to its end.
+                    // The goal of its cam has reached its end.
                     self.end_goal(cx, Code::NONE);
                 }
-                // What is shifted against the same leader goes on, but where a pair of places says where the slave is.
+                // Shifts against the same leader continue, except if a pair of positions defines the position of the
+                // slave.
                 let is_same = self.follows_by_position(engagement.leader).is_some();
                 let goes_on = is_same && Pair::of(engagement.request.engage).is_none();
                 let shifts = if goes_on { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
@@ -225,7 +228,7 @@ impl Axis {
         }
     }
 
-    /// A cycle of one that waits for a smooth start by marks.
+    /// Advances a coupling that waits for a smooth start by marks.
     fn engage_smoothly(&mut self, cx: &mut Context<'_>, engagement: &Engagement, lead: Lead) {
         match self.start_smoothly(cx, engagement, lead) {
             Ok(None) => self.engagement = None,
@@ -234,10 +237,10 @@ impl Axis {
         }
     }
 
-    /// What it has waited for, where that has come in this cycle.
+    /// Returns the event for which the coupling waits if it occurs in this cycle.
     ///
     /// # Errors
-    /// It will not come any more.
+    /// The event cannot occur any more.
     fn moment_of(&self, cx: &Context<'_>, engagement: &Engagement, lead: Lead) -> Result<Option<Due>, Refusal> {
         let Engagement { leader, request, seen, since, .. } = engagement;
         let behind = match request.engage {
@@ -264,7 +267,7 @@ impl Axis {
         Ok(behind.map(Due::Behind))
     }
 
-    /// The coupling that begins in this cycle.
+    /// Returns the coupling that begins in this cycle.
     fn engaged(
         &self,
         tables: &[Arc<Table>],
@@ -287,7 +290,7 @@ impl Axis {
         let stands = before.map_or_else(|| self.present().position - led, Follower::place);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
         let next = next.with_mean(self.mean_of(*leader, lead));
-        // Where the slave is to be, and the cam as it is then.
+        // Target of the slave, and the cam there.
         let (target, next) = if cam.start == CamStart::Relative {
             let (change, next) = match (before.map(|before| *before.transmission()), moment) {
                 (Some(Transmission::Cam(old)), Due::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
@@ -311,20 +314,21 @@ impl Axis {
         Ok(self.coupling_by(*leader, request, follower))
     }
 
-    /// The change of a leader in a cycle (inc), smoothed where the axis is on a cam of it already.
+    /// Returns the change of a leader in a cycle (inc), smoothed if the axis is already on a cam of this leader.
     pub(super) fn mean_of(&self, leader: Leader, lead: Lead) -> f64 {
         let cam = self.follows_by_position(leader).and_then(|follower| follower.transmission().cam());
         cam.map_or(lead.change.to_f64(), Cam::mean)
     }
 
-    /// How it follows that leader, if it keeps a position to it.
+    /// Returns the follower if it keeps a position to that leader.
     pub(super) fn follows_by_position(&self, leader: Leader) -> Option<&Follower> {
         let coupling = self.coupling().filter(|coupling| coupling.leader == leader);
         coupling.map(|coupling| &coupling.follower).filter(|follower| follower.mode() == SyncMode::Position)
     }
 }
 
-/// A cam that began when the leader was so far behind where it is: what changes for the slave, which `old` has led all the way.
+/// Returns the change of the slave, and the next cam, for a cam that began when the leader was `after` before its
+/// present position. Until now `old` has moved the slave.
 fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
     let mean = next.mean();
     let (back, mut next) = match old {
@@ -336,8 +340,8 @@ fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &
     (back + change, next.with_mean(mean))
 }
 
-/// How far behind a place the leader is that has come to it in this cycle, from either side, or stands there. Where it was `seen` last it was
-/// in the cycle before; it may have been set there since.
+/// Returns the distance of the leader after a position that it has reached in this cycle from either side, or at which
+/// it rests. `seen` is its position in the cycle before; since then its coordinate may have been set.
 pub(super) fn passed(place: Position, lead: Lead, seen: Position) -> Option<Position> {
     let (before, now) = (lead.position - lead.change, lead.position);
     let is_there = place == now || place == before && before != seen;

@@ -1,10 +1,10 @@
-//! Where the actual position of an axis comes from.
+//! The actual position of an axis and its source.
 //!
-//! Law      position(k) = position(k-1) + change of the source; the first value of a source is the position itself, unless the
-//!          change to it is soft. An encoder of section `encoders` is one physical thing with many users: each has its own
-//!          offset to it
-//! Reads    the drive's words, the encoders as they stand in this cycle, ENCODERTYPE, ENCCONTROL, MD4, MD5, MD34, MD41
-//! Writes   actual position, change, velocity; the last index pulse; what supervision has found
+//! Law      position(k) = position(k-1) + change of the source. The first value of a source is the position itself,
+//!          unless the change to it is soft. An encoder of section `encoders` is one physical device with several
+//!          users: each has its own offset to it
+//! Reads    the process data of the drive, the encoders in this cycle, ENCODERTYPE, ENCCONTROL, MD4, MD5, MD34, MD41
+//! Writes   actual position, change, velocity; the last index pulse; the findings of supervision
 //! Refuses  another source while the axis is on
 //! Source   MACS-ENC-01, -04, -07, -08, -11, -12, -13; WF-ABS, WF-MON-01, -02; contract section 8
 
@@ -21,50 +21,51 @@ use crate::position::Position;
 use crate::vocabulary::Notice;
 use serde::{Deserialize, Serialize};
 
-/// What an axis remembers of its source.
+/// State of the source of the actual position.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Sensor {
     source: Source,
-    /// The source is new: its first value is the position, or the position stays this (inc, in the sense of the drive).
+    /// Set while the source is new: its first value becomes the position (`Some(None)`), or the position stays this
+    /// (inc, in the direction of the drive).
     starts: Option<Option<i64>>,
     /// Raw count of this cycle.
     pub raw: i64,
-    /// An index pulse came in this cycle.
+    /// Whether an index pulse came in this cycle.
     marked: bool,
-    /// Where the last one was holds in the coordinate of the axis.
+    /// Whether the position of the last index pulse is valid in the coordinate of the axis.
     pub index_known: bool,
-    /// Where the axis was when it was read last (inc).
+    /// Position of the axis at the last reading (inc).
     seen: i64,
     pulses: Pulses,
-    /// What supervision has found in this cycle.
+    /// Finding of supervision in this cycle.
     found: Option<Found>,
-    /// By how much a new source has moved the coordinate.
+    /// Distance by which a new source has moved the coordinate.
     moved: Position,
-    /// Others who share the encoder have moved its value by so much (inc, in the sense of the drive).
+    /// Distance by which other users of the encoder have moved its value (inc, in the direction of the drive).
     pending: i64,
-    /// The new zero of this cycle.
+    /// New zero of this cycle.
     claim: Option<Claim>,
 }
 
-/// A new zero of one cycle: of an encoder, or of a master that is one.
+/// A new zero of one cycle: of an encoder, or of a master that is an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Claim {
-    /// Number of the command that has set it: of several of one encoder the last one stands.
+    /// Number of its command: of several new zeros of one encoder the last one counts.
     pub sequence: u64,
-    /// By how much its axis has moved what it shows (inc, in the sense of the encoder).
+    /// Change of the displayed position (inc, in the direction of the encoder).
     pub by: i64,
-    /// It is one of the axis alone (MACS-ENC-11).
+    /// Whether it applies to the axis alone (MACS-ENC-11).
     pub is_soft: bool,
 }
 
 impl Claim {
-    /// The same behind one of the same cycle, if there is one.
+    /// Returns the new zero combined with an earlier one of the same cycle, if there is one.
     pub fn after(self, before: Option<Self>) -> Self {
         Self { by: before.map_or(0, |before| before.by).saturating_add(self.by), ..self }
     }
 }
 
-/// What supervision finds, to be told when events may be.
+/// A finding of supervision, kept until it can be reported.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 enum Found {
     Substituted,
@@ -73,7 +74,7 @@ enum Found {
 
 impl Sensor {
     pub(super) fn new(wired: Wired, encoders: usize, parameters: &AxisParameters) -> Self {
-        // What cannot be read was refused before.
+        // An unreadable source was refused before.
         let source = Source::of(wired, encoders, parameters).unwrap_or(Source::Drive(Form::Incremental(64)));
         Self {
             source,
@@ -90,7 +91,7 @@ impl Sensor {
         }
     }
 
-    /// Reads the drive's words.
+    /// Returns a reader for the process data of the drive.
     pub(super) fn reader(&self) -> Reader {
         Reader::new(self.source.form())
     }
@@ -99,7 +100,7 @@ impl Sensor {
         self.source == Source::Simulated
     }
 
-    /// Is there no other user, nothing to take over and nothing to tell?
+    /// Whether the encoder has no other user, and there is nothing to take over or to report.
     pub(super) fn is_settled(&self) -> bool {
         let is_own = !matches!(self.source, Source::Encoder(_));
         let begins = self.starts.is_some() || self.marked || self.pending != 0 || self.moved != Position::ZERO;
@@ -108,10 +109,10 @@ impl Sensor {
 }
 
 impl Axis {
-    /// Takes over the source that its parameters name.
+    /// Selects the source of the parameters.
     fn choose_source(&mut self) {
         if !self.parameters.take_new() {
-            // It follows from them and from the cell alone.
+            // The source depends only on the parameters and the cell.
             return;
         }
         let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
@@ -136,11 +137,11 @@ impl Axis {
         }
     }
 
-    /// May it have these parameters now?
+    /// Checks whether the axis may have these parameters now.
     ///
     /// # Errors
-    /// They would make another source of ENCODER, which is the size of an absolute encoder: an axis that is on loses its place.
-    /// What else chooses a source is refused by its row.
+    /// ENCODER, the size of an absolute encoder, would change the source of an axis that is on, which would lose
+    /// its position. Other parameters that select a source are refused by their rows.
     pub fn admits_source(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let source = |p| Source::of(self.setup.wired, self.setup.encoders, p);
         let stays = match (source(&self.parameters), source(candidate)) {
@@ -155,7 +156,7 @@ impl Axis {
         Err(Refusal { parameter: Some(const { Row::place("encoder") }), ..refusal })
     }
 
-    /// Reads its source. Inputs of all axes are read before any axis moves.
+    /// Reads the source. The inputs of all axes are read before any axis moves.
     pub(super) fn read_source(&mut self, input: &DriveInput, encoders: &[Encoder], raw: &[EncoderInput]) {
         let beside = self.take_compensation();
         let before = self.counter.position();
@@ -205,8 +206,8 @@ impl Axis {
         self.move_beside_counts(beside);
     }
 
-    /// As [`read_source`](Self::read_source) of a drive that is online, has no new coordinate and no index pulse; false where its word
-    /// was no good one.
+    /// As [`read_source`](Self::read_source) for a drive that is online, with neither new coordinate nor index pulse.
+    /// Returns false if its value was invalid.
     #[inline]
     pub(super) fn read_counts(&mut self, input: &DriveInput) -> bool {
         if !matches!(self.counter.form(), Form::Incremental(_)) {
@@ -214,7 +215,7 @@ impl Axis {
             self.take_actual(changed, lead, input.count, None);
             return lead.valid && self.counter.is_good();
         }
-        // Every count is a good one.
+        // Every count of an incremental encoder is valid.
         let change = self.counter.take(input.count, input.epoch, true).change;
         let sense = self.turned();
         let position = sense.turn(self.counter.position());
@@ -230,7 +231,7 @@ impl Axis {
         true
     }
 
-    /// Takes the word of the drive: the change of its counts, and what they say so far.
+    /// Reads the value of the drive and returns the change of its counts and the position data known so far.
     pub(super) fn read_drive(&mut self, input: &DriveInput) -> (i64, Lead) {
         let mut lead = Lead { uneven: COUNT, ..Lead::default() };
         let mut changed = 0;
@@ -254,7 +255,7 @@ impl Axis {
         (changed, lead)
     }
 
-    /// The actual position by what the counter has counted.
+    /// Sets the actual position from the counter.
     pub(super) fn take_actual(&mut self, changed: i64, lead: Lead, raw: i64, index: Option<i64>) {
         let count = self.counter.count().unwrap_or(raw);
         self.origin = self.counter.position().wrapping_sub(count);
@@ -275,18 +276,18 @@ impl Axis {
         }
     }
 
-    /// Has supervision found something that it is to tell?
+    /// Whether supervision has found something to report.
     pub(super) fn supervision_tells(&self) -> bool {
         self.sensor.found.is_some() || self.jump().is_some()
     }
 
-    /// The last simulated mark that the command of the cycle before has passed, if any: one lies at each multiple of ENCODERFREQ
-    /// (MACS-ENC-13). They are seen in the cycle after, as inputs are.
+    /// Returns the last simulated index pulse that the command of the cycle before has passed, if any. There is one at
+    /// each multiple of ENCODERFREQ (MACS-ENC-13). It is read one cycle later, as inputs are.
     fn simulated_mark(&mut self) -> Option<i64> {
         let every = self.parameters.encoder.encoderfreq.max(1);
         let here = self.actual.position.floor();
         let from = std::mem::replace(&mut self.sensor.seen, here);
-        // Forwards a mark is passed where it is reached; backwards, where it is left behind.
+        // Forward, a pulse is passed when its position is reached; backward, when it is left.
         let behind = here.div_euclid(every).saturating_mul(every);
         let ahead = from.div_euclid(every).saturating_mul(every);
         match here.cmp(&from) {
@@ -296,17 +297,18 @@ impl Axis {
         }
     }
 
-    /// The place of its last index pulse, where that still holds.
+    /// Returns the position of the last index pulse if it is still valid.
     pub(super) fn known_index(&self) -> Option<Position> {
         self.sensor.index_known.then_some(self.index.1)
     }
 
-    /// The place of the index pulse of this cycle, of whatever encoder it reads.
+    /// Returns the position of the index pulse of this cycle, of the encoder in use.
     pub(super) fn index_of_cycle(&self) -> Option<Position> {
         self.sensor.marked.then_some(self.index.1)
     }
 
-    /// What gives its index pulses: the entry of section `encoders` that it reads, or else its drive, by the axis.
+    /// Returns the source of the index pulses: the entry of section `encoders` that the axis reads, or else its drive,
+    /// named by the axis.
     pub fn index_source(&self) -> Object {
         match self.sensor.source {
             Source::Encoder(place) => Object::Encoder(place),
@@ -314,14 +316,14 @@ impl Axis {
         }
     }
 
-    /// Where monitoring is selected (MD41), the index watches the pulses (WF-MON-02).
+    /// If monitoring is selected (MD41), the index pulses check the counts (WF-MON-02).
     fn check_pulses(&mut self, change: i64, mark: Option<i64>) {
         let p = &self.parameters;
         let is_counted = matches!(self.sensor.source, Source::Drive(Form::Incremental(_)));
         if !is_counted || p.encoder.monitored == 0 || p.encoder.pulses_or_step == 0 {
             return;
         }
-        // Counts of 1 ms at the highest speed, and 4 (W12); the cast saturates.
+        // Counts of 1 ms at the highest speed, plus 4 (W12). The cast saturates.
         let tolerance = ((p.max_velocity / 1000.0) as i64).saturating_add(4);
         let check = PulseCheck { every: p.encoder.pulses_or_step.saturating_mul(4), tolerance };
         if let Some(by) = self.sensor.pulses.step(&check, self.counter.position(), change, mark) {
@@ -329,16 +331,16 @@ impl Axis {
         }
     }
 
-    /// Every count of its coordinate is `by` more from now on (in the sense of the drive).
+    /// Shifts all stored counts by `by` (in the direction of the drive).
     pub(super) fn shift_pulses(&mut self, by: i64) {
         self.sensor.pulses.shift(by);
         self.sensor.seen = self.sensor.seen.wrapping_add(self.turn_counts(by));
     }
 
-    /// Tells what supervision of the encoder has found.
+    /// Reports the findings of the encoder supervision.
     pub(super) fn supervise_source(&mut self, cx: &mut Context<'_>) {
         if let Some((found, allowed)) = self.jump() {
-            // Whichever of its counts are right, those of its zero are not known any more.
+            // It is unknown which counts are right, so the axis is no longer referenced.
             self.homing.forget();
             if !self.is_on() {
                 let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::ENCODER_JUMP);
@@ -364,13 +366,13 @@ impl Axis {
         }
     }
 
-    /// Why the axis has no position, if it has none although its drive answers.
+    /// Returns the reason why the axis has no position although its drive responds.
     pub(super) fn source_failure(&self) -> Option<Code> {
         let code = if self.parameters.encoder.monitored == 1 { Code::WF_ENCODER_CABLE } else { Code::ENCODER_INVALID };
         (!self.actual.valid || self.has_lost_velocity()).then_some(code)
     }
 
-    /// Moves the coordinate as others have done who share the encoder; what a new source has moved is told as well.
+    /// Moves the coordinate as other users of the encoder have done. Also reports the move by a new source.
     pub(super) fn take_shifts(&mut self, cx: &mut Context<'_>) {
         let pending = std::mem::take(&mut self.sensor.pending);
         if pending != 0 {
@@ -387,7 +389,7 @@ impl Axis {
         }
     }
 
-    /// A new zero: the encoder itself is moved for all of its users, unless the zero is soft (MACS-ENC-11).
+    /// Applies a new zero: the encoder itself is moved for all its users, unless the zero is soft (MACS-ENC-11).
     pub(super) fn share_shift(&mut self, sequence: u64, by: i64) {
         if matches!(self.sensor.source, Source::Encoder(_)) {
             let claim = Claim { sequence, by: self.turn_counts(by), is_soft: self.shares().is_none() };
@@ -395,7 +397,7 @@ impl Axis {
         }
     }
 
-    /// The encoder that it would move with a new zero.
+    /// Returns the encoder that a new zero would move.
     pub fn shares(&self) -> Option<u16> {
         match self.sensor.source {
             Source::Encoder(place) if self.parameters.encoder.enccontrol & 2 == 0 => Some(place),
@@ -403,24 +405,24 @@ impl Axis {
         }
     }
 
-    /// Does it read that entry of section `encoders`?
+    /// Whether the axis reads that entry of section `encoders`.
     pub fn reads(&self, encoder: u16) -> bool {
         self.sensor.source == Source::Encoder(encoder)
     }
 
-    /// The new zeros of this cycle that concern an encoder: that of its own position, and that of its master.
+    /// Returns the new zeros of this cycle for an encoder: that of the axis, and that of its master.
     pub fn claims(&self, encoder: u16) -> [Option<Claim>; 2] {
         [self.sensor.claim.filter(|_| self.reads(encoder)), self.master_claim(encoder)]
     }
 
-    /// They are done.
+    /// Clears the new zeros after they are applied.
     pub fn forget_claims(&mut self) {
         self.sensor.claim = None;
         self.forget_master_claim();
     }
 
-    /// By how much its coordinate is to move yet, where the encoder that it reads moves by so much for the command `last` (inc, in
-    /// the sense of the encoder).
+    /// Returns the remaining move of the coordinate if the encoder of the axis moves by `by` for the command `last`
+    /// (inc, in the direction of the encoder).
     pub fn left_of_shift(&self, by: i64, last: u64) -> i64 {
         match self.sensor.claim {
             Some(claim) if !claim.is_soft => by.saturating_sub(claim.by),
@@ -429,23 +431,23 @@ impl Axis {
         }
     }
 
-    /// Can its position and its limits go with the encoder (inc, in its sense)?
+    /// Whether position and limits can move with the encoder (inc, in its direction).
     pub fn follows_encoder(&self, by: i64) -> bool {
         let by = self.turn_counts(by);
         (self.command.position + Position::whole(by)).is_legal() && self.limit_out_of_range(by).is_none()
     }
 
-    /// The encoder that it reads was moved by someone else: its coordinate follows in the next cycle.
+    /// Notes that another user has moved the encoder: the coordinate follows in the next cycle.
     pub fn shift_with_encoder(&mut self, by: i64) {
         self.sensor.pending = self.sensor.pending.wrapping_add(by);
     }
 
-    /// Has it an absolute encoder by ENCODERTYPE, whose zero no command moves (MACS-ENC-10)?
+    /// Whether ENCODERTYPE selects an absolute encoder, whose zero no command moves (MACS-ENC-10).
     pub(super) fn has_fixed_zero(&self) -> bool {
         !self.is_virtual() && self.parameters.derived.is_absolute
     }
 
-    /// Refuses to move a zero that stands.
+    /// Returns an error if the zero is fixed.
     pub(super) fn check_zero_moves(&self) -> Result<(), Refusal> {
         if self.has_fixed_zero() {
             let chosen = Number::Count(self.parameters.encoder.encodertype);
@@ -454,23 +456,23 @@ impl Axis {
         Ok(())
     }
 
-    /// Does it know where it is: by homing, or because an absolute encoder tells it?
+    /// Whether the axis is referenced: by homing, or by an absolute encoder.
     pub(super) fn knows_zero(&self) -> bool {
         self.homing.is_homed() || self.has_fixed_zero() && self.actual.valid
     }
 
-    /// Does it stand still, with nothing to do?
+    /// Whether the axis is at rest without any task.
     pub fn stands_idle(&self) -> bool {
         (self.rests() || !self.is_on()) && self.goal.is_none() && !self.homing.is_running()
     }
 
-    /// Is what others see of its position its command?
+    /// Whether the displayed position is the command.
     #[inline]
     pub fn shows_command(&self) -> bool {
         self.is_virtual() || self.is_simulated() && self.is_on()
     }
 
-    /// How far the encoder has moved in this cycle, if that is further than its axis can.
+    /// Returns the change of the encoder in this cycle, and the largest one allowed, if it exceeds that.
     fn jump(&self) -> Option<(Number, Number)> {
         let allowed = self.parameters.encoder.max_jump.filter(|_| !self.is_simulated())?;
         let change = self.actual.change.floor();
@@ -478,24 +480,24 @@ impl Axis {
         is_jump.then_some((Number::Position(change), Number::Position(allowed)))
     }
 
-    /// A jump stops an axis that is on in its cycle, whatever time a following error may take.
+    /// Stops an axis that is on in the cycle of a jump, regardless of the time allowed for following errors.
     pub(super) fn judge_jump(&mut self, cx: &mut Context<'_>) {
         let Some((found, allowed)) = self.jump().filter(|_| !self.is_virtual()) else { return };
         self.raise(cx, Failure::of(Code::ENCODER_JUMP).with(found, allowed));
     }
 
-    /// Is its actual position its command (MACS-ENC-13)?
+    /// Whether the actual position is the command (MACS-ENC-13).
     #[inline]
     pub(super) fn is_simulated(&self) -> bool {
         self.sensor.is_simulated() && !self.is_virtual()
     }
 
-    /// Bad words so far (SYSVAR 16).
+    /// Returns the number of invalid values so far (SYSVAR 16).
     pub(super) fn encoder_errors(&self) -> u64 {
         self.counter.errors()
     }
 
-    /// The position of raw counts near those of this cycle, in the sense of the drive (inc).
+    /// Returns the position of raw counts near those of this cycle, in the direction of the drive (inc).
     pub(super) fn locate_raw(&self, count: i64, encoders: &[Encoder]) -> i64 {
         match self.sensor.source {
             Source::Drive(_) | Source::Simulated => self.counter.locate(count),
@@ -507,7 +509,7 @@ impl Axis {
         }
     }
 
-    /// Could its state have come about?
+    /// Whether the state is possible.
     pub(super) fn is_sensor_sound(&self) -> bool {
         let chosen = Source::of(self.setup.wired, self.setup.encoders, &self.parameters);
         let fits = self.is_virtual() || chosen.is_ok();

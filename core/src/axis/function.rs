@@ -1,12 +1,12 @@
-//! An axis that is the sink of a function slot.
+//! An axis that follows the sink of a function slot.
 //!
-//! Law      position: each change of the sink is one of the command, exactly; profile limits do not bend it. An axis that moves when the
-//!          function takes it first comes to the velocity of the sink, within its limits. Speed: the axis runs at it, within its
-//!          limits. It is followed while the axis is on: switched off and on again it follows on. Whatever else moves or stops
-//!          the axis takes it from the function until the next START
+//! Law      position: each change of the sink is one of the command, exactly; profile limits do not apply. If the axis
+//!          moves when the function takes over, it first reaches the velocity of the sink within its limits. Speed: the
+//!          axis runs at this speed within its limits. The axis follows while it is on, and again after it was switched
+//!          off and on. Any other motion or stop takes the axis from the function until the next START
 //! Reads    the sink of the slot
-//! Refuses  START where the axis is in error, locked, homing, without the zero that it must have; in the cycle: a sink that is faster
-//!          than max_velocity, or lost
+//! Refuses  START if the axis is in error, locked, homing, or not referenced although required. In the cycle: a sink
+//!          that is lost, or faster than max_velocity
 //! Source   contract section 3 and 10, A-11, AMK-GEN-11, PLCopen (SYNCHRONIZED_MOTION)
 
 use super::course::Aim;
@@ -27,9 +27,9 @@ use serde::{Deserialize, Serialize};
 /// The function that moves an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MovedBy {
-    /// Its sink.
+    /// Sink of the function.
     pub sink: Leader,
-    /// (inc/s) of one of a sink that carries a speed; none for a position.
+    /// Velocity per unit of the sink (inc/s), for a sink of speeds. None: the sink is a position.
     pub speed: Option<f64>,
 }
 
@@ -40,15 +40,15 @@ impl MovedBy {
 }
 
 impl Axis {
-    /// Does the sink of a function command it?
+    /// Whether the sink of a function commands the axis.
     pub fn is_led_by_function(&self) -> bool {
         self.reference == Reference::Function
     }
 
-    /// May a function whose sink it is start? One that is off follows once it is on.
+    /// Checks whether a function with this axis as sink may start. An axis that is off follows once it is on.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn check_function(&self) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         match self.state {
@@ -57,9 +57,9 @@ impl Axis {
         }
     }
 
-    /// A function that has started moves it from now on.
+    /// Lets a started function move the axis from now on.
     pub fn take_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
-        // What came in this cycle wins, and the function runs without its axis.
+        // Commands of this cycle have priority; the function then runs without its axis.
         if let Err(refusal) = self.check_function() {
             return self.warn_of(cx, refusal);
         }
@@ -74,7 +74,7 @@ impl Axis {
         self.begin_function(cx, by);
     }
 
-    /// The function is back in RESET: what its sink holds, the axis holds.
+    /// The function is back in RESET: the axis stops following its sink.
     pub fn leave_function(&mut self, cx: &mut Context<'_>, sink: Leader) {
         if self.function.take_if(|by| by.sink == sink).is_none() || self.reference != Reference::Function {
             return;
@@ -86,10 +86,10 @@ impl Axis {
         }
     }
 
-    /// May a goal move it? `by`: the sink that moves it already, of a function that is started.
+    /// Checks whether a goal may move the axis. `by`: sink of the started function that already moves it.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn check_goal(&self, by: Option<Leader>) -> Result<(), Refusal> {
         match by.map_or(self.goal_failure(), |sink| self.function_failure(sink)) {
             None => Ok(()),
@@ -98,7 +98,7 @@ impl Axis {
         }
     }
 
-    /// Why no goal of a function can move it; its error, if it has one.
+    /// Returns the reason why no goal of a function can move the axis: its error, if it has one.
     fn goal_failure(&self) -> Option<Code> {
         match self.state {
             _ if !self.error().is_none() => Some(self.error()),
@@ -107,25 +107,25 @@ impl Axis {
         }
     }
 
-    /// Why a function does not move it that has.
+    /// Returns the reason why the function of that sink no longer moves the axis.
     pub fn function_failure(&self, sink: Leader) -> Option<Code> {
         let is_moved = self.reference == Reference::Function && self.function.is_some_and(|by| by.sink == sink);
         self.goal_failure().or((!is_moved).then_some(Code::FUNCTION_LEFT))
     }
 
-    /// How far the index pulse of this cycle lies behind its command, where its encoder was then.
+    /// Returns the distance from the index pulse of this cycle to the command, if the encoder had one.
     pub fn mark_behind_command(&self) -> Option<Position> {
         Some(self.command.position - self.index_of_cycle()?)
     }
 
-    /// The function cannot go on: the axis has its error, and is nobody's.
+    /// Ends a function that cannot continue: the axis gets the error and is no longer moved by the function.
     pub fn fail_function(&mut self, cx: &mut Context<'_>, sink: Leader, code: Code, limit: Number) {
         if self.function.take_if(|by| by.sink == sink).is_some() && self.reference == Reference::Function {
             self.raise(cx, Failure::of(code).with(Number::None, limit));
         }
     }
 
-    /// Follows on once it is on again, and a speed whenever that changes.
+    /// Follows again once the axis is on, and follows a speed when it changes.
     pub(super) fn follow_function(&mut self, cx: &mut Context<'_>) {
         let Some(by) = self.function else { return };
         if self.state == AxisState::Disabled {
@@ -146,7 +146,7 @@ impl Axis {
         self.owner = Owner::Native;
         if let Some(speed) = by.speed {
             if self.state == AxisState::Standstill && asked(cx, by.sink, speed) == 0.0 {
-                // It rests, as it is asked to, until the speed is another one.
+                // The axis rests, as commanded, until the speed changes.
                 self.reference = Reference::Function;
                 return;
             }
@@ -157,7 +157,7 @@ impl Axis {
             velocity: p.max_velocity,
             acceleration: p.usual_acceleration().min(p.deceleration_limit()),
             max_velocity: p.max_velocity,
-            // What the sink asks is done, however suddenly.
+            // The motion of the sink is executed however abrupt it is.
             max_acceleration: f64::MAX,
             max_deceleration: f64::MAX,
         };
@@ -184,7 +184,8 @@ impl Axis {
         self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Function, Generator::Plan(course));
     }
 
-    /// Is the sink that it follows faster than it may be? One count more is what a counted sink differs by at one speed.
+    /// Returns an error if the sink exceeds the largest velocity. One more count is allowed for a counted sink of
+    /// constant speed.
     pub(super) fn check_sink(&self, change: Position, uneven: f64) -> Result<(), Failure> {
         let velocity = change.to_f64() / self.cycle_s();
         let most = self.parameters.max_velocity;
@@ -195,7 +196,7 @@ impl Axis {
     }
 }
 
-/// The velocity that a sink asks for (inc/s).
+/// Returns the velocity that a sink commands (inc/s).
 fn asked(cx: &Context<'_>, sink: Leader, speed: f64) -> f64 {
     cx.leads.get(sink).position.to_f64() * speed
 }

@@ -1,13 +1,15 @@
-//! A gear that begins at its moment: at a latch, or so that leader and axis are at a pair of places together (MC_GearInPos).
+//! A gear that begins at a latch, or so that leader and axis reach a pair of positions together (MC_GearInPos).
 //!
-//! Law      at a latch: target = place of the axis at the end of that cycle + ratio * (leader - leader at the latch), to 2^-32 inc; from the gear
-//!          before, of the same leader, it goes on where that had it at the latch. In position: over the start distance an [`Approach`], which
-//!          begins where the leader passes its start, though that lies between two cycles, with place, velocity and acceleration of the axis;
-//!          without a distance the gear of the pair, which the axis catches up. On an axis with a turn the pair is in the turn that the mean
-//!          of both slopes leads to, or in the nearest one
-//! Reads    the leader, this cycle's, of a counted one its mean speed in the last cycles
-//! Refuses  at the request, as far as the leader moves, is not counted, and the axis rests, and at the moment: a leader past its start, a way too short for
-//!          velocity and acceleration of the goal, one that leads backwards against revers
+//! Law      at a latch: target = position of the axis at the end of that cycle + ratio * (leader - leader at the
+//!          latch), to 2^-32 inc. If the axis was already geared to the same leader, it continues from its position in
+//!          that gear at the latch. In position: an [`Approach`] over the start distance begins where the leader passes
+//!          its start, also between two cycles, with position, velocity and acceleration of the axis. Without a
+//!          distance the axis catches up with the gear of the pair. On an axis with modulo the pair is in the turn to
+//!          which the mean of both slopes leads, or in the nearest one
+//! Reads    the leader of this cycle; the mean speed of a counted leader in the last cycles
+//! Refuses  a leader beyond its start, a distance too short for velocity and acceleration of the goal, an approach that
+//!          moves backward against revers. It checks at the request if the leader moves, is not counted, and the axis
+//!          is at rest, and again when the gear begins
 //! Source   contract section 7, PLCopen (MC_GearInPos), AMC-EVT-05
 
 use super::pair::{Pair, Started};
@@ -26,25 +28,26 @@ use crate::sync::{SyncMode, Transmission};
 use crate::table::Table;
 use std::sync::Arc;
 
-/// What rounding may put a curve beyond a limit.
+/// Factor by which the rounding of a curve may exceed a limit.
 const SLACK: f64 = 1.0 + 1e-9;
 
-/// What a curve is judged by.
+/// Data for the checks of a curve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub ratio: Ratio,
-    /// Of the leader (inc per cycle).
+    /// Speed of the leader (inc per cycle).
     pub speed: f64,
-    /// Where the axis begins.
+    /// Motion of the axis at the start.
     pub from: Begin,
     pub bounds: Bounds,
 }
 
 impl Axis {
-    /// May it wait for that pair? What moves is judged again at its moment.
+    /// Checks whether the axis may wait for that pair. A leader or axis in motion is checked again when the gear
+    /// begins.
     pub(super) fn check_pair(&self, pair: Pair, request: &Synchronize, lead: Lead) -> Result<(), Refusal> {
         self.passed_start(pair, lead)?;
-        // One change of a counted leader says nothing of its speed.
+        // One change of a counted leader does not give its speed.
         let is_even = lead.uneven == 0.0;
         if pair.distance == 0 || !is_even || !pair.lies_ahead(lead) || !matches!(self.generator, Generator::Rest) {
             return Ok(());
@@ -54,13 +57,13 @@ impl Axis {
         self.approach(pair, Way { ratio, speed: lead.change.to_f64(), from, bounds }).map(|_| ())
     }
 
-    /// How far behind the start of a pair the leader is that has passed it in this cycle.
+    /// Returns the distance of the leader after the start of a pair that it has passed in this cycle.
     pub(super) fn passed_start(&self, pair: Pair, lead: Lead) -> Result<Option<Position>, Refusal> {
         let refuse = |(missing, distance)| self.refuse(Code::ENGAGE_PASSED).with(missing, distance);
         if pair.distance == 0 { Ok(None) } else { pair.passed_start(lead).map_err(refuse) }
     }
 
-    /// How it follows by a gear that began when its leader was so far behind where it is.
+    /// Returns the follower of a gear that began when its leader was `after` before its present position.
     pub(super) fn engaged_gear(
         &self,
         tables: &[Arc<Table>],
@@ -123,7 +126,8 @@ impl Axis {
         })
     }
 
-    /// The present motion of an axis that `stands` there, where the leader was so far behind where it is, by its way at so many increments a cycle.
+    /// Returns the motion of an axis, now at `stands`, when the leader was `after` before its present position, as a
+    /// function of the leader with `speed` increments per cycle.
     fn beginning(&self, stands: Position, speed: f64, after: Position) -> Begin {
         let (present, cycle_s) = (self.present(), self.cycle_s());
         let slope = present.velocity * cycle_s / speed;
@@ -133,10 +137,10 @@ impl Axis {
         Begin { place: stands - way, slope: slope - bend * after, bend }
     }
 
-    /// The way to a pair.
+    /// Returns the approach to a pair.
     ///
     /// # Errors
-    /// The axis may not, or cannot go it.
+    /// The axis must not, or cannot, follow it.
     fn approach(&self, pair: Pair, way: Way) -> Result<Approach, Refusal> {
         let geared = way.speed.abs() / self.cycle_s() * way.ratio.to_f64().abs();
         let most = way.bounds.max_velocity;
@@ -168,14 +172,15 @@ impl Axis {
         Approach::new(ratio, length, Begin { place: from.place - slave, ..from })
     }
 
-    /// The place of a turn that is nearest to another one; the place itself without a turn.
+    /// Returns the position in the turn nearest to `near`; without modulo the position itself.
     fn turn_of(&self, place: i64, near: Position) -> Position {
         let place = Position::whole(place);
         let target = |modulo: Modulo| modulo.target(place, near, near, Direction::Shortest, 0.0);
         self.setup.modulo.map_or(place, target)
     }
 
-    /// Can it go that way while its leader runs so fast? What it does already counts as possible.
+    /// Whether the axis can follow that curve at that speed of the leader. Velocity and acceleration that it already
+    /// has count as possible.
     pub(super) fn bears(&self, shape: Shape, way: Way) -> bool {
         let (present, speed) = (self.present(), way.speed.abs() / self.cycle_s());
         let steepest = shape.most.max(-shape.least);
@@ -185,7 +190,7 @@ impl Axis {
         speed * steepest <= velocity * SLACK && speed * speed * shape.bend <= acceleration * SLACK
     }
 
-    /// Does it go backwards nowhere, but where revers permits it wherever the leader turns?
+    /// Whether the curve never moves backward, except where revers allows it because the leader reverses.
     pub(super) fn leads_forward(&self, approach: &Approach, speed: f64) -> bool {
         match self.parameters.reversing().rule {
             Rule::Always => true,

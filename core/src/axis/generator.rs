@@ -1,6 +1,7 @@
-//! What generates the command position of an axis.
+//! The generator of the command position of an axis.
 //!
-//! Law      a plan, a follower of what leads (one of the machine's leads, or the trajectory of the goal), open loop, or nothing
+//! Law      a plan, a follower of a leader (a lead of the machine, or the trajectory of the goal), open loop, or
+//!          nothing
 
 use super::course::Course;
 use crate::command::Level;
@@ -10,23 +11,23 @@ use crate::sync::Disengage;
 use crate::sync::follower::Follower;
 use serde::{Deserialize, Serialize};
 
-/// What generates the command position.
+/// The source of the command position.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 pub(super) enum Generator {
-    /// Nothing: the position holds.
+    /// None: the position stays.
     Rest,
     /// A profile.
     Plan(Course),
     /// A coupling to a leader.
     Follow(Coupling),
-    /// The trajectory of its goal leads.
+    /// The trajectory of its goal is the leader.
     Track(Follower),
-    /// Open loop: the drive runs at this speed (inc/s), and the command is where it is.
+    /// Open loop: the drive runs at this speed (inc/s), and the command is the actual position.
     Open { velocity: f64 },
-    /// OUTAN: the loops below the position loop run at this value (-1 to 1), and the command is where the axis is.
+    /// OUTAN: the loops inside the position loop run at this value (-1 to 1), and the command is the actual position.
     OutAn { value: f64, level: Level },
-    /// Open loop: switched off in cycle `since`, until the drive stands.
+    /// Open loop, switched off in cycle `since`, until the drive is at rest.
     Coast { since: u64 },
 }
 
@@ -41,8 +42,8 @@ impl Generator {
         }
     }
 
-    /// Moves the places of the motion as a whole: the coordinate is another one, and nothing moves. Not those of a cam or of a trajectory,
-    /// in whose motion no coordinate changes.
+    /// Shifts the positions of the motion with the coordinate; the axis does not move. A cam and a trajectory are not
+    /// shifted, because the coordinate does not change while they are active.
     pub(super) fn shift(&mut self, by: Position) {
         match self {
             Generator::Plan(course) => course.shift(by),
@@ -52,12 +53,12 @@ impl Generator {
         }
     }
 
-    /// Does OUTAN give an effort, past the velocity loop?
+    /// Whether OUTAN commands an effort, without the velocity loop.
     pub(super) fn asks_effort(&self) -> bool {
         matches!(self, Generator::OutAn { level: Level::Effort, .. })
     }
 
-    /// How it follows what leads it; none where nothing does.
+    /// Returns the follower; none if there is no leader.
     #[inline]
     pub(super) fn follower(&self) -> Option<&Follower> {
         match self {
@@ -67,7 +68,7 @@ impl Generator {
         }
     }
 
-    /// The same, to change it.
+    /// As [`follower`](Self::follower), mutable.
     pub(super) fn follower_mut(&mut self) -> Option<&mut Follower> {
         match self {
             Generator::Follow(coupling) => Some(&mut coupling.follower),
@@ -80,13 +81,14 @@ impl Generator {
 /// A coupling of one axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Coupling {
-    /// What it follows.
+    /// Leader of the coupling.
     pub leader: Leader,
-    /// What becomes of it at the end.
+    /// Action at the end of the coupling.
     pub disengage: Disengage,
-    /// Error up to which it counts as accurate (inc), which it keeps (MACS-STO-09); negative: the error is shown with its sign.
+    /// Error up to which the slave counts as accurate (inc), fixed at the start (MACS-STO-09). Negative: the error is
+    /// shown with its sign.
     pub accuracy: i64,
-    /// It keeps a pair of places of leader and axis.
+    /// Whether it keeps a pair of positions of leader and axis.
     pub at_places: bool,
     pub follower: Follower,
 }

@@ -1,4 +1,4 @@
-//! Goals: positioning and velocity, from the command to the generator.
+//! Positioning and velocity goals, from the command to the generator.
 
 use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, Course, ROUNDING};
@@ -15,32 +15,33 @@ use crate::profile::{self, Limits, Motion, Plan};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
-/// Least velocity, acceleration and deceleration of a goal, in increments: with less, a move would outlast its machine.
+/// Smallest velocity, acceleration and deceleration of a goal, in increments. With less a move would practically never
+/// end.
 pub(super) const LEAST_RATE: f64 = 1e-6;
 
-/// Highest jerk of a goal where the axis has no limit of its own (inc/s^3), as for all its rates: f64 computes with more, but
-/// not for ever.
+/// Highest jerk of a goal on an axis without a jerk limit (inc/s^3), and of the rates of an axis: a higher value would
+/// exceed the exactness of f64.
 const MOST_JERK: f64 = 1e15;
 
-/// The goal that the axis works on.
+/// The active goal of the axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Goal {
     /// Number of the command that started it.
     pub sequence: u64,
-    /// How it will end once the axis stands; none: by reaching its target.
+    /// Code with which it ends once the axis is at rest. None: it ends at its target.
     pub ending: Option<Code>,
-    /// Where it ends, before rounding to whole increments; none for a goal without end.
+    /// End before rounding to whole increments; none for a goal without end.
     pub target: Option<Position>,
-    /// The mark that it searches for, or has found.
+    /// The latch that it searches for, or has found.
     pub search: Option<Search>,
-    /// The trajectory that it belongs to.
+    /// Its trajectory.
     pub track: Option<Tracker>,
-    /// The trajectory that the axis follows until its own begins: one whose goal has ended.
+    /// The trajectory that the axis follows until its own begins; the goal of that one has ended.
     pub before: Option<Tracker>,
 }
 
 impl Axis {
-    /// Ends the active goal now; one that was cancelled ends as cancelled, unless an error ends it.
+    /// Ends the active goal now. A cancelled goal ends as cancelled, unless an error ends it.
     pub(super) fn end_goal(&mut self, cx: &mut Context<'_>, code: Code) {
         self.end_goal_with(cx, code, NO_NUMBERS);
     }
@@ -51,7 +52,7 @@ impl Axis {
                 matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED | Code::ABORTED);
             let code = goal.ending.filter(|_| taken_over).unwrap_or(code);
             if goal.track.is_some() {
-                // The machine ends it for all of its axes at once.
+                // The machine ends it for all its axes at once.
                 self.left = Some((goal.sequence, code, numbers));
                 return;
             }
@@ -60,12 +61,14 @@ impl Axis {
         }
     }
 
-    /// Ends everything that moves the axis or waits to: the goal, what is superimposed, the buffer, a vocabulary's motion.
+    /// Ends everything that moves the axis or waits to move it: goal, superimposed motion, buffer, motion of a
+    /// vocabulary.
     pub(super) fn abandon(&mut self, cx: &mut Context<'_>, code: Code) {
         self.abandon_with(cx, code, NO_NUMBERS);
     }
 
-    /// The same with the numbers that the sentence of the code needs: who gave the goal reads it, too.
+    /// As [`abandon`](Self::abandon), with the numbers for the message of the code, which the sender of the goal reads,
+    /// too.
     pub(super) fn abandon_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         self.end_goal_with(cx, code, numbers);
         self.end_overlay(cx, code, numbers);
@@ -74,7 +77,7 @@ impl Axis {
         self.end_leaving(cx, code, numbers);
         self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
         self.owner = Owner::Native;
-        // Switched off and on again it follows on.
+        // After power off and on the axis follows its function again.
         if code != Code::DISABLED {
             self.function = None;
         }
@@ -102,20 +105,21 @@ impl Axis {
         Refusal::new(code, self.object())
     }
 
-    /// Why a command for an axis at rest is refused, with what the axis does; without it, it is stopping.
+    /// Returns the refusal of a command that needs an axis at rest, with the state of the axis. No state: it is
+    /// stopping.
     pub fn not_at_standstill(&self) -> Refusal {
         let state = if self.is_virtual() || self.power == Power::On { Some(self.state) } else { None };
         let number = state.map_or(Number::None, |state| Number::Count(state as i64));
         self.refuse(Code::NOT_AT_STANDSTILL).with(number, Number::None)
     }
 
-    /// A motion command needs an axis that is ready, knows its zero where it must, and does not look for it.
+    /// Checks that the axis can execute a motion command: it is ready, referenced if required, and not homing.
     pub(super) fn check_free(&self) -> Result<(), Refusal> {
         self.check_ready()?;
         self.check_settled()
     }
 
-    /// It knows its zero where it must, and does not look for it.
+    /// Checks that the axis is referenced if required, and not homing.
     pub(super) fn check_settled(&self) -> Result<(), Refusal> {
         if self.homing.is_running() {
             return Err(self.refuse(Code::HOMING_UNDER_WAY));
@@ -123,13 +127,13 @@ impl Axis {
         self.check_zero()
     }
 
-    /// Where homing is required, the zero is known.
+    /// Checks that the axis is referenced if homing is required.
     pub(super) fn check_zero(&self) -> Result<(), Refusal> {
         let is_missing = self.parameters.homing.required && !self.knows_zero();
         if is_missing { Err(self.refuse(Code::HOMING_REQUIRED)) } else { Ok(()) }
     }
 
-    /// On, without error and without lock.
+    /// Checks that the axis is on, without error and without lock.
     pub(super) fn check_ready(&self) -> Result<(), Refusal> {
         self.check_lock()?;
         match self.power {
@@ -139,7 +143,7 @@ impl Axis {
         }
     }
 
-    /// Without error, and without the lock of a stop.
+    /// Checks that the axis has neither an error nor the lock of a stop.
     pub(super) fn check_lock(&self) -> Result<(), Refusal> {
         match self.state {
             AxisState::ErrorStop => Err(self.refuse(Code::IN_ERROR)),
@@ -150,7 +154,7 @@ impl Axis {
         }
     }
 
-    /// A value that may be left out as 0: the default then, and no more than its maximum.
+    /// Returns a rate of a request, or the default for 0. It must not exceed its maximum.
     pub(super) fn check_rate(&self, asked: f64, usual: f64, most: f64, code: Code) -> Result<f64, Refusal> {
         let number = match code {
             Code::VELOCITY_TOO_HIGH => Number::Velocity,
@@ -171,7 +175,7 @@ impl Axis {
 
     fn check_limits(&self, request: &Move) -> Result<Limits, Refusal> {
         let p = &self.parameters;
-        // In mode velocity 0 means 0, and the sign is the direction.
+        // In mode VELOCITY 0 means 0, and the sign is the direction.
         let (speed, usual) = match request.mode {
             MoveMode::Velocity => (request.velocity.abs(), 0.0),
             _ => (request.velocity, p.usual_velocity()),
@@ -198,7 +202,7 @@ impl Axis {
         })
     }
 
-    /// Starts a positioning or velocity goal, or lets it wait for the one before it.
+    /// Starts a positioning or velocity goal, or lets it wait for the goal before.
     pub(super) fn start_move(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Move) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
@@ -233,12 +237,12 @@ impl Axis {
         Ok(())
     }
 
-    /// Where a positioning goal ends, before rounding to whole increments, when it begins with `from`. `exact` is where the
-    /// goal before it ends or ended.
+    /// Returns the end of a positioning goal before rounding to whole increments, if it begins with `from`. `exact` is
+    /// the exact end of the goal before it.
     pub(super) fn target(&self, request: &Move, limits: Limits, from: Motion, exact: Option<Position>) -> Position {
         let now = from.position;
         let rest_of_goal = match exact {
-            // The goal stands on this increment: what its rounding left out counts on.
+            // The goal before rests on this increment: the part lost by rounding counts for the next goal.
             Some(exact) if Position::whole(exact.nearest()) == Position::whole(now.nearest()) => exact,
             _ => now,
         };
@@ -247,9 +251,10 @@ impl Axis {
             (MoveMode::Additive, _) => exact.unwrap_or(now) + request.target.exact(),
             (_, Some(modulo)) => {
                 let way = profile::stopping_way(from, &self.sharpened(from, limits));
-                // A passage may lie on the last place from which it can stop: its rounding is no turn.
+                // A passage may be at the last position from which the axis can stop; its rounding must not cost a
+                // turn.
                 let certain = (way.abs() - ROUNDING).clamp(0.0, Position::LIMIT as f64).copysign(way);
-                // At rest it stands for where its goal ended, though half an increment beside it.
+                // At rest the exact end of its goal counts, which may be half an increment away.
                 let now = if from.velocity == 0.0 { rest_of_goal } else { now };
                 let stop = now + Position::from_f64(certain);
                 let direction = if from.velocity == 0.0 { self.last_direction } else { from.velocity };
@@ -263,7 +268,7 @@ impl Axis {
         self.goal.and_then(|goal| goal.target).or(self.judge.rested_at)
     }
 
-    /// A target lies within all limits of position that `p` gives.
+    /// Checks that a target is within all position limits of `p`.
     pub(super) fn check_target(&self, target: Position, p: &AxisParameters) -> Result<(), Refusal> {
         let end = target.nearest();
         let low = p.min_position.unwrap_or(1 - Position::LIMIT);
@@ -282,7 +287,7 @@ impl Axis {
         Ok(())
     }
 
-    /// A velocity does not lead beyond a limit at which the axis stands already.
+    /// Checks that a velocity does not lead beyond a limit at which the axis already is.
     pub(super) fn check_velocity(&self, velocity: f64) -> Result<(), Refusal> {
         self.check_forward(velocity)?;
         self.check_velocity_switches(velocity)?;
@@ -300,14 +305,14 @@ impl Axis {
         Ok(())
     }
 
-    /// A course to a target stays within the limits of position on its way.
+    /// Checks that a course stays within the position limits.
     pub(super) fn check_course(&self, course: &Course, from: Motion, limits: Limits) -> Result<(), Refusal> {
         self.check_course_forward(course, from)?;
         self.check_course_switches(course, from)?;
         let now = from.position;
         match course.aim {
             Aim::Target(_) if course.end_velocity() == 0.0 => self.check_extent(course.extent_from(now), limits),
-            // The way ahead is watched in each cycle; where it turns first is known now.
+            // The motion ahead is checked in each cycle. A reversal at its start is known now.
             Aim::Velocity(velocity) => {
                 let (low, high) = course.extent_from(now);
                 self.check_extent(if velocity > 0.0 { (low, now.max(low)) } else { (now.min(high), high) }, limits)
@@ -316,7 +321,7 @@ impl Axis {
         }
     }
 
-    /// On its way a plan may turn back beyond a limit only where the axis stands already.
+    /// Checks that a plan stays within the position limits. Beyond a limit it may be only where the axis already is.
     pub(super) fn check_way(&self, plan: &Plan, limits: Limits) -> Result<(), Refusal> {
         self.check_extent(plan.extent(), limits)
     }

@@ -1,7 +1,8 @@
-//! The parameters of an axis in force, with what every cycle would else compute of them anew.
+//! The active parameters of an axis, and values derived from them that every cycle needs.
 //!
-//! Law      `derived` is [`Derived::of`] the values, whoever has written them: there is one way to write, [`InForce::write`]
-//! Reads    the values, as an [`AxisParameters`]; methods of the same name as those of its values answer from what is kept
+//! Law      `derived` is always [`Derived::of`] the values: [`InForce::write`] is the only function that writes them
+//! Reads    the values, as an [`AxisParameters`]; methods with the same name as those of its values return the stored
+//!          result
 //! Writes   its values, and whether the axis itself has changed some in this cycle
 
 use super::master::Grid;
@@ -15,20 +16,20 @@ use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
-/// What follows from parameters alone and is asked for in every cycle.
+/// Values derived from the parameters alone and read in every cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Derived {
     pub sense: Sense,
     pub reversing: Reversing,
     pub master: Option<Master>,
-    /// ENCODERTYPE is that of an absolute encoder.
+    /// Whether ENCODERTYPE selects an absolute encoder.
     pub is_absolute: bool,
-    /// How far an encoder that stands may tremble or creep.
+    /// Distance by which an encoder at rest may jitter or creep.
     pub slack: Position,
-    /// The software limits, or the ends of all positions.
+    /// The software limits, or the ends of the position range.
     pub low: i64,
     pub high: i64,
-    /// How finely it shows its master.
+    /// Resolution of the displayed master position.
     pub grid: Grid,
     pub largest: Limits,
 }
@@ -50,34 +51,34 @@ impl Derived {
     }
 }
 
-/// The parameters in force. A state image holds the values alone.
+/// The active parameters. A state image contains the values alone.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(from = "AxisParameters", into = "AxisParameters")]
 #[repr(C)]
 pub struct InForce {
     pub(super) derived: Derived,
     values: AxisParameters,
-    /// They were written since this was asked last.
+    /// Whether they were written since the last call of `take_new`.
     is_new: bool,
     /// As [`AxisParameters::needs_full_cycles`].
     needs_full_cycles: bool,
-    /// What the axis changes by itself, before it did so in this cycle.
+    /// Own parameters of the axis before it changed them in this cycle.
     own_before: Option<ValuesByAxis>,
 }
 
 impl InForce {
-    /// The one way to change them.
+    /// Writes all values; the only function that does so.
     fn write(&mut self, values: AxisParameters) {
         (self.values, self.derived, self.is_new) = (values, Derived::of(&values), true);
         self.needs_full_cycles = values.needs_full_cycles();
     }
 
-    /// A command puts others in force.
+    /// Applies the parameters of a command.
     pub(super) fn set(&mut self, values: AxisParameters) {
         self.write(values);
     }
 
-    /// The axis itself changes some.
+    /// Applies a change by the axis itself.
     pub(super) fn change(&mut self, change: impl FnOnce(&mut AxisParameters)) {
         self.own_before.get_or_insert_with(|| self.values.values_by_axis());
         let mut values = self.values;
@@ -85,7 +86,7 @@ impl InForce {
         self.write(values);
     }
 
-    /// The axis itself gives some rows, by their places, values that they take.
+    /// Writes valid values to rows, given by their indices, for the axis itself.
     fn assign(&mut self, values: impl Iterator<Item = (u16, Value)>) {
         self.change(|parameters| {
             for (row, value) in values {
@@ -98,14 +99,15 @@ impl InForce {
         });
     }
 
-    /// Has the axis itself changed any, since this was asked last? What was changed back counts for nothing.
+    /// Returns true if the axis itself has changed parameters since the last call. Values that were changed back do not
+    /// count.
     #[inline]
     pub(super) fn take_own_change(&mut self) -> bool {
-        // A whole set is taken and compared only where something was written.
+        // The whole set is copied and compared only after a write.
         self.own_before.is_some() && self.own_before.take() != Some(self.values.values_by_axis())
     }
 
-    /// Were they written since this was asked last?
+    /// Returns true if they were written since the last call.
     pub(super) fn take_new(&mut self) -> bool {
         std::mem::take(&mut self.is_new)
     }
@@ -133,7 +135,7 @@ impl InForce {
         self.needs_full_cycles
     }
 
-    /// Does what is kept follow from the values?
+    /// Whether the derived values match the values.
     #[cfg(test)]
     pub(crate) fn agrees(&self) -> bool {
         self.derived == Derived::of(&self.values) && self.needs_full_cycles == self.values.needs_full_cycles()
@@ -141,8 +143,8 @@ impl InForce {
 }
 
 impl Axis {
-    /// The one way in which an axis, or a vocabulary on it, sets parameters by itself: they are in force from now on, and told,
-    /// as those of the command where one asked for them.
+    /// Sets parameters for the axis, or a vocabulary on it, and reports them, as results of the command if there is
+    /// one. No other function does this.
     pub(super) fn write_own(
         &mut self,
         cx: &mut Context<'_>,
@@ -158,7 +160,7 @@ impl Axis {
         }
     }
 
-    /// Tells a parameter that the axis has set by itself.
+    /// Reports a parameter that the axis has set by itself.
     pub(super) fn tell_own(&self, cx: &mut Context<'_>, sequence: Option<u64>, row: u16, value: Value) {
         let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
         let event = sequence.map_or(event, |sequence| event.of_command(sequence));

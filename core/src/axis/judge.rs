@@ -1,4 +1,4 @@
-//! Judging a cycle: following error and arrival.
+//! Supervision of a cycle: following error and arrival at the target.
 
 use super::alarm::NO_NUMBERS;
 use super::power::Power;
@@ -11,51 +11,51 @@ use crate::position::Position;
 use crate::regulator::{PAST, past};
 use serde::{Deserialize, Serialize};
 
-/// How far apart the axes are looked at in turn (ns).
+/// Interval of the round-robin check of following errors (ns).
 const TURN_NS: u64 = 20_000_000;
-/// An error that only is reported is told that often (ns).
+/// Interval at which an error without reaction is reported again (ns).
 const REPEAT_NS: u64 = 1_000_000_000;
-/// An encoder that has not moved for so long stands (ns).
+/// Time without motion after which an encoder is at rest (ns).
 const STILL_NS: u64 = 5_000_000;
-/// In [`Judge::waits_since`]: it was told.
+/// Value of [`Judge::waits_since`] after the wait was reported.
 const TOLD: u64 = u64::MAX;
 
-/// What an axis remembers to judge itself.
+/// State of the supervision of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
 pub(super) struct Judge {
-    /// Length of the ring: one per cycle of the drive's delay and one more.
+    /// Length of the ring: the delay of the drive in cycles, plus one.
     length: usize,
     place: usize,
-    /// Command that the actual position of this cycle answers, minus that actual position (inc).
+    /// Command to which the actual position of this cycle responds, minus that actual position (inc).
     pub following_error: i64,
     exceeded_since: Option<u64>,
-    /// Round robin: how often it was found exceeded, in succession.
+    /// Round robin: number of successive checks with an exceeded following error.
     exceeded_times: u64,
-    /// A following error was told in that cycle.
+    /// Cycle in which a following error was last reported.
     told: Option<u64>,
     inside_since: Option<u64>,
     /// In the target window: the actual position, and the cycle in which it was read.
     reading: Option<(u64, i64)>,
-    /// Since when a goal waits for its target window; once it was told of, for ever.
+    /// Cycle since which a goal waits for its target window; [`TOLD`] after that was reported.
     waits_since: Option<u64>,
-    /// At rest at the target, within the window for long enough.
+    /// Whether the axis is at rest at the target and has been within the window for long enough.
     pub in_position: bool,
-    /// How far the encoder has gone since it was found to go on.
+    /// Travel of the encoder since motion was last detected.
     drift: Position,
-    /// When that was last.
+    /// Cycle in which motion was last detected.
     drifted: Option<u64>,
     /// Error reaction that waits for the end of a stop; below 0 for none.
     pub after_stop: i64,
-    /// Where the last goal rested, before rounding to whole increments.
+    /// End of the last goal before rounding to whole increments.
     pub rested_at: Option<Position>,
-    /// Command positions of the last cycles, in a ring. A cycle touches two places of it.
+    /// Command positions of the last cycles, in a ring. A cycle accesses two of them.
     #[serde(with = "past")]
     past: [i64; PAST],
 }
 
 impl Judge {
-    /// Bytes in front of the ring.
+    /// Size of the fields before the ring (bytes).
     pub(super) const HOT_BYTES: usize = std::mem::offset_of!(Judge, past);
 
     pub(super) fn new(delay: u32) -> Self {
@@ -78,23 +78,23 @@ impl Judge {
         }
     }
 
-    /// Is its ring as long as another one's?
+    /// Whether its ring has the same length as that of `other`.
     pub(super) fn has_ring_of(&self, other: &Self) -> bool {
         self.length == other.length && self.place < self.length
     }
 
-    /// Forgets the past: the axis has been standing at `position`.
+    /// Resets the history to an axis at rest at `position`.
     pub(super) fn fill(&mut self, position: i64) {
         self.past.fill(position);
         self.keep_within();
         self.rested_at = None;
     }
 
-    /// Forgets the past: the axis is at `here` (inc) and goes on by `step` a cycle, whoever asked for that.
+    /// Resets the history to an axis that is at `here` (inc) and moves `step` per cycle, whatever was commanded.
     pub(super) fn follow(&mut self, here: i64, step: f64) {
         for cycle in 0..self.length {
             let ahead = (step * cycle as f64).round() as i64;
-            // The next one to be answered stands behind the present place.
+            // The next command to be compared follows the present one.
             let place = (self.place + 1 + cycle) % self.length;
             if let Some(past) = self.past.get_mut(place) {
                 *past = here.saturating_add(ahead);
@@ -104,37 +104,37 @@ impl Judge {
         self.rested_at = None;
     }
 
-    /// Every place is `by` (inc) more from now on.
+    /// Increases all positions by `by` (inc).
     pub(super) fn shift(&mut self, by: i64) {
         self.past.iter_mut().for_each(|place| *place = place.wrapping_add(by));
         self.reading = self.reading.map(|(cycle, position)| (cycle, position.wrapping_add(by)));
         self.rested_at = self.rested_at.map(|rested| rested + Position::whole(by));
     }
 
-    /// The following error is small.
+    /// Notes that the following error is within its limit.
     fn keep_within(&mut self) {
         (self.exceeded_since, self.exceeded_times) = (None, 0);
     }
 
-    /// Is a following error allowed, and was the last one? Then judging it would change nothing.
+    /// Whether a following error is allowed, and the last one was, too, so that the check would change nothing.
     #[inline]
     pub(super) fn stays_within(&self, error: i64, p: &AxisParameters) -> bool {
         let is_within = error.unsigned_abs() <= p.max_following_error.unsigned_abs();
         is_within && self.exceeded_since.is_none() && self.exceeded_times == 0
     }
 
-    /// Has it nothing of a rest that it would have to leave?
+    /// Whether no state of a rest is left.
     pub(super) fn has_left_rest(&self) -> bool {
         let is_inside = self.in_position || self.inside_since.is_some() || self.reading.is_some();
         !is_inside && self.waits_since.is_none()
     }
 
-    /// The actual position is not in the target window.
+    /// Notes that the actual position is outside the target window.
     fn leave_window(&mut self) {
         (self.inside_since, self.reading) = (None, None);
     }
 
-    /// An error was reset: of its following error nothing is left, unless that lasts.
+    /// Clears the state of a following error after a reset, unless the following error lasts.
     pub(super) fn forget(&mut self, lasts: bool) {
         if !lasts {
             self.keep_within();
@@ -142,7 +142,7 @@ impl Judge {
         self.after_stop = -1;
     }
 
-    /// Notes a step of the encoder; what stays within `most` from where it began is none.
+    /// Adds a step of the encoder. Motion within `most` of its start does not count.
     #[inline]
     pub(super) fn note_step(&mut self, cycle: u64, step: Position, most: Position) {
         self.drift += step;
@@ -151,27 +151,27 @@ impl Judge {
         }
     }
 
-    /// The oldest command that is kept.
+    /// Returns the index of the oldest stored command.
     fn oldest(&self) -> usize {
         if self.place + 1 < self.length { self.place + 1 } else { 0 }
     }
 
-    /// The command that the actual position of this cycle answers.
+    /// Returns the command to which the actual position of this cycle responds.
     fn answered(&self) -> i64 {
         self.past.get(self.oldest()).copied().unwrap_or_default()
     }
 
-    /// Keeps the same command for another cycle.
+    /// Stores the same command for another cycle.
     pub(super) fn pass(&mut self) {
         self.place = self.oldest();
     }
 
-    /// Is something to be done once the axis stands?
+    /// Whether a reaction waits until the axis is at rest.
     pub(super) fn has_left_something(&self) -> bool {
         self.after_stop != -1
     }
 
-    /// Has nothing begun that has its time, and are all commands that are kept this one?
+    /// Whether no timer runs, and all stored commands are equal to `asked`.
     pub(super) fn is_settled(&self, asked: i64, allowed: i64) -> bool {
         let is_beyond = self.following_error.unsigned_abs() > allowed.unsigned_abs();
         let exceeds = is_beyond || self.exceeded_since.is_some() || self.exceeded_times != 0;
@@ -179,7 +179,7 @@ impl Judge {
         !exceeds && !self.has_left_something() && kept.iter().all(|kept| *kept == asked)
     }
 
-    /// Keeps the command of this cycle.
+    /// Stores the command of this cycle.
     #[inline]
     pub(super) fn keep(&mut self, command: i64) {
         self.place = self.oldest();
@@ -190,7 +190,8 @@ impl Judge {
 }
 
 impl Axis {
-    /// The errors that the inputs of this cycle show: known before the commands of the cycle, and to the vocabularies.
+    /// Checks for errors from the inputs of this cycle. They are known before the commands of the cycle, and to the
+    /// vocabularies.
     pub(super) fn judge_errors(&mut self, cx: &mut Context<'_>) {
         self.judge.note_step(cx.cycle, self.actual.change, self.slack());
         if !self.is_on() {
@@ -208,7 +209,7 @@ impl Axis {
         }
     }
 
-    /// Is it at its target? Once the commands of the cycle have had their say.
+    /// Checks for arrival at the target, after the commands of the cycle.
     pub(super) fn judge_arrival(&mut self, cx: &mut Context<'_>) {
         self.judge.keep(self.asked());
         if !self.is_on() {
@@ -224,7 +225,7 @@ impl Axis {
         }
     }
 
-    /// It moves.
+    /// Clears the state of a rest when the axis moves.
     fn leave_rest(&mut self) {
         self.holding.settles_since = None;
         self.judge.leave_window();
@@ -232,7 +233,7 @@ impl Axis {
         self.judge.in_position = false;
     }
 
-    /// The command that the actual position of this cycle answers, minus that position (inc).
+    /// Returns the command to which the actual position of this cycle responds, minus that position (inc).
     #[inline]
     pub(super) fn following_error(&self) -> i64 {
         // A simulated encoder shows the command itself.
@@ -251,7 +252,7 @@ impl Axis {
         }
         let (error, allowed) = (Number::Position(error), Number::Position(self.parameters.max_following_error));
         if self.alarm.is_none() || !self.only_reports(Code::FOLLOWING_ERROR) {
-            // Since it was reported error_reaction has become one that stops the axis: it is an error anew.
+            // After the report error_reaction was changed to a value that stops the axis: this counts as a new error.
             if self.alarm.code() == Code::FOLLOWING_ERROR {
                 self.alarm.clear();
             }
@@ -261,13 +262,13 @@ impl Axis {
         }
     }
 
-    /// The reaction to a following error.
+    /// Raises a following error.
     pub(super) fn tell_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
         self.judge.told = Some(cx.cycle);
         self.raise(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
     }
 
-    /// Does it go away from its command, further than it may be off?
+    /// Whether the axis moves away from its command, beyond the allowed following error.
     pub(super) fn runs_away(&self) -> bool {
         let (error, most) = (self.judge.following_error, self.parameters.max_following_error);
         let leads_off =
@@ -275,7 +276,7 @@ impl Axis {
         error.unsigned_abs() > most.unsigned_abs() && leads_off
     }
 
-    /// The following error that there still is, beyond what is tolerated.
+    /// Returns the following error if it still lasts longer than tolerated.
     pub(super) fn lasting_following_error(&self, cycle: u64) -> Option<(Number, Number)> {
         let lasts = match self.parameters.supervision.following_error_check {
             1 => self.judge.exceeded_times > self.tolerated_times(),
@@ -285,28 +286,29 @@ impl Axis {
         (lasts && self.is_on()).then_some((error, Number::Position(self.parameters.max_following_error)))
     }
 
-    /// How far an encoder that stands may tremble or creep in [`STILL_NS`]: two counts, or a thousandth of the highest speed.
+    /// Returns the distance by which an encoder at rest may jitter or creep in [`STILL_NS`]: two counts, or a
+    /// thousandth of the highest speed.
     pub(super) fn slack(&self) -> Position {
         self.parameters.derived.slack
     }
 
-    /// Does its encoder move, as far as it shows? A drive that is lost shows nothing; one that has nothing new in
-    /// this cycle is waited for.
+    /// Whether the encoder moves, as far as it is known. A lost drive shows nothing; a drive without new data in this
+    /// cycle counts as moving.
     pub(super) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
         self.shown.is_awaited(self.setup.missed_cycles)
             || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
-    /// Did its encoder move in this cycle, faster than one that stands may creep? One look tells, where a reset waits for a while: what
-    /// is braked by its drive does not coast.
+    /// Whether the encoder moved in this cycle, faster than an encoder at rest may creep. One cycle is enough here,
+    /// while a reset waits: an axis that its drive stops does not coast.
     pub(super) fn moves(&self) -> bool {
         let change = self.actual.change.to_f64().abs().max(self.holding.second_change.saturating_abs() as f64);
         let moved = change * STILL_NS as f64;
         self.shown.is_awaited(self.setup.missed_cycles) || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
     }
 
-    /// Longer than it may? In each cycle anew.
+    /// Whether the following error is exceeded for too long, checked in each cycle.
     fn exceeds_for_long(&mut self, cycle: u64, is_within: bool) -> bool {
         if is_within {
             self.judge.keep_within();
@@ -322,13 +324,14 @@ impl Axis {
         tolerated == 0 || time > tolerated
     }
 
-    /// How often in succession it may be found exceeded when it is looked at in turn.
+    /// Returns the tolerated number of successive exceeded checks in round robin.
     fn tolerated_times(&self) -> u64 {
         let count = u64::from(self.setup.round.1.max(1));
         self.parameters.following_error_time.unsigned_abs() / count.saturating_mul(TURN_NS)
     }
 
-    /// Found more often in succession than it may be? Looked at when it is this axis' turn (MACS-ERR-07).
+    /// Whether more successive checks than tolerated were exceeded. The check is made when it is the turn of this axis
+    /// (MACS-ERR-07).
     fn is_found_in_turn(&mut self, cycle: u64, is_within: bool) -> bool {
         let (place, count) = (u64::from(self.setup.round.0), u64::from(self.setup.round.1.max(1)));
         let turn = |cycle: u64| cycle.saturating_mul(self.setup.cycle_ns) / TURN_NS;
@@ -340,7 +343,8 @@ impl Axis {
         self.judge.exceeded_times > self.tolerated_times()
     }
 
-    /// A following error that stops nothing is told again as long as it lasts (MACS-ERR-03), also beside another error.
+    /// Reports a following error without reaction again as long as it lasts (MACS-ERR-03), also in addition to another
+    /// error.
     fn repeat(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
         let age = self.judge.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
         if age.is_none_or(|age| age >= REPEAT_NS) {
@@ -349,7 +353,7 @@ impl Axis {
         }
     }
 
-    /// The generator has nothing more to do: the goal is reached, or what ended it is done.
+    /// Handles the end of the generator: the goal is reached, or the reaction that ended it is complete.
     fn judge_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop(cx.cycle);
         self.judge.in_position = self.is_in_window(cx) && self.has_taken_up();
@@ -358,7 +362,7 @@ impl Axis {
         }
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing};
         let is_moving_state = matches!(self.state, DiscreteMotion | ContinuousMotion | Homing);
-        // A trajectory ends for all of its axes at once.
+        // A trajectory ends for all its axes at once.
         if !is_moving_state || self.power != Power::On || self.has_track() {
             return;
         }
@@ -385,7 +389,7 @@ impl Axis {
         }
     }
 
-    /// A goal that waits too long for its target window is told of, once (MACS-TGT-06).
+    /// Reports once that a goal waits too long for its target window (MACS-TGT-06).
     pub(super) fn tell_long_wait(&mut self, cx: &mut Context<'_>) {
         let patience = self.parameters.supervision.in_position_timeout.unsigned_abs();
         let since = *self.judge.waits_since.get_or_insert(cx.cycle);
@@ -401,8 +405,8 @@ impl Axis {
         cx.events.push(Event { position: self.actual.position, ..event });
     }
 
-    /// MACS-TGT-01: without a window the command is enough. MACS-TGT-03: with a time and testval, two readings that are near
-    /// to each other. MACS-TGT-04: with a time alone, longer than that within it.
+    /// MACS-TGT-01: without a window the command is enough. MACS-TGT-03: with a time and testval, two readings close to
+    /// each other. MACS-TGT-04: with a time alone, longer than that within the window.
     fn is_in_window(&mut self, cx: &Context<'_>) -> bool {
         let window = self.parameters.in_position_window;
         if window > 0 && !self.is_virtual() {
@@ -421,7 +425,8 @@ impl Axis {
         window == 0 || time == 0 || cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > time
     }
 
-    /// Two readings in the window, in_position_time apart, differ by less than `most`; once they do, that stays.
+    /// Whether two readings in the window, in_position_time apart, differ by less than `most`. Once they do, the result
+    /// stays true.
     fn reads_the_same_twice(&mut self, cycle: u64, most: i64) -> bool {
         let here = self.actual.position.floor();
         let (since, before) = *self.judge.reading.get_or_insert((cycle, here));
@@ -437,7 +442,7 @@ impl Axis {
     }
 }
 
-/// How far an encoder that stands may tremble or creep, as these parameters have it.
+/// Returns the distance by which an encoder at rest may jitter or creep with these parameters.
 pub(super) fn slack_of(p: &AxisParameters) -> Position {
     Position::from_f64((p.max_velocity / 1000.0 * STILL_NS as f64 / 1e9).max(2.0))
 }

@@ -1,8 +1,9 @@
-//! The end of a coupling at a place (MC_GearOut, MC_CamOut).
+//! The end of a coupling at a position (MC_GearOut, MC_CamOut).
 //!
-//! Law      the coupling goes on until the cycle in which its leader, or the axis itself, comes to the place, from either side, or in which it stands
-//!          there; within the turn of what has one. In that cycle the axis leaves it with the velocity that it has, and comes to rest or goes on
-//!          at that velocity. A second one takes the place of the first; what ends the coupling otherwise ends the wait
+//! Law      the coupling continues until the cycle in which its leader, or the axis itself, reaches the position from
+//!          either side, or is at rest there; within the turn if it has a modulo. In that cycle the axis leaves the
+//!          coupling with its velocity, and stops or continues at that velocity. A second command replaces the first;
+//!          any other end of the coupling ends the wait
 //! Reads    the leader, or the command of the axis as its followers see it
 //! Refuses  an axis that no goal couples
 //! Source   PLCopen (MC_GearOut, MC_CamOut)
@@ -19,21 +20,21 @@ use crate::position::Position;
 use crate::sync::Disengage;
 use serde::{Deserialize, Serialize};
 
-/// A coupling that is to be left.
+/// A command to leave a coupling.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Leaving {
     /// Number of its command.
     sequence: u64,
     at: LeaveAt,
-    /// The turn of the leader, where its place counts.
+    /// Modulo of the leader, if its position counts.
     turn: Option<Modulo>,
     disengage: Disengage,
-    /// Where what it waits for was when it was looked at last.
+    /// Position of the leader, or of the axis, in the cycle before.
     seen: Position,
 }
 
 impl Leaving {
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub(super) fn is_sound(&self) -> bool {
         let place = match self.at {
             LeaveAt::Now => 0,
@@ -44,7 +45,7 @@ impl Leaving {
 }
 
 impl Axis {
-    /// Takes a command to leave the coupling; `turn` is that of its leader.
+    /// Accepts a command to leave the coupling; `turn` is the modulo of its leader.
     pub fn take_gear_out(&mut self, cx: &mut Context<'_>, sequence: u64, request: GearOut, turn: Option<Modulo>) {
         match self.leaving_of(cx, sequence, request, turn) {
             Ok(leaving) => {
@@ -73,7 +74,7 @@ impl Axis {
         if leaving.is_sound() { Ok(leaving) } else { Err(self.refuse(Code::BAD_REQUEST)) }
     }
 
-    /// Whose place counts.
+    /// Returns the leader whose position counts.
     fn left_by(&self, at: LeaveAt, leader: Leader) -> Leader {
         match at {
             LeaveAt::Now | LeaveAt::Leader(_) => leader,
@@ -81,12 +82,12 @@ impl Axis {
         }
     }
 
-    /// Number of the command that waits to leave the coupling; 0 for none.
+    /// Returns the number of the command that waits to leave the coupling; 0 for none.
     pub(super) fn leaving(&self) -> u64 {
         self.leaving.map_or(0, |leaving| leaving.sequence)
     }
 
-    /// Returns true if it waits for a place of the axis itself.
+    /// Returns true if the command waits for a position of the axis itself.
     pub(super) fn leaves_at_own_place(&self) -> bool {
         self.leaving.is_some_and(|leaving| matches!(leaving.at, LeaveAt::Axis(_)))
     }
@@ -99,14 +100,14 @@ impl Axis {
         }
     }
 
-    /// Where its coupling is over, however that came, there is nothing to leave.
+    /// Ends the wait when the coupling has ended in any other way.
     pub(super) fn settle_leaving(&mut self, cx: &mut Context<'_>) {
         if self.leaving.is_some() && self.coupling().is_none() {
             self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
         }
     }
 
-    /// Leaves the coupling, if this cycle is where it is to be left.
+    /// Leaves the coupling if its position is reached in this cycle.
     pub(super) fn leave(&mut self, cx: &mut Context<'_>) {
         let (Some(leaving), Some(coupling)) = (self.leaving, self.coupling()) else { return };
         let lead = cx.leads.get(self.left_by(leaving.at, coupling.leader));
@@ -125,7 +126,7 @@ impl Axis {
             return;
         }
         self.end_leaving(cx, Code::NONE, NO_NUMBERS);
-        // What shifts it against its leader ends with the coupling, with the velocity that it has added.
+        // Shifts against the leader end with the coupling, with the velocity that they have added.
         self.end_overlay(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.end_phase(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.uncouple(cx, leaving.disengage, Code::GEARED_OUT);

@@ -1,10 +1,10 @@
-//! Limit switches: they stop an axis, and leave it the way back.
+//! Limit switches: stop an axis, and allow motion away from the switch.
 //!
-//! Law      an edge stops the axis unless it moves away; the level blocks every motion towards the switch, but for the way in
-//!          which it brakes on the switch that its homing had sought until something ended that
+//! Law      an edge stops the axis unless it moves away. The level blocks every motion towards the switch, except the
+//!          stop after a homing that was ended while it searched for this switch
 //! Reads    the switches of this cycle and of the one before, the command of this cycle
 //! Writes   the error; the reaction begins in the cycle of the edge
-//! Refuses  with code 98 what would begin towards an actuated switch
+//! Refuses  with code 98 every motion that would begin towards an active switch
 //! Source   MACS-LIM-05, MACS-LIM-07, MACS-LIM-08, MACS-LIM-09, A-16, A-17, A-56
 
 use super::course::{Aim, Course, ROUNDING};
@@ -16,13 +16,13 @@ use crate::position::Position;
 use crate::profile::Motion;
 
 impl Axis {
-    /// Do switches stop it? Not while it looks for its zero: that uses them.
+    /// Whether switches stop the axis. They do not during homing, which uses them.
     pub(super) fn limits_apply(&self) -> bool {
         !self.homing.is_running()
     }
 
-    /// The switch ahead in a direction of the user: its level, and its edge in this cycle. The positive one stands at the end
-    /// of rising counts, whatever the sense of the user's units.
+    /// Returns level, and edge in this cycle, of the switch ahead in a direction of the axis. The positive switch is at
+    /// the end of rising counts, whatever the direction of the axis.
     fn switch(&self, up: bool) -> (bool, bool) {
         let rising = up == (self.turn_counts(1) > 0);
         let (now, before) = (self.switches, self.switches_before);
@@ -30,13 +30,13 @@ impl Axis {
         (now, now && !before)
     }
 
-    /// The code of the switch in a direction.
+    /// Returns the code of the switch in a direction.
     fn switch_code(&self, up: bool) -> Code {
         let rising = up == (self.turn_counts(1) > 0);
         if rising { Code::HARDWARE_LIMIT_POSITIVE } else { Code::HARDWARE_LIMIT_NEGATIVE }
     }
 
-    /// May a motion begin that leads up and down as told?
+    /// Checks whether a motion that leads up, or down, may begin.
     fn check_switches(&self, up: bool, down: bool) -> Result<(), Refusal> {
         let barred = [(up, true), (down, false)].into_iter().find(|(moves, way)| *moves && self.switch(*way).0);
         match barred.filter(|_| self.limits_apply()) {
@@ -49,19 +49,19 @@ impl Axis {
         }
     }
 
-    /// A velocity does not lead into an actuated switch.
+    /// Checks that a velocity does not lead into an active switch.
     pub(super) fn check_velocity_switches(&self, velocity: f64) -> Result<(), Refusal> {
         self.check_switches(velocity > 0.0, velocity < 0.0)
     }
 
-    /// A course does not lead into an actuated switch.
+    /// Checks that a course does not lead into an active switch.
     pub(super) fn check_course_switches(&self, course: &Course, from: Motion) -> Result<(), Refusal> {
         let (low, high) = course.extent_from(from.position);
         let rounding = Position::from_f64(ROUNDING);
         self.check_switches(high > from.position + rounding, low < from.position - rounding)
     }
 
-    /// Stops the axis at a switch instead of the motion `next`; true where it does.
+    /// Stops the axis at a switch instead of the motion `next`. Returns true if it does.
     pub(super) fn stop_at_switch(&mut self, cx: &mut Context<'_>, next: Motion) -> bool {
         if !self.limits_apply() || self.state == AxisState::ErrorStop {
             return false;
@@ -85,7 +85,7 @@ impl Axis {
         true
     }
 
-    /// Is the way of this cycle that of a stop, and of nothing else?
+    /// Whether the motion of this cycle is only that of a stop.
     fn only_stops(&self) -> bool {
         let stops = match &self.generator {
             Generator::Plan(course) => course.aim == Aim::Stop,
@@ -95,7 +95,7 @@ impl Axis {
         stops && self.overlay.is_none()
     }
 
-    /// What a switch has to tell while an error stops the axis already: it stands beside that.
+    /// Reports switches while an error already stops the axis, in addition to that error.
     pub(super) fn tell_switches(&mut self, cx: &mut Context<'_>) {
         if self.state != AxisState::ErrorStop {
             return;
@@ -108,10 +108,10 @@ impl Axis {
         self.raise(cx, Failure::of(code).before_motion());
     }
 
-    /// The error that the switches make of a motion in this direction (0 at rest).
+    /// Returns the error of the switches for a motion in this direction (0 at rest).
     fn switch_error(&self, cx: &mut Context<'_>, way: f64) -> Option<Code> {
         if !self.switches.positive && !self.switches.negative {
-            // No level, no edge.
+            // Neither level nor edge.
             return None;
         }
         let ((upper, upper_edge), (lower, lower_edge)) = (self.switch(true), self.switch(false));
@@ -127,7 +127,7 @@ impl Axis {
                 return Some(self.switch_code(up));
             }
             if edge {
-                // It moves away, as from the switch on which it stood: that is its way back.
+                // The axis moves away, as from a switch on which it rested: this is allowed.
                 let event = Event::new(Severity::Warn, Kind::Limit, self.object(), self.switch_code(up));
                 cx.events.push(Event { position: self.actual.position, ..event });
             }

@@ -1,8 +1,9 @@
-//! Software limits: what keeps the motion of an axis within them.
+//! Software limits of an axis.
 //!
-//! Law      no motion passes a software limit: what has an end was checked as a whole when it was planned; everything else stops in
-//!          the cycle whose next motion would leave no way to stop, from the motion before, which could
-//! Writes   the stop at a limit, and the error that it is; with `jog_at_limit: stop` the stop of a stream is none
+//! Law      no motion passes a software limit. A motion with an end was checked as a whole when it was planned. Any
+//!          other motion stops in the cycle whose next step would leave no distance to stop; the stop starts from the
+//!          motion before that step
+//! Writes   the stop at a limit, and its error; with `jog_at_limit: stop` the stop of a stream is no error
 //! Source   MACS-LIM-01 to -05, MACS-PROF-13
 
 use super::course::{self, Aim, Course};
@@ -15,83 +16,84 @@ use crate::profile::{self, Limits, Motion, Plan, Shape};
 use crate::sync::follower::Follower;
 use serde::{Deserialize, Serialize};
 
-/// What rounding may put a stopping point beyond a limit (inc).
+/// Distance by which rounding may put the end of a stop beyond a limit (inc).
 const ROUNDING: f64 = 1e-6;
 
-/// An axis that follows and stands beyond a software limit.
+/// State of a following axis that is beyond a software limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Beyond {
-    /// When it was seen there last.
+    /// Cycle in which it was last found there.
     cycle: u64,
-    /// Beyond the upper one.
+    /// Whether it is beyond the upper limit.
     up: bool,
-    /// Next to the limit, since then without a break.
+    /// Position nearest to the limit since it has been beyond it without interruption.
     inmost: Position,
 }
 
-/// The software limit that has stopped an axis, until it leaves that.
+/// The software limit that has stopped an axis, until the axis leaves it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Stopped {
-    /// The upper one.
+    /// Whether it is the upper limit.
     up: bool,
-    /// From where the stop ends to the limit: what has more than that has left it.
+    /// Distance from the end of the stop to the limit. At a larger distance the axis has left the limit.
     room: Position,
-    /// It was an error: a new attempt is error 98.
+    /// Whether the stop was an error: a new attempt is error 98.
     is_error: bool,
-    /// An event has reported that a stream ends here.
+    /// Whether an event has reported that a stream ends here.
     is_told: bool,
 }
 
-/// How an axis stands to the software limits, until it leaves them.
+/// State of an axis at the software limits, until it leaves them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct AtLimits {
-    /// Beyond one, while it follows.
+    /// Set while a following axis is beyond a limit.
     beyond: Option<Beyond>,
-    /// Where one has stopped it.
+    /// The limit that has stopped the axis.
     stopped: Option<Stopped>,
 }
 
 impl AtLimits {
-    /// Is it within them, as far as anybody has to remember?
+    /// Whether the axis is not known to be beyond a limit.
     #[inline]
     pub(super) fn is_within(&self) -> bool {
         self.beyond.is_none()
     }
 
-    /// Did none of them stop it?
+    /// Whether no limit has stopped it.
     #[inline]
     pub(super) fn is_free(&self) -> bool {
         self.stopped.is_none()
     }
 
-    /// Every place is `by` more from now on, those of the limits too.
+    /// Increases all positions by `by`, those of the limits, too.
     pub(super) fn shift(&mut self, by: Position) {
         self.beyond = self.beyond.map(|beyond| Beyond { inmost: beyond.inmost + by, ..beyond });
     }
 
-    /// It is within them in this cycle.
+    /// Notes that the axis is within the limits in this cycle.
     #[inline]
     pub(super) fn note_within(&mut self) {
         self.beyond = None;
     }
 
-    /// The limit that has stopped it in a direction.
+    /// Returns the limit that has stopped it in a direction.
     fn stopped_at(&self, up: bool) -> Option<Stopped> {
         self.stopped.filter(|stopped| stopped.up == up)
     }
 
-    /// The limit at which an event has reported that a stream ends: true for the upper one.
+    /// Returns the limit at which an event has reported that a stream ends: true for the upper one.
     pub(super) fn told_stream(&self) -> Option<bool> {
         self.stopped.filter(|stopped| stopped.is_told).map(|stopped| stopped.up)
     }
 
-    /// An event reports that a stream ends at this limit, `room` from which the axis is. One that was an error stays one.
+    /// Notes that an event reports that a stream ends at this limit, with the axis `room` away from it. An error at the
+    /// limit remains one.
     pub(super) fn tell_stream(&mut self, up: bool, room: Position) {
         let new = Stopped { up, room, is_error: false, is_told: true };
         self.stopped = Some(self.stopped_at(up).map_or(new, |stopped| Stopped { is_told: true, ..stopped }));
     }
 
-    /// A stream leads away from the limit: the next one that leads into it is reported again.
+    /// Notes that a stream leads away from the limit: the next stream into it is reported again.
     pub(super) fn forget_stream(&mut self) {
         self.stopped =
             self.stopped.filter(|stopped| stopped.is_error).map(|stopped| Stopped { is_told: false, ..stopped });
@@ -99,7 +101,8 @@ impl AtLimits {
 }
 
 impl Axis {
-    /// What a plan goes beyond a limit by nothing but its rounding stays on it: the whole increment below it would not.
+    /// Limits a position that a plan puts beyond a limit only by rounding to the limit; the whole increment below it
+    /// may be inside.
     pub(super) fn rounded(&self, next: Motion) -> Motion {
         let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
         let within = next.position.max(low).min(high);
@@ -112,9 +115,9 @@ impl Axis {
         place >= Position::whole(self.limit(false)) && place <= Position::whole(self.limit(true))
     }
 
-    /// Would `next` leave no way to stop before a limit? Then the axis stops at it instead, from its last motion, and
-    /// that is an error. A motion to a target and a trajectory without steps were checked as a whole when they were planned, but for
-    /// what is added to them since.
+    /// Stops the axis at a limit if `next` would leave no distance to stop before it. The stop starts from the last
+    /// motion, and is an error. A motion to a target and a trajectory without steps were checked as a whole when they
+    /// were planned, except for motions added since.
     #[inline]
     pub(super) fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
@@ -134,12 +137,12 @@ impl Axis {
         self.judge_limit(cx, next, watched, is_added)
     }
 
-    /// Its power goes, or its command begins anew where it is: what it lacks of the stop at a limit then is no way that it has left it by
-    /// (MACS-LIM-05).
+    /// Called when the power is removed, or the command starts again at the actual position. The rest of the stop at a
+    /// limit that was not executed does not count as leaving the limit (MACS-LIM-05).
     pub(super) fn note_stop_given_up(&mut self) {
         let Some(stopped) = self.at_limits.stopped.filter(|stopped| stopped.is_error) else { return };
         let room = self.room(stopped.up, self.actual.position).max(stopped.room);
-        // From further away a stream may move it again.
+        // From a larger distance a stream may move it again.
         let is_told = stopped.is_told && room == stopped.room;
         self.at_limits.stopped = Some(Stopped { room, is_told, ..stopped });
     }
@@ -158,11 +161,11 @@ impl Axis {
             let event = Event::new(Severity::Warn, Kind::Limit, self.object(), code);
             cx.events.push(Event { position: Position::whole(limit), ..event });
         }
-        // It has not left it since: that is a new attempt (MACS-LIM-05).
+        // The axis has not left the limit since: this is a new attempt (MACS-LIM-05).
         let is_anew = stopped.is_some_and(|stopped| stopped.is_error);
         let place = Number::Position(limit);
         if is_stream {
-            // What is superimposed is in the stop.
+            // The stop includes the superimposed motion.
             self.end_overlay(cx, code, (Number::None, place));
         } else {
             let (raised, asked) = match is_anew {
@@ -177,21 +180,21 @@ impl Axis {
         true
     }
 
-    /// The stop at a limit, from the last motion.
+    /// Returns the stop at a limit, from the last motion.
     fn limit_stop(&self, cycle: u64, up: bool) -> Course {
         let limit = Position::whole(self.limit(up));
         let ahead = is_towards(up, self.command.velocity);
         let is_within = if up { self.command.position < limit } else { self.command.position > limit };
-        // The motion before kept the rule, so it can stop in time; it started a cycle ago.
+        // The motion of the cycle before could still stop in time. The stop starts there.
         let before = Motion { acceleration: self.present().acceleration, ..self.command };
         let limits = self.sharpened(before, self.stop_limits());
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
-        // One that hardly moves yet would creep there for long: it stops where it is.
+        // An axis that hardly moves would approach the limit slowly for a long time: it stops where it is.
         let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
         let began = cycle.saturating_sub(1);
         if let Some(mut course) = self.stream_to_limit(began, before, up).filter(|_| is_within) {
             if ahead && is_near {
-                // All of it is the stop, whatever becomes of the stream.
+                // The whole course is a stop, whatever the stream commands later.
                 course.aim = Aim::Stop;
             }
             return course;
@@ -207,9 +210,9 @@ impl Axis {
         Course::new(plan, began, Aim::Stop, limits).within(bound)
     }
 
-    /// The motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step: at the end of the
-    /// step it may be half of what a cycle may change less, and so the deceleration need not be larger than its limit. What a single
-    /// count adds to the speed of its leader is none.
+    /// Returns the motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step.
+    /// At the end of the step it may be lower by half the largest change per cycle, so that the deceleration need not
+    /// exceed its limit. The ripple that single counts add to the speed of its leader is left out.
     fn eased(&self, before: Motion, limit: Position, limits: &Limits) -> Motion {
         let ripple = match &self.generator {
             Generator::Follow(coupling) => coupling.follower.ripple(before.velocity),
@@ -222,8 +225,9 @@ impl Axis {
         Motion { velocity: speed.copysign(before.velocity), ..before }
     }
 
-    /// Stops it in whole steps before the limit with its deceleration, where continuous time has no room for that? Then it stops so:
-    /// with more, what follows it might not keep up. The way in steps is up to an eighth of what a cycle may change shorter.
+    /// Whether the axis stops before the limit in whole steps with its deceleration, although a stop in continuous time
+    /// would not fit. With a higher deceleration its followers might not keep up. The distance in steps is shorter by
+    /// up to an eighth of the change per cycle.
     fn fits_in_steps(&self, from: Motion, limit: Position, limits: &Limits) -> bool {
         let steps_whole = match &self.generator {
             Generator::Follow(_) => true,
@@ -232,16 +236,17 @@ impl Axis {
         };
         let way = (limit - from.position).to_f64().abs();
         let less = limits.deceleration * self.cycle_s() * self.cycle_s();
-        // At the beginning of its last step, in what a cycle may change.
+        // Speed at the start of its last step, as a multiple of the change per cycle.
         let step = from.velocity.abs() * self.cycle_s() / less + 0.5;
         let steps = (step * (1.0 + 1e-9)).floor();
         let in_steps = less * steps * (step - (steps + 1.0) / 2.0);
         steps_whole && profile::stopping_way(from, limits).abs() > way && in_steps <= way + ROUNDING
     }
 
-    /// Which limit `next` itself lies beyond, further out than the last motion: true for the upper one. What is slow enough stops
-    /// within a cycle, and no way to stop would tell of it. A plan that ends or turns back was checked as a whole, and so was a
-    /// trajectory that is met exactly: but for rounding, and for what is added.
+    /// Returns the limit beyond which `next` itself is, further out than the last motion: true for the upper one. A
+    /// slow motion stops within a cycle, so that its stopping distance does not reveal the limit. A plan that ends or
+    /// turns back was checked as a whole, and so was a trajectory that is followed exactly: they are checked here only
+    /// for rounding and added motions.
     fn crossed_limit(&self, next: Motion, is_added: bool) -> Option<bool> {
         let is_exact = |up: bool| match &self.generator {
             Generator::Plan(course) if is_added => course.end_velocity() != 0.0,
@@ -258,43 +263,44 @@ impl Axis {
             if !is_exact(*up) {
                 return next > now && next > bound && now <= bound;
             }
-            // One that is led back from beyond may tremble with its leader, but not creep on.
+            // An axis that is moved back from beyond a limit may jitter with its leader, but not creep further out.
             let inmost = self.at_limits.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
             let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + self.uneven()));
             next > now && next > bound
         })
     }
 
-    /// Can no stop after `next` lead beyond a limit? One that stands beyond a limit is judged by how far in it has come.
+    /// Whether no stop after `next` can lead beyond a limit. An axis beyond a limit needs the detailed check.
     #[inline]
     fn is_clear_of_limits(&self, next: Motion) -> bool {
         self.at_limits.beyond.is_none() && self.is_far_from_limits(next)
     }
 
-    /// Is `next` so far within the limits that no stop after it can lead beyond one? A stop with constant deceleration takes
-    /// v^2 / 2 d, and one in whole steps less than twice that.
+    /// Whether `next` is so far within the limits that no stop after it can lead beyond one. A stop with constant
+    /// deceleration needs v^2 / 2 d, and one in whole steps less than twice that.
     #[inline]
     pub(super) fn is_far_from_limits(&self, next: Motion) -> bool {
         let limits = &self.parameters.derived.largest;
-        // What follows stops in whole steps, whatever the shape; everything else, a superimposed motion at rest too, in its shape.
+        // A follower stops in whole steps, whatever its profile. Any other motion, also a superimposed motion at rest,
+        // uses its profile.
         let is_constant = self.generator.follower().is_some() || limits.shape == Shape::Trapezoid;
         let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
         let here = next.position.floor();
-        // To an increment.
+        // Room to an increment.
         let room = |up: bool| {
             let limit = self.limit(up);
             (if up { limit.saturating_sub(here) } else { here.saturating_sub(limit) }) as f64
         };
-        // NaN is not far from anything.
+        // NaN gives false.
         is_constant && room(true) > most && room(false) > most
     }
 
-    /// By how much a step of this cycle may differ from another one at the same speed of its leader (inc).
+    /// Returns the difference between steps at constant speed of the leader (inc).
     fn uneven(&self) -> f64 {
         self.generator.follower().map_or(0.0, Follower::uneven)
     }
 
-    /// Keeps how far in an axis beyond a limit has come, from cycle to cycle, and whether it still is where one has stopped it.
+    /// Updates the state of an axis beyond a limit, and whether it is still at the limit that has stopped it.
     #[inline]
     fn watch_beyond(&mut self, cycle: u64) {
         if self.at_limits.stopped.is_none() && self.is_within_limits(self.command.position) {
@@ -308,7 +314,7 @@ impl Axis {
         let now = self.command.position;
         let stays = |stopped: Stopped, place| self.room(stopped.up, place) <= stopped.room + self.slack();
         self.at_limits.stopped = self.at_limits.stopped.and_then(|stopped| match &self.generator {
-            // The stop is still under way, and ends closer to the limit than it is now, or elsewhere than it was to.
+            // The stop is still active, and its end has changed or is closer to the limit than the axis is now.
             Generator::Plan(course) if self.state == AxisState::ErrorStop && stopped.is_error => {
                 Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
             }
@@ -333,8 +339,8 @@ impl Axis {
         });
     }
 
-    /// Which limit a stop after `next` would lead beyond: true for the upper one. A stop whose acceleration has to run out
-    /// may turn before it ends, so the limit ahead counts although it ends behind its start.
+    /// Returns the limit that a stop after `next` would pass: true for the upper one. A stop that first reduces its
+    /// acceleration may turn back before it ends, so the limit ahead counts even if the stop ends behind its start.
     fn passed_limit(&self, next: Motion) -> Option<bool> {
         let end = self.stopping_way(next);
         let (mut down, mut up) = (end.min(0.0), end.max(0.0));
@@ -344,7 +350,7 @@ impl Axis {
             (down, up) = (down.min((low - next.position).to_f64()), up.max((high - next.position).to_f64()));
         }
         let room = |up: bool| (Position::whole(self.limit(up)) - next.position).to_f64();
-        // What lies ahead comes first.
+        // The limit ahead comes first.
         let beyond = |is_up: bool| {
             if is_up { up > 0.0 && room(true) + ROUNDING < up } else { down < 0.0 && room(false) - ROUNDING > down }
         };
@@ -352,16 +358,16 @@ impl Axis {
         [first, !first].into_iter().find(|up| beyond(*up))
     }
 
-    /// From `place` to the software limit in a direction.
+    /// Returns the distance from `place` to the software limit in a direction.
     pub(super) fn room(&self, up: bool, place: Position) -> Position {
         let limit = Position::whole(self.limit(up));
         if up { limit - place } else { place - limit }
     }
 
-    /// The software limit in a direction, or the end of all positions.
+    /// Returns the software limit in a direction, or the end of the position range.
     #[inline]
     pub(super) fn limit(&self, up: bool) -> i64 {
-        // They refer to a zero that homing is looking for.
+        // During homing the limits do not apply: they refer to the zero that homing is about to set.
         let holds = !self.homing.is_running();
         let limits = &self.parameters.derived;
         match (holds, up) {
@@ -372,19 +378,20 @@ impl Axis {
         }
     }
 
-    /// Limits of stops that cannot wait (MACS-PROF-13); a coupling knows no shapes (MACS-PROF-07).
+    /// Returns the limits of immediate stops (MACS-PROF-13). A coupling has no profile (MACS-PROF-07).
     pub(super) fn stop_limits(&self) -> Limits {
         let limits = self.parameters.largest_limits();
         match &self.generator {
             Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
-            // Maxima that were lowered meanwhile hold from the next motion on.
+            // Maxima that were lowered during the motion apply from the next motion on.
             Generator::Plan(course) => limits.at_least(&course.limits),
             _ => limits,
         }
     }
 
-    /// The signed way that it takes to stop after `next`. A profile stops in continuous time; a coupled axis makes whole
-    /// steps, of which one may be a count more than its leader's speed: it counts for no more than the leader surely has.
+    /// Returns the signed stopping distance after `next`. A profile stops in continuous time. A coupled axis makes
+    /// whole steps, and one step may be a count more than the speed of its leader: only the speed that the leader
+    /// surely has counts.
     fn stopping_way(&self, next: Motion) -> f64 {
         let limits = self.stop_limits();
         match self.generator.follower() {
@@ -393,7 +400,7 @@ impl Axis {
                 let less = limits.deceleration * cycle_s * cycle_s;
                 let step = (next.velocity.abs() * cycle_s - follower.excess(next.velocity, less)).max(0.0);
                 let steps = (step / less * (1.0 + 1e-9)).floor();
-                // Where the leader itself is on its way is exact to a count as well.
+                // The position of the leader is exact only to a count, too.
                 let way = (steps * step - less * steps * (steps + 1.0) / 2.0 - follower.uneven()).max(0.0);
                 way * next.velocity.signum()
             }
@@ -401,9 +408,9 @@ impl Axis {
         }
     }
 
-    /// A plan to rest at `target`, which lies ahead, without going faster than now and never beyond it. Where the shape of
-    /// the ramps allows no stop there, it turns before the target and comes to rest as near as it can; where it does not
-    /// even allow that, the deceleration is constant: that stops before it from every motion that could.
+    /// Returns a plan to rest at `target` ahead, without exceeding the present velocity or the target. If the profile
+    /// allows no stop there, the axis turns back before the target and stops as near as it can. If it does not allow
+    /// that either, the deceleration is constant: this stops before the target from every motion that could.
     fn plan_stop_at(&self, from: Motion, target: Position, limits: &Limits) -> Plan {
         let constant = || profile::stop_at(from, target, self.setup.cycle_ns);
         if limits.shape == Shape::Trapezoid {
@@ -429,13 +436,13 @@ impl Axis {
         best
     }
 
-    /// Where it would come to rest from its present motion at best.
+    /// Returns the earliest position at which the axis can come to rest from its present motion.
     fn earliest_rest(&self) -> Position {
         profile::stop(self.present(), &self.stop_limits(), self.setup.cycle_ns).end()
     }
 
-    /// Lowest and highest position that the motion under way, what is superimposed and the goals that wait will or must
-    /// take; none at rest.
+    /// Returns lowest and highest position that the active motion, the superimposed motion and the waiting goals will
+    /// reach, or cannot avoid. None at rest.
     pub fn reach(&self) -> Option<(i64, i64)> {
         if self.homing.is_running() {
             return None;
@@ -445,7 +452,7 @@ impl Axis {
             Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
             Generator::Follow(_) | Generator::Track(_) => Some(self.earliest_rest()),
             Generator::Rest if self.overlay.is_some() => Some(now),
-            // Where an axis coasts to is not known.
+            // The end of a coasting axis is unknown.
             _ => None,
         };
         let stopping = stopping.map(|rest| (now.min(rest), now.max(rest)));
@@ -455,13 +462,13 @@ impl Axis {
         Some(((low + down).floor(), (high + up).ceil()))
     }
 
-    /// Lowest and highest position of what is planned and of the goals that wait, without what is superimposed; none where
-    /// no place is known.
+    /// Returns lowest and highest position of the plan and of the waiting goals, without superimposed motion. None: no
+    /// position is known.
     pub(super) fn known_reach(&self) -> Option<(Position, Position)> {
         let (way, target) = match &self.generator {
             Generator::Plan(course) => {
                 let ends = course.end_velocity() == 0.0;
-                // Into a velocity it passes with room to stop.
+                // A goal that passes its target with a velocity needs room to stop.
                 let passing = Motion { velocity: course.pass, ..Motion::default() };
                 let way = Position::from_f64(profile::stopping_way(passing, &self.stop_limits()));
                 let target = match course.aim {
@@ -477,16 +484,16 @@ impl Axis {
         way.into_iter().chain(target).chain(places).reduce(union)
     }
 
-    /// A plan to rest with `limits`, or as much more as it takes to stay within the limit.
+    /// Returns a plan to rest with `limits`, or with higher rates if they are necessary to stay within the limit.
     pub(super) fn plan_stop(&self, from: Motion, limits: &Limits) -> Plan {
         let is_up = from.velocity > 0.0;
-        // (inc per cycle)
+        // Change of velocity per cycle (inc per cycle).
         let less = self.stop_limits().deceleration * self.cycle_s() * self.cycle_s();
         let uneven = self.uneven();
         let most = less + uneven + (2.0 * uneven * less).sqrt() + ROUNDING;
         let ends_here = from.velocity.abs() * self.cycle_s() <= most;
         if from.velocity != 0.0 && ends_here && from.position == Position::whole(self.limit(is_up)) {
-            // There is no way left, and none was kept as it was so slow, or as its counts are so coarse.
+            // There is no room left to stop, because the motion is slow or the counts are coarse.
             return profile::stop(Motion::at_rest(from.position), limits, self.setup.cycle_ns);
         }
         let plan = profile::stop(from, limits, self.setup.cycle_ns);
@@ -496,7 +503,7 @@ impl Axis {
         if is_towards(up, from.velocity) {
             return self.plan_stop_at(from, limit, &sharpest);
         }
-        // Its acceleration would swing it back, beyond the limit behind it: one that ends at once does not.
+        // Its acceleration would make it turn back beyond the limit behind it: a stop without jerk limit does not.
         let plan = profile::stop(from, &Limits { shape: Shape::Trapezoid, ..sharpest }, self.setup.cycle_ns);
         match self.passed_by(&plan, from) {
             Some(up) => profile::stop_at(from, Position::whole(self.limit(up)), self.setup.cycle_ns),
@@ -504,7 +511,8 @@ impl Axis {
         }
     }
 
-    /// Which limit a plan from `from` leads beyond: true for the upper one. Beyond a limit already, it can only stop.
+    /// Returns the limit that a plan from `from` passes: true for the upper one. A plan that starts beyond a limit does
+    /// not count.
     fn passed_by(&self, plan: &Plan, from: Motion) -> Option<bool> {
         let (low, high) = plan.extent();
         let (lowest, highest) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
@@ -516,12 +524,12 @@ impl Axis {
     }
 }
 
-/// Does a velocity lead up, or down?
+/// Whether a velocity leads up, or down.
 fn is_towards(up: bool, velocity: f64) -> bool {
     if up { velocity > 0.0 } else { velocity < 0.0 }
 }
 
-/// From the lowest to the highest of both.
+/// Returns the range that contains both ranges.
 fn union(one: (Position, Position), other: (Position, Position)) -> (Position, Position) {
     (one.0.min(other.0), one.1.max(other.1))
 }

@@ -1,11 +1,14 @@
-//! Marks of an axis and of its master, from the inputs of the machine to the motion of the axis (SYNCM).
+//! Registration marks of an axis and of its master, from the inputs of the machine to the motion of the axis (SYNCM).
 //!
-//! Law      a latch of an input lies on the straight line through the cycle's change, an index where its encoder says. What a pair asks for comes
-//!          beside the gear: with SYNCOFFTIME as its trapezoid, else with SYNCMFTIME evenly over one distance of marks, else with a negative
-//!          SYNCVFTIME over a hundredth of it, in ms, else at once. The offset is in force from the first pair on, or once its correction is done
-//! Reads    index pulses, latches, the levels of conditions, parameters
-//! Writes   what comes beside; an event for each pair, and one where marks begin to stay away, or to come where none should
-//! Refuses  nothing: who gives marks was checked when the axis was coupled
+//! Law      the position of a latch is interpolated linearly within the cycle; that of an index pulse is the one of its
+//!          encoder. The correction of a pair of marks is added to the gear: with SYNCOFFTIME as its trapezoid,
+//!          otherwise with SYNCMFTIME evenly over one distance between marks, otherwise with a negative SYNCVFTIME over
+//!          a hundredth of it, in ms, otherwise at once. The offset acts from the first pair on, or after its
+//!          correction
+//! Reads    index pulses, latches, levels of conditions, parameters
+//! Writes   the added motion; an event for each pair, one when marks are first missed, and one when extra marks first
+//!          appear
+//! Refuses  nothing: the sources of marks were checked when the axis was coupled
 //! Source   MACS-MARK-01, -05, -06, -11 to -14, -20, -21, A-33, A-39
 
 use super::cam_marks::CamMarks;
@@ -24,14 +27,14 @@ use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
 use crate::sync::{Leads, SyncMode, Transmission, status};
 use serde::{Deserialize, Serialize};
 
-/// SYNCMSTART from here on waits with the offset for the first correction.
+/// From this value of SYNCMSTART on, the offset waits for the first correction.
 const OFFSET_LATER: i64 = 1_000;
-/// Time over which the speed of a counted master is smoothed, where no filter does that (ms).
+/// Time over which the speed of a counted master is smoothed if there is no filter (ms).
 const MEAN_TIME: f64 = 64.0;
-/// A spread over so little of SYNCVFTIME.
+/// Divisor of SYNCVFTIME that gives the time over which a correction is spread.
 const SPREAD_SHARE: f64 = 100.0;
 
-/// A coupling by marks.
+/// State of a coupling by marks.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct MarkPath {
     pub(super) mode: SyncMode,
@@ -39,37 +42,37 @@ pub(super) struct MarkPath {
     pub(super) cam: CamMarks,
     master: MarkSignal,
     slave: MarkSignal,
-    /// SYNCMSTART, as the coupling began.
+    /// SYNCMSTART at the start of the coupling.
     start: i64,
-    /// Of the master (inc per cycle), filtered.
+    /// Filtered velocity of the master (inc per cycle).
     velocity: f64,
     spread: Spread,
-    /// The offset is not in force yet.
+    /// Whether the offset does not act yet.
     offset_waits: bool,
-    /// The first correction, and all of them so far.
+    /// First correction, and sum of all corrections.
     first: Position,
     ordered: Position,
-    /// What is told once until it is over: marks that come where none should, of master and slave.
+    /// Whether extra marks of master and slave have been reported and continue.
     extra: [bool; 2],
-    /// The smooth start under way.
+    /// Active smooth start.
     curve: Option<Curve>,
 }
 
-/// What marks make of a cycle.
+/// Result of marks in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct MarkStep {
-    /// What the gear is given more, as a share of the master's change.
+    /// Correction of the gear, as a share of the change of the master.
     pub gear: f64,
-    /// What comes to the slave beside.
+    /// Motion added to the slave.
     pub way: Position,
-    /// What comes to the master of a cam beside; all of it while it holds.
+    /// Motion added to the master of a cam; its whole motion while the cam waits for its first mark.
     pub master: Position,
-    /// The cam does not count yet.
+    /// Whether the cam waits for its first mark.
     pub holds: bool,
 }
 
 impl MarkPath {
-    /// While the master moves by `velocity` (inc) in a cycle.
+    /// Returns the state for a master that moves by `velocity` (inc) in a cycle.
     pub(super) fn new(mode: SyncMode, marks: &Marks, velocity: f64) -> Self {
         let cam = if mode == SyncMode::Marker { CamMarks::default() } else { CamMarks::new(marks.start) };
         Self {
@@ -89,7 +92,8 @@ impl MarkPath {
         }
     }
 
-    /// Begins as a smooth start has waited, with the velocity of the master (inc per cycle) that it knows, on a curve or on what takes its place.
+    /// Begins after a smooth start has waited, with the velocity of the master (inc per cycle), on a curve or on its
+    /// replacement.
     pub(super) fn begin_smooth(&mut self, start: i64, velocity: f64, curve: Option<Curve>) {
         (self.start, self.velocity, self.curve) = (start, velocity, curve);
         if curve.is_none() {
@@ -97,13 +101,13 @@ impl MarkPath {
         }
     }
 
-    /// Starts as a smooth start falls back to.
+    /// Changes to the start that replaces a smooth start.
     fn fall_back(&mut self) {
         (self.start, self.curve) = (fallback(self.start), None);
     }
 
-    /// The SYNCMSTART that it had, where it gives its curve up in a cycle in which the master moves by so much (inc). Behind its end there is no
-    /// curve.
+    /// Advances a smooth start in a cycle in which the master moves by `change` (inc). If the curve is aborted, returns
+    /// its SYNCMSTART. After its end the curve is removed.
     pub(super) fn leaves_curve(&mut self, change: f64, cycle_ms: f64, is_under_way: bool) -> Option<i64> {
         let Some(curve) = self.curve.as_mut().filter(|_| is_under_way) else {
             self.curve = None;
@@ -127,29 +131,29 @@ impl MarkPath {
             && self.curve.is_none_or(|curve| curve.is_sound())
     }
 
-    /// What of a correction is not given yet.
+    /// Returns the part of corrections that has not been moved yet.
     pub(super) fn left(&self) -> Position {
         self.spread.left()
     }
 
-    /// The offset in force, where `wanted` is asked for.
+    /// Returns the active offset if `wanted` is set.
     pub(super) fn offset(&self, wanted: i64) -> i64 {
         if self.offset_waits { 0 } else { wanted }
     }
 }
 
-/// What is shown of the marks of a coupling.
+/// Displayed values of the marks of a coupling.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShownMarks {
-    /// Of the last pair (inc of the slave).
+    /// Error of the last pair (inc of the slave).
     pub error: f64,
-    /// Of the last pair (inc of the slave).
+    /// Correction of the last pair (inc of the slave).
     pub correction: f64,
-    /// Average (inc of the master).
+    /// Average distance between marks (inc of the master).
     pub distance: f64,
-    /// Of both sides.
+    /// Missed marks of both sides.
     pub missed: u64,
-    /// Of both sides.
+    /// Extra marks of both sides.
     pub extra: u64,
     /// MARKERFILTER (marks).
     pub filter: f64,
@@ -161,19 +165,19 @@ pub(super) struct ShownMarks {
     pub distance_error: f64,
 }
 
-/// Two sides in a cycle, master first, and what they are judged by.
+/// Both sides in a cycle, master first, with the parameters to check their marks.
 pub(super) struct Sides {
     pub seen: [Seen; 2],
     pub changes: [Position; 2],
-    /// Marks that have found no room while they waited.
+    /// Marks that found no room while waiting.
     pub lost: [u32; 2],
     pub sync: Synchronization,
     pub marks: Marks,
-    /// Increments of the second per increment of the first.
+    /// Increments of the second side per increment of the first one.
     pub ratio: f64,
 }
 
-/// Marks of one side in a cycle: so far (inc) before where it is now, and when they came (ns). The oldest first.
+/// Marks of one side in a cycle: distance to the present position (inc) and time (ns).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
     marks: [(Position, u64); MAX_LATCHES],
@@ -199,13 +203,14 @@ impl Seen {
     }
 }
 
-/// The number of the input that gives marks, from 1; the one of its encoder where the type names none, 0 where that has no number either.
+/// Returns the number of the input for marks, from 1. If the type names no input, it is that of the encoder, or 0 if
+/// the encoder has no number either.
 fn input_of(signal: MarkSignal, encoder: Option<u16>) -> Option<u16> {
     let own = encoder.map_or(0, |encoder| encoder.saturating_add(1));
     signal.input.map(|input| if input == 0 { own } else { input })
 }
 
-/// The number of what leads, by which an input is found; the virtual master has none.
+/// Returns the number of a leader by which its input is found; the virtual master has none.
 fn number_of(leader: Leader) -> Option<u16> {
     match leader {
         Leader::AxisCommand(place) | Leader::AxisActual(place) | Leader::Simulated(place) => Some(place),
@@ -215,11 +220,11 @@ fn number_of(leader: Leader) -> Option<u16> {
 }
 
 impl Axis {
-    /// Is there what is to give marks? `has_index`: what leads, and what the axis reads, has an index pulse; `latches`: of an input by its number,
-    /// none where there is none.
+    /// Checks whether the sources of marks exist. `has_index`: whether the leader, and the encoder of the axis, have an
+    /// index pulse. `latches`: whether an input, by its number, latches; none if it does not exist.
     ///
     /// # Errors
-    /// What there is not.
+    /// The missing source.
     pub fn check_marks(
         &self,
         (mode, leader, slave_factor): (SyncMode, Leader, i64),
@@ -235,7 +240,7 @@ impl Axis {
         let own = Some(self.setup.index);
         let sides = [(marks.master_type, number_of(leader), leads_index, 0), (marks.slave_type, own, own_index, 1)];
         for (number, encoder, has_index, side) in sides {
-            // The other side of a cam is the cam.
+            // The other side of a cam is the cam itself.
             if mode == SyncMode::MasterMarker && side == 1 || mode == SyncMode::SlaveMarker && side == 0 {
                 continue;
             }
@@ -253,13 +258,13 @@ impl Axis {
         Ok(())
     }
 
-    /// Has a gear what marks need, and is there such a start?
+    /// Checks the start and the distance between marks of a gear.
     fn check_marks_of_gear(&self, slave_factor: i64) -> Result<(), Refusal> {
         let marks = &self.parameters.marks;
         if !matches!(marks.start, 0..=7 | 1_000..=1_007) {
             return Err(self.refuse(Code::MARK_START).with(Number::Count(marks.start), Number::None));
         }
-        // One mark may lie between master and slave; more would have narrower numbers (O-42).
+        // One mark may be between master and slave; with more of them the largest distance would be smaller (O-42).
         let (distance, most) =
             (self.parameters.sync.mark_distance, self.parameters.largest_mark_distance(slave_factor, 1));
         if distance > most {
@@ -271,7 +276,7 @@ impl Axis {
         Ok(())
     }
 
-    /// The marks of a side in this cycle.
+    /// Returns the marks of a side in this cycle.
     fn seen(
         &self,
         cx: &Context<'_>,
@@ -307,7 +312,7 @@ impl Axis {
         seen
     }
 
-    /// The marks of master and axis in this cycle.
+    /// Returns the marks of master and axis in this cycle.
     fn seen_of_both(
         &self,
         cx: &Context<'_>,
@@ -323,7 +328,7 @@ impl Axis {
         [of_master, self.seen(cx, slave, (Some(self.setup.index), self.actual), self.index_of_cycle())]
     }
 
-    /// How far master and axis are past the last marks that came in this cycle.
+    /// Returns the distances of master and axis since their last marks of this cycle.
     pub(super) fn marks_of_cycle(
         &self,
         cx: &Context<'_>,
@@ -333,8 +338,8 @@ impl Axis {
         self.seen_of_both(cx, signals, leads).map(|mut seen| seen.sorted().last().map(|(before, _)| *before))
     }
 
-    /// Takes the marks of this cycle, and gives what comes of them; none without a coupling by marks.
-    /// What is spread is `most` (inc) in a cycle, either way.
+    /// Processes the marks of this cycle and returns the result. None: no coupling by marks. A spread correction is at
+    /// most `most` (inc) in a cycle.
     pub(super) fn step_marks(
         &mut self,
         cx: &mut Context<'_>,
@@ -356,7 +361,7 @@ impl Axis {
         }
         let Sides { mut seen, changes, lost, sync, marks, ratio } = match path.mode {
             SyncMode::Marker => {
-                // On a curve that of the gear behind it.
+                // During an approach the ratio of the gear after it applies.
                 let ratio = match coupling.follower.transmission() {
                     Transmission::Approach(approach) => approach.ratio().to_f64(),
                     gear => gear.signed_slope(),
@@ -462,21 +467,21 @@ impl Axis {
         Some(step)
     }
 
-    /// What was ordered of the side that is corrected, and is not done yet, but what is spread.
+    /// Returns the commanded distance of the corrected side that has not been moved yet, without spread corrections.
     fn ordered_of(&self, path: &MarkPath) -> Position {
         if path.mode == SyncMode::MasterMarker { self.conditioning.shift_left() } else { self.under_way() }
     }
 
-    /// May something else shift the axis against its leader? Marks would take that back.
+    /// Checks that nothing but marks may shift the axis against its leader; marks would remove the shift again.
     ///
     /// # Errors
-    /// It is coupled by marks.
+    /// The axis is coupled by marks.
     pub(super) fn check_no_marks(&self) -> Result<(), Refusal> {
         let by_marks = self.coupling().is_some_and(|coupling| coupling.follower.mode().has_marks());
         if by_marks { Err(self.refuse(Code::MARKS_SHIFT)) } else { Ok(()) }
     }
 
-    /// Bits of SYNCSTAT that marks make.
+    /// Returns the bits of SYNCSTAT that depend on marks.
     pub(super) fn status_of_marks(&self) -> u64 {
         let Some(path) = &self.conditioning.marks else { return 0 };
         let (marker, marks) = (&path.marker, &self.parameters.marks);
@@ -489,19 +494,19 @@ impl Axis {
         bits.into_iter().filter(|(is_set, _)| *is_set).fold(0, |all, (_, bit)| all | bit)
     }
 
-    /// Were its first marks brought together, where it is coupled by marks?
+    /// Whether the first pair of marks was corrected, or the axis is not coupled by marks.
     pub(super) fn has_marks(&self) -> bool {
         self.conditioning.marks.as_ref().is_none_or(|path| path.marker.has_begun())
     }
 
-    /// What it shows of its marks.
+    /// Returns the displayed values of its marks.
     pub(super) fn shown_marks(&self) -> ShownMarks {
         let Some(MarkPath { marker, .. }) = &self.conditioning.marks else { return ShownMarks::default() };
         let (error, correction) = marker.last();
         let [master, slave] = [Of::Master, Of::Slave].map(|of| marker.side(of).counts());
         let asked = Asked { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
         let law = marker.law();
-        // What a filter that was switched off has left is cleared by the next pair, which may never come.
+        // The next pair clears the values of a filter that was switched off, but it may never come.
         let filtered = |value: f64| if asked.filter_time().is_some() { value } else { 0.0 };
         ShownMarks {
             error,
@@ -516,7 +521,8 @@ impl Axis {
         }
     }
 
-    /// Where the axis and its leader were at their last marks (inc); 0 before the first one, and without a coupling by marks.
+    /// Returns the positions of the axis and its leader at their last marks (inc); 0 before the first mark, and without
+    /// a coupling by marks.
     pub(super) fn places_of_marks(&self, leads: &Leads) -> (Position, Position) {
         let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else {
             return (Position::ZERO, Position::ZERO);
@@ -532,7 +538,7 @@ impl Axis {
         cx.events.push(Event { position: self.command.position, ..event.with(side, Number::None) });
     }
 
-    /// A correction that is worked off as an offset is (MACS-SYNC-14).
+    /// Adds a correction that is moved like an offset (MACS-SYNC-14).
     fn add_late(&mut self, way: Position, rates: OffsetRates, slope: f64) {
         let cycle_s = self.cycle_s();
         let rates = OffsetRates { velocity: rates.velocity * slope, acceleration: rates.acceleration * slope };
@@ -545,14 +551,15 @@ impl Axis {
     }
 }
 
-/// Where an encoder had its index pulse in this cycle.
+/// Returns the position of the index pulse of an encoder in this cycle.
 fn index_of(cx: &Context<'_>, place: u16) -> Option<Position> {
     let input = cx.inputs.encoder.get(usize::from(place)).filter(|input| input.valid)?;
     let encoder = cx.encoders.get(usize::from(place))?;
     input.index.map(|count| Position::whole(encoder.locate(count)))
 }
 
-/// Over what way (inc) or time (cycles) a correction is spread, and whether it is a time; none: it comes at once.
+/// Returns the distance (inc) or time (cycles) over which a correction is spread, and whether it is a time. None: at
+/// once.
 fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f64, bool)> {
     let way = asked.spread().map(|way| (way, false));
     way.or_else(|| tau.map(|tau| ((tau / SPREAD_SHARE).max(1.0) / cycle_ms, true)))
@@ -562,7 +569,9 @@ fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f6
 mod tests {
     use super::*;
 
-    /// Tau 100000 us: over 1000 ms, 50000 us: over 500 ms; with SYNCMFTIME over the distance of the marks, else at once.
+    /// Tau 100000 us: over 1000 ms, 50000 us: over 500 ms; with SYNCMFTIME over the distance of the marks, otherwise at
+    /// once.
+    ///
     /// Proves: MACS-SYNC-10, MACS-MARK-13, MACS-O-37
     #[test]
     fn a_correction_is_spread_as_slowly_as_the_filter_gives_back() {

@@ -1,13 +1,14 @@
-//! The master of an axis: what parameters name (MENCODERTYPE), the simulated one, and how the axis sees it.
+//! The master of an axis: selected by parameters (MENCODERTYPE), the simulated master, and its displayed position.
 //!
-//! Law      simulated: position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc a cycle; it counts from 0 as long
-//!          as mencodertype is 6, whoever follows, and stands otherwise.
-//!          shown = position of the leader + offset. A new zero of an axis that leads is no motion: what is shown counts on from
-//!          its former value, also where it is a member of a sum, with its sign. A new value of an encoder is one for all that see it. Another leader is shown as it is, or from
-//!          where the former one was (MENCCONTROL bit 0)
+//! Law      simulated: position(k) = position(k-1) + master_simulation_velocity * T, to 2^-32 inc per cycle. It counts
+//!          from 0 as long as mencodertype is 6, also without followers, and stops otherwise.
+//!          displayed position = position of the leader + offset. A new zero of a leading axis is no motion: the
+//!          displayed position continues from its former value, also if the axis is a member of a sum, with its sign. A
+//!          new value of an encoder applies to all its users. Another leader is shown with its own position, or
+//!          continues from that of the former leader (MENCCONTROL bit 0)
 //! Reads    mencodertype, master_simulation_velocity, menccontrol, mencoder, the ratio
-//! Writes   a leader: nobody counts it, so it is as smooth as a command; what is shown of the leader
-//! Refuses  numbers that name no master here; a new value of what is lost, or of an absolute encoder
+//! Writes   a leader that is not counted, so it is as smooth as a command; the displayed position of the leader
+//! Refuses  numbers of masters that do not exist; a new value for a lost leader, or an absolute encoder
 //! Source   MACS-ENC-10, -11, -14, -15, -16, A-13, MACS-CMD-17, MACS-UNIT-09, MACS-ERR-09
 
 use super::feedback::Claim;
@@ -22,23 +23,23 @@ use crate::position::Position;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
 
-/// How an axis sees its master.
+/// Displayed position of the master of an axis.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Sight {
-    /// What it saw last.
+    /// Leader of the last cycle.
     leader: Option<Leader>,
-    /// What it shows more than its leader has (inc).
+    /// Displayed position minus that of the leader (inc).
     offset: Position,
-    /// What it showed last (inc).
+    /// Displayed position of the last cycle (inc).
     last: Position,
-    /// The new zero of this cycle, where an encoder leads.
+    /// New zero of this cycle, if the leader is an encoder.
     claim: Option<Claim>,
 }
 
-/// May the parameters of an axis, its place among so many, name their master, where the cell has so many encoders?
+/// Checks whether the parameters of axis `own` of `axes` name an existing master; the cell has `encoders` encoders.
 ///
 /// # Errors
-/// MENCODERTYPE names the axis itself, or what the cell does not have (MACS-ENC-14, A-13).
+/// MENCODERTYPE names the axis itself, or a master that the cell does not have (MACS-ENC-14, A-13).
 pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) -> Result<(), (&'static str, Code)> {
     let wrong = match Master::decode(p.encoder.mencodertype) {
         Some(Master::Axis(number)) if usize::from(number) == own.saturating_add(1) => Code::LEADER_LOOP,
@@ -49,16 +50,16 @@ pub fn may_name(own: usize, axes: usize, encoders: usize, p: &AxisParameters) ->
     Err(("mencodertype", wrong))
 }
 
-/// How finely values are shown of which only multiples of a step exist.
+/// Resolution of displayed values that are multiples of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grid {
     step: f64,
-    /// Decimals of a number that is known to a step.
+    /// Power of ten for rounding to the decimals that the step allows.
     power: Option<f64>,
 }
 
 impl Grid {
-    /// That of the positions of a master, in increments or master units.
+    /// Returns the resolution of the positions of a master, in increments or master units.
     pub(super) fn of(p: &AxisParameters) -> Self {
         let (increments, units) = master_unit(p);
         Self::with(Position::from_raw(1).to_f64() * units / increments)
@@ -69,8 +70,8 @@ impl Grid {
         Self { step, power: power(step) }
     }
 
-    /// The decimal that a value means: what a position of 2^-32 inc has lost of a number that was given is no part of it, and
-    /// neither is what the last digits of an f64 have.
+    /// Rounds a value to its decimals. The exact number that was given may have lost digits in a position of 2^-32 inc,
+    /// and in the last digits of an f64.
     fn decimal(&self, value: f64) -> f64 {
         /// Rounding of the few operations that made the value.
         const DIGITS: f64 = 4.0 * f64::EPSILON;
@@ -82,9 +83,10 @@ impl Grid {
     }
 }
 
-/// The largest power of ten that is no finer than such steps; none where they are whole, or finer than any.
+/// Returns the largest power of ten whose inverse is not finer than such steps; none if the steps are whole, or finer
+/// than any.
 fn power(step: f64) -> Option<f64> {
-    /// All powers of ten up to here are exact.
+    /// All powers of ten up to this one are exact.
     const MOST: f64 = 1e22;
     let mut power = 1.0;
     while power * 10.0 * step < 1.0 && power < MOST {
@@ -94,7 +96,7 @@ fn power(step: f64) -> Option<f64> {
     (step < 1.0 && power < MOST).then_some(power)
 }
 
-/// Increments of the master that are one of what is shown.
+/// Returns numbers of increments and displayed units of the master that are equal.
 fn master_unit(p: &AxisParameters) -> (f64, f64) {
     match p.macs.mencoder {
         ..0 if p.sync_master != 0 && p.sync_slave != 0 => (p.sync_master as f64, p.sync_slave as f64),
@@ -102,9 +104,9 @@ fn master_unit(p: &AxisParameters) -> (f64, f64) {
     }
 }
 
-/// As `f64::round`, which calls the C library for it.
+/// As `f64::round`, but without a call of the C library.
 fn round(value: f64) -> f64 {
-    // From here on a number is whole.
+    // From this value on every f64 is whole.
     const WHOLE: f64 = (1_u64 << 52) as f64;
     if value.is_nan() || value.abs() >= WHOLE {
         return value;
@@ -114,7 +116,7 @@ fn round(value: f64) -> f64 {
     ((whole + i64::from(rest >= 0.5) - i64::from(rest <= -0.5)) as f64).copysign(value)
 }
 
-/// What an axis shows of its master, in increments or master units.
+/// Displayed values of the master, in increments or master units.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shown {
     pub position: f64,
@@ -122,7 +124,7 @@ pub(super) struct Shown {
 }
 
 impl Axis {
-    /// What it follows where a command names `asked`, or leaves it to MENCODERTYPE; the machine has so many axes.
+    /// Returns the leader that a command names with `asked`, or MENCODERTYPE; the machine has `axes` axes.
     ///
     /// # Errors
     /// MENCODERTYPE names nothing that the cell has.
@@ -140,23 +142,23 @@ impl Axis {
         asked.or(named).ok_or_else(refusal)
     }
 
-    /// What it follows, or may follow.
+    /// Returns the leader that the axis follows, or may follow.
     fn seen_leader(&self, axes: usize) -> Result<Leader, Refusal> {
         self.leader().map_or_else(|| self.leader_of(self.master(), axes), Ok)
     }
 
-    /// Does it show anything of a master?
+    /// Whether the axis displays a master.
     pub(super) fn shows_a_master(&self, axes: usize) -> bool {
         self.seen_leader(axes).is_ok() || self.sight.claim.is_some()
     }
 
-    /// Has it shown one?
+    /// Whether the axis has displayed a master.
     #[inline]
     pub fn sees_a_master(&self) -> bool {
         self.sight.leader.is_some()
     }
 
-    /// The encoder that a new value of its master would move for all (MACS-ENC-11).
+    /// Returns the encoder that a new value of its master would move for all users (MACS-ENC-11).
     pub fn shares_master(&self, axes: usize) -> Option<u16> {
         match self.seen_leader(axes) {
             Ok(Leader::Encoder(place)) if self.parameters.encoder.menccontrol & 2 == 0 => Some(place),
@@ -164,7 +166,7 @@ impl Axis {
         }
     }
 
-    /// Looks at its master, in this cycle, and shows it; none without one.
+    /// Updates the displayed values of its master in this cycle; none without master.
     pub(super) fn watch_master(&mut self, leads: &Leads) -> Option<Shown> {
         let leader = self.seen_leader(leads.axes()).ok()?;
         let lead = leads.get(leader);
@@ -174,32 +176,33 @@ impl Axis {
             self.sight = Sight { leader: Some(leader), offset, claim: None, ..self.sight };
         }
         self.sight.last = lead.position + self.sight.offset;
-        // Multiplied first: whole turns of the master stay whole units. A negative ratio makes -0.0 of 0; there is one zero.
+        // Multiplication comes first, so that whole turns of the master stay whole units. A negative ratio makes -0.0
+        // of 0, so 0.0 is added.
         let (increments, units) = master_unit(&self.parameters);
         let shown = |value: f64| value * units / increments;
         let position = self.parameters.derived.grid.decimal(shown(self.sight.last.to_f64()));
         Some(Shown { position: position + 0.0, velocity: shown(lead.velocity) + 0.0 })
     }
 
-    /// An axis has its coordinate anew, which is `by` more: who sees it as its master counts on (MACS-ENC-15).
+    /// Continues the displayed position when the coordinate of axis `axis` increases by `by` (MACS-ENC-15).
     pub fn count_on(&mut self, leads: &Leads, axis: u16, by: Position) {
         let is_its_own = |leader| matches!(leader, Leader::AxisCommand(of) | Leader::AxisActual(of) if of == axis);
         self.see_less(leads, by, is_its_own);
     }
 
-    /// The same of the sink of a function that was set anew.
+    /// Continues the displayed position when the sink of a function is set to a new position.
     pub fn count_on_sink(&mut self, leads: &Leads, slot: u16, by: Position) {
         self.see_less(leads, by, |leader| leader == Leader::Sink(slot));
     }
 
-    /// Takes out of what it sees that leaders of which that holds are `by` more.
+    /// Subtracts `by` from the displayed position for leaders for which `holds` is true.
     fn see_less(&mut self, leads: &Leads, by: Position, holds: impl Fn(Leader) -> bool) {
         if let Some(leader) = self.sight.leader {
             self.sight.offset = self.sight.offset - leads.share(leader, by, holds);
         }
     }
 
-    /// What it shows of its master is `position` from now on (DEFMORIGIN, SETMORIGIN).
+    /// Sets the displayed position of the master (DEFMORIGIN, SETMORIGIN).
     pub(super) fn set_master_position(
         &mut self,
         cx: &mut Context<'_>,
@@ -245,7 +248,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Its new zero of this cycle, where that encoder leads it.
+    /// Returns its new zero of this cycle if its leader is that encoder.
     pub(super) fn master_claim(&self, encoder: u16) -> Option<Claim> {
         self.sight.claim.filter(|_| self.sight.leader == Some(Leader::Encoder(encoder)))
     }
@@ -254,12 +257,12 @@ impl Axis {
         self.sight.claim = None;
     }
 
-    /// The encoder that leads it was moved: what it shows stays.
+    /// Notes that the leading encoder was moved: the displayed position stays.
     pub fn share_master(&mut self, by: i64) {
         self.sight.offset = self.sight.offset - Position::whole(by);
     }
 
-    /// One cycle of its simulated master.
+    /// Advances its simulated master by one cycle.
     #[inline]
     pub fn simulate_master(&self, lead: &mut Lead) {
         let velocity = self.parameters.encoder.master_velocity;
@@ -267,12 +270,12 @@ impl Axis {
             let change = Position::from_f64(velocity * self.cycle_s());
             *lead = Lead { position: lead.position + change, change, velocity, uneven: 0.0, valid: true };
         } else if self.pace() == Pace::Full {
-            // Once it stands, it stands.
+            // A full cycle sets the velocity to 0.
             *lead = Lead { position: lead.position, ..Lead::default() };
         }
     }
 
-    /// An abort stops it (MACS-ERR-09).
+    /// Stops it after an abort (MACS-ERR-09).
     pub(super) fn stop_simulated_master(&mut self, cx: &mut Context<'_>) {
         if self.parameters.encoder.master_velocity == 0.0 {
             return;
@@ -288,7 +291,8 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// A number of up to six decimals that went through 2^-32 inc of any unit of a master comes back as it was.
+        /// A number of up to six decimals that was converted to 2^-32 inc of any unit of a master is displayed
+        /// unchanged.
         #[test]
         fn what_was_given_is_shown(
             digits in -1_000_000_000_i64..1_000_000_000,
@@ -303,7 +307,7 @@ mod tests {
             prop_assert_eq!(Grid::with(step).decimal(kept * units / increments), given);
         }
 
-        /// Also what rounds away from zero, and 0 with its sign.
+        /// Also values that round away from zero, and 0 with its sign.
         #[test]
         fn rounding_is_that_of_f64(
             bits in prop_oneof![any::<u64>(), (-4e9..4e9_f64).prop_map(f64::to_bits)],

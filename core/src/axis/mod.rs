@@ -1,10 +1,11 @@
-//! One axis: from its drive's inputs to its drive's outputs, once per cycle.
+//! One axis: from the inputs of its drive to the outputs of its drive, once per cycle.
 //!
-//! Law      sense (all axes first) | supervise | advance the generator to t_k | take the mark searched for | judge following error and encoder |
-//!          apply this cycle's commands | step the vocabularies | judge arrival | command the drive
-//! Reads    the drive's inputs, the leaders that stand earlier in the order, the commands that name the axis
-//! Writes   its signals, its drive's outputs, events
-//! Refuses  each command with a code and the numbers of its sentence; a refused command changes nothing
+//! Law      read the drive (all axes first) | supervise | advance the generator to t_k | use the latch of a search |
+//!          check following error and encoder | execute the commands of this cycle | step the vocabularies | check
+//!          arrival | command the drive
+//! Reads    the inputs of the drive, the leaders that are earlier in the order, the commands for the axis
+//! Writes   its signals, the outputs of its drive, events
+//! Refuses  each command with a code and the numbers of its message; a refused command changes nothing
 //! Source   PLCopen state diagram, CiA 402 states, MACS-ERR-02, contract sections 1 and 7
 
 mod alarm;
@@ -145,51 +146,51 @@ use waiting::Waiting;
 /// Longest delay of a drive in cycles.
 pub const MAX_DELAY: u32 = 32;
 
-/// What is fixed about an axis.
+/// Fixed properties of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSetup {
-    /// Place among the axes.
+    /// Index among the axes.
     pub index: u16,
-    /// Place among the drives and what the drive offers; none for a virtual axis.
+    /// Index among the drives, and capabilities of the drive; none for a virtual axis.
     pub drive: Option<(usize, Capabilities)>,
-    /// Place among the gantries, where it has two drives.
+    /// Index among the gantries, if it has two drives.
     pub gantry: Option<u16>,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
-    /// How its drive is commanded.
+    /// Command interface of its drive.
     pub interface: Interface,
-    /// How its position loop is closed, where it is closed here.
+    /// Law of its position loop, if it is closed here.
     pub law: Law,
-    /// Cycles without new data from its drive that are waited for.
+    /// Tolerated cycles without new data from its drive.
     pub missed_cycles: u32,
-    /// How long its drive may take to switch on (ns).
+    /// Time within which its drive must switch on (ns).
     pub enable_timeout_ns: u64,
     /// Increments per axis unit.
     pub unit: f64,
-    /// What its vocabularies are wired to.
+    /// Wiring of its vocabularies.
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: SpeedOutputs,
-    /// How its drive is wired, where that hangs on no bus.
+    /// Wiring of its drive, if that is not on a bus.
     pub analog: Option<AnalogWiring>,
     /// Contacts of the cell that must be closed.
     pub safety: Safety,
-    /// Place among the axes with a drive, and how many there are.
+    /// Index among the axes with a drive, and their number.
     pub round: (u32, u32),
-    /// Where its position comes from.
+    /// Source of its position.
     pub wired: Wired,
-    /// How many encoders the machine has.
+    /// Number of encoders of the machine.
     pub encoders: usize,
-    /// Brake that it closes and opens itself.
+    /// Brake that the axis itself closes and opens.
     pub brake: Option<BrakeConfig>,
-    /// Place of its pitch error among the tables.
+    /// Index of its pitch error among the tables.
     pub pitch_error: Option<u16>,
     /// Length of a cycle (ns).
     pub cycle_ns: u64,
 }
 
 impl AxisSetup {
-    /// What its vocabularies have to know of it.
+    /// Returns the properties that its vocabularies need.
     pub fn setting(&self) -> Setting {
         let is_virtual = self.drive.is_none();
         let Self { modulo, unit, cycle_ns, vocabularies: wiring, .. } = *self;
@@ -197,36 +198,36 @@ impl AxisSetup {
     }
 }
 
-/// What an axis sees of its cycle.
+/// Data of a cycle for an axis.
 pub struct Context<'a> {
-    /// k
+    /// Cycle k.
     pub cycle: u64,
     /// Inputs of its drive.
     pub input: Option<&'a DriveInput>,
     /// All inputs of the cycle.
     pub inputs: &'a Inputs,
-    /// Places of the digital inputs in section `io`.
+    /// Indices of the digital inputs in section `io`.
     pub digital_inputs: &'a [u16],
-    /// The leaders, as far as this cycle has come.
+    /// The leaders, as far as they have been updated in this cycle.
     pub leads: &'a Leads,
     /// The tables of the machine.
     pub tables: &'a [Arc<Table>],
-    /// The encoders, as they stand in this cycle.
+    /// The encoders in this cycle.
     pub encoders: &'a [Encoder],
     /// The latches of this cycle.
     pub latches: &'a [Latched],
-    /// Streamed setpoints that are new.
+    /// New streamed setpoints.
     pub stream: Option<&'a Setpoints>,
-    /// The trajectories that run.
+    /// The active trajectories.
     pub runs: &'a [Option<Run>],
-    /// Its two drives, where it has two.
+    /// The state of its two drives, if it has two.
     pub gantry: Option<&'a mut Gantry>,
-    /// Where events go.
+    /// Queue of events.
     pub events: &'a mut EventQueue,
 }
 
-/// One axis. What every cycle of it touches stands first in memory, up to `judge` and what is kept of its parameters; of what
-/// stands behind that a cycle touches a part, or nothing.
+/// One axis. Fields that every cycle accesses come first in memory, up to `judge` and the derived parameters. A cycle
+/// accesses only a part of the other fields, or none.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Axis {
@@ -237,9 +238,10 @@ pub struct Axis {
     state: AxisState,
     reference: Reference,
     power: Power,
-    /// The command of this cycle came from a leader or an encoder: its acceleration is that of single counts.
+    /// Whether the command of this cycle came from a leader or an encoder, so that its acceleration is that of single
+    /// counts.
     is_led: bool,
-    /// The reference of the drive is below 0: outputs may have to tell.
+    /// Whether the reference of the drive is below 0; outputs may have to show that.
     is_backwards: bool,
     brake: bool,
     owner: Owner,
@@ -247,52 +249,52 @@ pub struct Axis {
     command: Motion,
     actual: Lead,
     counter: Reader,
-    /// Counts of its coordinate minus raw count, both in the sense of the drive.
+    /// Counts of its coordinate minus raw count, both in the direction of the drive.
     origin: i64,
-    /// What the drive shows.
+    /// Data reported by the drive.
     shown: DriveShown,
     output: DriveOutput,
     /// Sign of the last motion, for direction CURRENT.
     last_direction: f64,
-    /// How it stands to the software limits.
+    /// State at the software limits.
     at_limits: AtLimits,
     judge: Judge,
-    /// In force for the next command, and at once where the row says so.
+    /// Active parameters: they act from the next command on, or at once if the row requires that.
     pub parameters: InForce,
     setup: AxisSetup,
     sensor: Sensor,
     sight: Sight,
-    /// Its own brake, and what inputs of the machine ask.
+    /// State of its own brake, and requests of inputs of the machine.
     holding: Holding,
     generator: Generator,
     homing: Homing,
     goal: Option<Goal>,
     /// The function that moves it whenever it is on.
     function: Option<function::MovedBy>,
-    /// As the machine is: it may be switched on and moved.
+    /// Whether the machine is active, so that the axis may be switched on and moved.
     active: bool,
     watch: power::Watch,
-    /// The switches of its way, as they are.
+    /// Its limit and reference switches.
     switches: Switches,
-    /// Those of the cycle before.
+    /// The switches of the cycle before.
     switches_before: Switches,
-    /// Index pulses so far, and where the last one was.
+    /// Number of index pulses so far, and position of the last one.
     index: (u32, Position),
-    /// By how much its coordinate was moved, until others know: that is no motion.
+    /// Move of its coordinate that followers have not taken into account yet: it is no motion.
     moved: Position,
-    /// The trajectory that it has left in this cycle, and why.
+    /// The trajectory that it has left in this cycle, and the reason.
     #[serde(skip)]
     left: Option<(u64, Code, alarm::Numbers)>,
-    /// The cycle in which an error has taken it from a vocabulary, and from which.
+    /// The cycle in which an error has ended the motion of a vocabulary, and that vocabulary.
     #[serde(skip)]
     lost: Option<(u64, Owner)>,
-    /// The override that the motion under way was planned with (%).
+    /// The override of the active plan (%).
     override_seen: f64,
     /// Its error.
     alarm: Alarm,
-    /// Why nothing may move: the contact of the cell that is open.
+    /// The code of the open contact that prevents motion.
     open_contact: Code,
-    /// An error of this cycle stops the others, too.
+    /// Whether an error of this cycle stops the other axes, too.
     stops_others: bool,
     vocabularies: Vocabularies,
     overlay: Option<Overlay>,
@@ -310,12 +312,12 @@ pub struct Axis {
     recovery: Recovery,
 }
 
-/// Bytes of an axis that each of its cycles touches: its present motion, what judges it and limits it.
+/// Bytes of an axis that each cycle accesses: its present motion, its supervision and its limits.
 pub const HOT_BYTES: usize = std::mem::offset_of!(Axis, judge) + Judge::HOT_BYTES + size_of::<in_force::Derived>();
 const _: () = assert!(HOT_BYTES <= 1024, "a cycle of an axis touches more than 1 KiB");
 
 impl Axis {
-    /// An axis at rest, switched off; a virtual one is always on.
+    /// Returns an axis at rest, switched off; a virtual axis is always on.
     pub fn new(setup: AxisSetup, parameters: AxisParameters, signals: Signal) -> Self {
         let is_virtual = setup.drive.is_none();
         let delay = setup.drive.map_or(0, |(_, offers)| offers.delay.min(MAX_DELAY));
@@ -378,18 +380,18 @@ impl Axis {
         }
     }
 
-    /// Before its first cycle: these are in force.
+    /// Sets the parameters before its first cycle.
     pub fn begin_with(&mut self, parameters: AxisParameters) {
         self.parameters.set(parameters);
         self.override_seen = parameters.velocity_override;
     }
 
-    /// Has it changed parameters by itself since this was asked last?
+    /// Returns true if it has changed parameters by itself since the last call.
     pub fn take_own_change(&mut self) -> bool {
         self.parameters.take_own_change()
     }
 
-    /// Is it switched off, or does it stand without a goal where it cannot be?
+    /// Whether the axis is off or, if it cannot be switched off, at rest without a goal.
     pub fn is_idle(&self) -> bool {
         match self.state {
             AxisState::Disabled | AxisState::Stopping => self.power == Power::Off && !self.is_virtual(),
@@ -398,7 +400,7 @@ impl Axis {
         }
     }
 
-    /// Does nothing end in the dark when its power goes now?
+    /// Whether the power may be removed now without ending a motion or a command.
     pub fn may_lose_power(&self) -> bool {
         let is_off = match self.state {
             AxisState::Disabled | AxisState::ErrorStop => self.power == Power::Off || self.is_virtual(),
@@ -409,7 +411,7 @@ impl Axis {
         is_off && self.goal.is_none() && self.engagement.is_none() && self.waiting.is_empty()
     }
 
-    /// The part of a cycle before its commands.
+    /// Executes the part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
         self.supervise_source(cx);
@@ -431,7 +433,7 @@ impl Axis {
         self.show_virtual(Position::ZERO);
     }
 
-    /// The part of a cycle after its commands.
+    /// Executes the part of a cycle after its commands.
     pub fn end_step(&mut self, cx: &mut Context<'_>) {
         self.follow_override(cx);
         self.leave_velocity(cx);
@@ -445,11 +447,11 @@ impl Axis {
         self.heed_stop(cx);
         self.judge_arrival(cx);
         self.settle_step(cx);
-        // What commands have made of the position since it was advanced.
+        // Shows the effect of commands on the position since it was advanced.
         self.show_virtual(self.actual.change);
     }
 
-    /// The part behind everything that may stop or end something.
+    /// Executes the part after everything that may stop or end a motion.
     fn settle_step(&mut self, cx: &mut Context<'_>) {
         self.settle_vocabularies(cx);
         self.settle_phase(cx);
@@ -463,7 +465,8 @@ impl Axis {
         self.settle_waiting(cx);
     }
 
-    /// The actual position of a virtual axis is its command, and so is that of a simulated encoder; `moved`: in this cycle already.
+    /// Sets the actual position of a virtual axis, or of a simulated encoder, to the command; `moved`: change of this
+    /// cycle so far.
     #[inline]
     pub(super) fn show_virtual(&mut self, moved: Position) {
         if self.is_virtual() || self.is_simulated() && self.is_on() {
@@ -473,8 +476,8 @@ impl Axis {
         }
     }
 
-    /// Does what a command asks of this axis, and answers one that is of this axis alone. Those of several axes were admitted
-    /// for all of them.
+    /// Executes a command on this axis, and answers a command for this axis alone. Commands for several axes were
+    /// admitted for all of them before.
     pub fn take(&mut self, cx: &mut Context<'_>, command: &Command) {
         let sequence = command.sequence;
         let result = match &command.action {
@@ -507,7 +510,7 @@ impl Axis {
         }
     }
 
-    /// Could its state have come about? One that was read from outside may hold anything.
+    /// Whether its state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
         let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
         let waits = self.buffer.is_sound()
@@ -553,68 +556,68 @@ impl Axis {
             && self.fault().is_sound()
     }
 
-    /// Is it the same axis of the same machine, whatever it is doing?
+    /// Whether it is the same axis of the same machine, in any state.
     pub fn is_set_up_as(&self, other: &Self) -> bool {
         let has_rings = self.judge.has_ring_of(&other.judge) && self.compensation.has_ring_of(&other.compensation);
         self.setup == other.setup && self.signals == other.signals && has_rings
     }
 
-    /// The axis as an object.
+    /// Returns the axis as an object.
     pub fn object(&self) -> Object {
         Object::Axis(self.setup.index)
     }
 
-    /// Place among the drives; none for a virtual axis.
+    /// Returns the index among the drives; none for a virtual axis.
     #[inline]
     pub fn drive(&self) -> Option<usize> {
         self.setup.drive.map(|(place, _)| place)
     }
 
-    /// Its command position as others follow it: the motion of this cycle.
+    /// Returns its command position for followers: the motion of this cycle.
     #[inline]
     pub fn command(&self) -> Motion {
         self.command
     }
 
-    /// Its actual position as others follow it.
+    /// Returns its actual position for followers.
     #[inline]
     pub fn actual(&self) -> Lead {
         self.actual
     }
 
-    /// The position of raw counts near those of this cycle (inc).
+    /// Returns the position of raw counts near those of this cycle (inc).
     pub fn locate(&self, count: i64, encoders: &[Encoder]) -> i64 {
         self.turn_counts(self.locate_raw(count, encoders))
     }
 
-    /// What the drive is asked for.
+    /// Returns the command to the drive.
     #[inline]
     pub fn output(&self) -> DriveOutput {
         self.output
     }
 
-    /// The error that stopped it.
+    /// Returns the active error.
     #[inline]
     pub fn error(&self) -> Code {
         self.alarm.code()
     }
 
-    /// How it stood when its last error came.
+    /// Returns the snapshot of the axis at its last error.
     pub fn fault(&self) -> &Fault {
         self.alarm.fault()
     }
 
-    /// The leader that a vocabulary may couple it to at any time.
+    /// Returns the leader to which a vocabulary may couple it at any time.
     pub fn master(&self) -> Option<crate::object::Leader> {
         self.setup.vocabularies.master()
     }
 
-    /// Length of a cycle (s).
+    /// Returns the length of a cycle (s).
     fn cycle_s(&self) -> f64 {
         self.setup.cycle_ns as f64 / 1e9
     }
 
-    /// Changes the state and tells it. What a stop that locks the axis has just gone through was no state of its own.
+    /// Changes the state and reports it. A state that a stop with lock replaces in the same cycle is not reported.
     fn set_state(&mut self, cx: &mut Context<'_>, state: AxisState) {
         if self.state != state {
             self.state = state;
@@ -627,7 +630,7 @@ impl Axis {
         }
     }
 
-    /// Reads the drive, and where the position comes from. Inputs of all axes are read before any axis moves.
+    /// Reads the drive and the source of the position. The inputs of all axes are read before any axis moves.
     pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
         self.shown.read(input, self.told_effort(input.effort));

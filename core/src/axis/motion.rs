@@ -1,4 +1,4 @@
-//! What moves an axis in a cycle.
+//! The motion of an axis in a cycle.
 
 use super::course::{Aim, Course};
 use super::{Axis, AxisState, Context, Generator, Reference};
@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::profile::{self, Limits, Motion, Shape};
 
 impl Axis {
-    /// The command position of this cycle.
+    /// Advances the command position to this cycle.
     pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
         if !self.is_on() {
             self.command = Motion::at_rest(self.actual.position);
@@ -27,14 +27,14 @@ impl Axis {
         self.move_on(cx);
     }
 
-    /// The command of this cycle of an axis that is on, by what generates it.
+    /// Advances the command of an axis that is on by its generator.
     fn move_on(&mut self, cx: &mut Context<'_>) {
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => {
                 Some(Motion::at_rest(self.command.position))
             }
-            // Most cycles of most axes.
+            // The usual case.
             Generator::Plan(course) if !course.has_ended(cx.cycle) => {
                 let next = course.at(cx.cycle);
                 return self.proceed(cx, next);
@@ -43,7 +43,7 @@ impl Axis {
             Generator::Follow(_) => self.follow(cx),
             Generator::Track(_) => self.follow_track(cx),
         };
-        // Without one, the axis stops already.
+        // Without a motion the axis already stops.
         if let Some(base) = base {
             self.proceed(cx, base);
         } else {
@@ -51,7 +51,7 @@ impl Axis {
         }
     }
 
-    /// The way that it goes, for direction CURRENT.
+    /// Notes the direction of motion, for direction CURRENT.
     #[inline]
     pub(super) fn note_direction(&mut self) {
         if self.command.velocity != 0.0 {
@@ -59,7 +59,7 @@ impl Axis {
         }
     }
 
-    /// Does the motion of this cycle, as far as it may.
+    /// Executes the motion of this cycle within the limits.
     #[inline]
     fn proceed(&mut self, cx: &mut Context<'_>, base: Motion) {
         let mut next = base;
@@ -70,7 +70,7 @@ impl Axis {
         if next.velocity < 0.0 || next.velocity.is_nan() {
             next = self.forward(cx, next);
         }
-        // A limit that stops it makes a command of its own.
+        // A limit that stops the axis sets the command itself.
         let meets_switch = self.switches.positive || self.switches.negative || self.homing.is_ending();
         if meets_switch && self.stop_at_switch(cx, next) || self.stop_at_limit(cx, next, is_added) {
             return self.note_direction();
@@ -83,7 +83,7 @@ impl Axis {
         self.note_direction();
     }
 
-    /// The motion of this cycle by the course under way; at its end, what comes next begins.
+    /// Returns the motion of this cycle from the active course; at its end the next motion begins.
     fn read_course(&mut self, cx: &mut Context<'_>) -> Motion {
         let Generator::Plan(course) = &mut self.generator else { return self.command };
         let next = course.at(cx.cycle);
@@ -91,12 +91,12 @@ impl Axis {
             return next;
         }
         if course.end_velocity() == 0.0 {
-            // A stop may end between two increments. Its drive is given the lower one either way: resting there moves
-            // nothing, and every axis at rest stands on a whole increment.
+            // A stop may end between two increments. Its drive has the lower one in any case: resting there moves
+            // nothing, and every axis at rest is at a whole increment.
             if !course.is_held() {
                 self.generator = Generator::Rest;
             }
-            // What is superimposed moves on from where it is.
+            // A superimposed motion continues from the present position.
             return if self.overlay.is_some() { Motion::at_rest(next.position) } else { self.resting(next.position) };
         }
         match course.aim {
@@ -111,7 +111,8 @@ impl Axis {
         }
     }
 
-    /// The target is passed, or the place before it where speeding up begins.
+    /// Handles a target that is passed, or the position before it at which the acceleration to the passing velocity
+    /// begins.
     fn pass(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
         let Generator::Plan(course) = self.generator else { return next };
         let lead = course.overshoot(cx.cycle);
@@ -121,7 +122,7 @@ impl Axis {
             let speeding = Course::new(plan, cx.cycle, course.aim, course.limits).passing(course.pass);
             self.generator = Generator::Plan(speeding.with_lead(lead));
         } else if self.buffer.is_empty() {
-            // Its next goal is gone: it ends where it should have ended all along.
+            // Its next goal was cancelled: it ends at its own target.
             self.replan_from(cx, from, lead);
         } else {
             let before = self.goal.and_then(|goal| goal.target);
@@ -141,13 +142,13 @@ impl Axis {
         }
     }
 
-    /// The motion of this cycle as the next profile begins with it. A coupling's acceleration is what its leader's counts
-    /// make of it: no profile goes on with that.
+    /// Returns the motion of this cycle as the start of the next profile. The acceleration of a coupling comes from the
+    /// counts of its leader: no profile continues with it.
     pub(super) fn present(&self) -> Motion {
         if self.is_led { Motion { acceleration: 0.0, jerk: 0.0, ..self.command } } else { self.command }
     }
 
-    /// Stops from the present motion; at rest it stays where its drive is asked to be.
+    /// Stops from the present motion; at rest the command stays at the increment that the drive already has.
     pub(super) fn brake_to_rest(&mut self, cx: &mut Context<'_>, limits: &Limits) {
         if self.is_open_loop() {
             return self.switch_speed_off(cx);
@@ -169,7 +170,7 @@ impl Axis {
         self.generator = Generator::Plan(course);
     }
 
-    /// A motion begins: state, reference and generator change together.
+    /// Begins a motion: state, reference and generator change together.
     pub(super) fn begin_motion(
         &mut self,
         cx: &mut Context<'_>,
@@ -184,7 +185,7 @@ impl Axis {
         self.set_state(cx, state);
     }
 
-    /// The limits that the active motion was asked for.
+    /// Returns the limits of the active motion.
     pub(super) fn active_limits(&self) -> Limits {
         match &self.generator {
             Generator::Plan(course) => course.limits,

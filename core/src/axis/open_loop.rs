@@ -1,8 +1,8 @@
-//! An axis without a position loop: its drive runs at a speed or at none, and the command is where it is.
+//! An axis without position loop: its drive runs at a speed or at none, and the command is the actual position.
 //!
-//! Law      command = actual position and the speed that is asked for; without a speed the drive coasts, and counts as at
-//!          rest once it stands, or after 5 s
-//! Reads    speeds that a vocabulary orders
+//! Law      command = actual position and commanded speed; without a speed the drive coasts, and counts as at rest once
+//!          its encoder is at rest, or after 5 s
+//! Reads    speeds commanded by a vocabulary
 //! Writes   the generator; the speed is 0 in the cycle of a halt, a stop, an error
 //! Refuses  positions, profiles and couplings; speeds beyond max_velocity or further into a software limit
 //! Source   WF-OLC-01, WF-OLC-09, WF-OLC-11, WF-SET-02
@@ -16,7 +16,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::position::Position;
 use crate::profile::Motion;
 
-/// After that long without a speed an axis counts as at rest, whatever its encoder says (ns).
+/// Time without a speed after which an axis counts as at rest, whatever its encoder shows (ns).
 const COAST_TIMEOUT_NS: u64 = 5_000_000_000;
 
 impl Axis {
@@ -24,7 +24,7 @@ impl Axis {
         !self.is_virtual() && self.setup.interface == Interface::OpenLoop
     }
 
-    /// What needs a position loop is refused without one.
+    /// Returns an error if there is no position loop.
     pub(super) fn check_closed_loop(&self) -> Result<(), Refusal> {
         match self.generator {
             _ if self.is_open_loop() => Err(self.refuse(Code::OPEN_LOOP)),
@@ -33,7 +33,7 @@ impl Axis {
         }
     }
 
-    /// The part of [`advance`](Self::advance) of such an axis.
+    /// Executes [`advance`](Self::advance) for such an axis.
     pub(super) fn advance_open(&mut self, cx: &mut Context<'_>) {
         self.command = Motion { velocity: self.speed(), ..Motion::at_rest(self.actual.position) };
         if self.stop_at_switch(cx, self.command) {
@@ -50,14 +50,15 @@ impl Axis {
         }
     }
 
-    /// The drive must have had the time to hear of it, or it would stand because it has not begun to move.
+    /// Whether the drive has come to rest. It must have had time to receive the command, as it may be at rest because
+    /// it has not started yet.
     fn has_run_down(&self, cycle: u64, since: u64) -> bool {
         let elapsed = cycle.saturating_sub(since);
         self.encoder_stands() && elapsed > self.delay().saturating_add(1)
             || elapsed.saturating_mul(self.setup.cycle_ns) > COAST_TIMEOUT_NS
     }
 
-    /// The software limit at which it stands or behind it, if `velocity` leads further into it (inc).
+    /// Returns the software limit (inc) which the axis has reached, if `velocity` leads further into it.
     pub(super) fn limit_ahead(&self, velocity: f64) -> Option<i64> {
         let limit = self.limit(velocity > 0.0);
         let here = self.actual.position;
@@ -65,7 +66,7 @@ impl Axis {
         (velocity != 0.0 && reached).then_some(limit)
     }
 
-    /// It cannot stop before a limit, as it has no ramp; it is switched off there.
+    /// Switches the axis off at a limit; without a ramp it cannot stop before it.
     pub(super) fn stop_speed_at(&mut self, cx: &mut Context<'_>, velocity: f64, limit: i64) {
         let up = velocity > 0.0;
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
@@ -77,10 +78,11 @@ impl Axis {
     /// Runs the drive at a speed (inc/s), or switches it off.
     ///
     /// # Errors
-    /// A speed that is none or too high, a limit ahead, an axis that is not free or closes a position loop; never 0 in open loop.
+    /// A speed that is invalid or too high, a limit ahead, an axis that is not free or closes a position loop. 0 is
+    /// always accepted in open loop.
     pub(super) fn set_speed(&mut self, cx: &mut Context<'_>, velocity: f64) -> Result<(), Refusal> {
         if velocity == 0.0 && self.is_open_loop() {
-            // A stop is never refused, whatever the axis does, and ends reference travel as well.
+            // A stop is never refused, whatever the state of the axis, and ends reference travel as well.
             self.abandon(cx, Code::REPLACED);
             self.switch_speed_off(cx);
             return Ok(());
@@ -106,7 +108,7 @@ impl Axis {
         Ok(())
     }
 
-    /// No speed from this cycle on: it coasts.
+    /// Switches the speed off from this cycle on: the axis coasts.
     pub(super) fn switch_speed_off(&mut self, cx: &mut Context<'_>) {
         self.reference = Reference::Stop;
         self.command = Motion::at_rest(self.actual.position);
@@ -119,7 +121,7 @@ impl Axis {
         }
     }
 
-    /// The speed for the drive (inc/s).
+    /// Returns the speed for the drive (inc/s).
     pub(super) fn speed(&self) -> f64 {
         match self.generator {
             Generator::Open { velocity } if self.is_on() => velocity,
@@ -127,18 +129,18 @@ impl Axis {
         }
     }
 
-    /// Which outputs it switches, by their places in section `io`; none where it switches none.
+    /// Returns the outputs that it switches, by their indices in section `io`; none if it switches none.
     pub fn wiring(&self) -> Option<SpeedOutputs> {
         Some(self.setup.open_loop).filter(|wiring| *wiring != SpeedOutputs::default())
     }
 
-    /// What these outputs show.
+    /// Returns the values of these outputs.
     pub fn switching(&self) -> Switching {
         self.switching_of(self.allowed(self.vocabularies.switching()))
     }
 
-    /// Whatever ends the speed ends the axis output and the voltage in the same cycle, and an error or somebody else's
-    /// command the direction as well.
+    /// Limits the outputs to those allowed. The end of the speed ends the axis output and the voltage in the same
+    /// cycle; an error, or a command of another owner, ends the direction as well.
     pub(crate) fn allowed(&self, asked: Switching) -> Switching {
         let commanded = self.owner.switches()
             && self.power == Power::On

@@ -1,11 +1,13 @@
-//! OUTAN: the loops below the position loop run at a value, and nothing holds the position.
+//! OUTAN: the loops inside the position loop run at a given value, and no loop holds the position.
 //!
-//! Law      command = actual position. The value is the output of the position loop: a velocity in parts of max_velocity, or with
-//!          AMPMODE 2 an effort in parts of max_effort; level effort passes the velocity loop by. Whatever ends it (halt, stop, disable, an error)
-//!          leaves the axis to the stop of its drive and takes the power then: no loop here knows yet whether it could stop it
-//! Reads    values that commands give, place and velocity of the axis, its limits
-//! Writes   the generator; the error of a limit that it would not stop before, and of too much velocity
-//! Refuses  a drive that closes its position loop, is one of two, or would coast where it has to stop; an axis that moves; values beyond 1, or further into a limit
+//! Law      command = actual position. The value replaces the output of the position loop: a velocity as a fraction of
+//!          max_velocity, or with AMPMODE 2 an effort as a fraction of max_effort; level effort bypasses the velocity
+//!          loop. Every end (halt, stop, disable, an error) leaves the stop to the drive and then removes the power: it
+//!          is not known yet whether a loop here could stop the axis
+//! Reads    the values of commands, position and velocity of the axis, its limits
+//! Writes   the generator; the errors of a limit before which the axis could not stop, and of overspeed
+//! Refuses  a drive that closes its own position loop, is one of two, or would coast when it has to stop; an axis that
+//!          moves; values beyond 1, or further into a limit
 //! Source   MACS-AMP-02, MACS-CMD-28
 
 use super::power::Power;
@@ -17,13 +19,13 @@ use crate::event::{Number, Refusal};
 use crate::position::Position;
 use crate::profile::Motion;
 
-/// Above this part of max_velocity an axis without position loop is too fast.
+/// Share of max_velocity above which an axis without position loop is too fast.
 const OVERSPEED: f64 = 1.2;
-/// What a velocity that is counted may be wrong by, in increments of a cycle.
+/// Error of a velocity from counts, in increments per cycle.
 const ROUNDING: f64 = 1.0;
 
 impl Axis {
-    /// What OUTAN asks for now, and of which loop.
+    /// Returns the active value of OUTAN, and its level.
     #[inline]
     pub(super) fn out_an(&self) -> Option<(f64, Level)> {
         match self.generator {
@@ -66,7 +68,7 @@ impl Axis {
         if self.out_an().is_none() && (!self.rests() || self.goal.is_some()) {
             return Err(self.not_at_standstill());
         }
-        // An effort against the motion brakes first, and then leads back.
+        // An effort against the motion first stops the axis and then reverses it.
         let is_velocity = self.asks_velocity(level);
         self.check_forward(if is_velocity { value } else { -1.0 })?;
         self.check_velocity_switches(value)?;
@@ -77,22 +79,22 @@ impl Axis {
         Ok(())
     }
 
-    /// Is a value of that level a velocity? Else it is an effort.
+    /// Whether a value of that level is a velocity. Otherwise it is an effort.
     fn asks_velocity(&self, level: Level) -> bool {
         level == Level::Setpoint && (!self.takes_effort() || self.parameters.amplifier.has_velocity_loop())
     }
 
-    /// Where it is, and the velocity that is asked for (inc/s); 0 with an effort.
+    /// Returns the actual position and the commanded velocity (inc/s); 0 with an effort.
     fn opened_motion(&mut self, value: f64, level: Level) -> Motion {
         let (full, _) = self.full_reference();
         let velocity = if self.asks_velocity(level) { value * full } else { 0.0 };
         Motion { velocity, ..Motion::at_rest(self.actual.position) }
     }
 
-    /// The part of [`advance`](Self::advance) of such an axis.
+    /// Executes [`advance`](Self::advance) for such an axis.
     pub(super) fn advance_out_an(&mut self, cx: &mut Context<'_>, value: f64, level: Level) {
         let next = self.opened_motion(value, level);
-        // An effort has a way as well.
+        // An effort has a direction as well.
         let towards = if next.velocity == 0.0 { value } else { next.velocity };
         if self.stop_at_switch(cx, Motion { velocity: towards, ..next }) {
             return;
@@ -109,7 +111,7 @@ impl Axis {
         }
     }
 
-    /// The software limit before which a drive that stops with max_deceleration as soon as it can would not stand (inc).
+    /// Returns the software limit (inc) that a drive would pass if it stopped with max_deceleration as soon as it can.
     fn limit_reached(&self, velocity: f64) -> Option<i64> {
         let answer = self.cycle_s() * (self.delay() + 2) as f64;
         let way = velocity * (answer + velocity.abs() / (2.0 * self.stop_limits().deceleration));
@@ -119,15 +121,15 @@ impl Axis {
         (velocity != 0.0 && is_beyond).then_some(limit)
     }
 
-    /// Is nothing here to stop it: its position loop is open, or its drive stops it because it was?
+    /// Whether no loop here stops the axis: its position loop is open, or its drive stops it because it was open.
     pub(super) fn is_left_to_drive(&self) -> bool {
         self.out_an().is_some() || matches!(self.power, Power::DriveStops { .. })
     }
 
-    /// The end: the drive stops by itself, and then its power goes.
+    /// Ends OUTAN: the drive stops by itself, and then its power is removed.
     pub(super) fn leave_to_drive(&mut self, cx: &mut Context<'_>) {
         self.reference = Reference::Stop;
-        // Its time runs from where its stop began.
+        // The time counts from the start of the stop.
         let since = if let Power::DriveStops { since, .. } = self.power { since } else { cx.cycle };
         self.power = Power::DriveStops { since, then_off: true };
         self.stand_on_actual();

@@ -1,9 +1,10 @@
-//! A superimposed motion: a way that is added to whatever else moves the axis (MC_MoveSuperimposed).
+//! A superimposed motion: a distance added to any other motion of the axis (MC_MoveSuperimposed).
 //!
-//! Law      command = motion under way + superimposed motion; its velocity and acceleration are at most what the motion under
-//!          way leaves of the axis' limits, so that the sum stays within them. Where both go the same way throughout they share
-//!          acceleration and deceleration; else the one may slow down while the sum speeds up: then the lower limit holds, too
-//! Refuses  rates beyond what is left, an end beyond a limit
+//! Law      command = active motion + superimposed motion. Velocity and acceleration of the superimposed motion are at
+//!          most what the active motion leaves of the limits of the axis, so that the sum stays within them. If both
+//!          have the same direction throughout, they share acceleration and deceleration. Otherwise one may slow down
+//!          while the sum speeds up: then the lower limit also applies
+//! Refuses  rates beyond those left, an end beyond a limit
 
 use super::alarm::{NO_NUMBERS, Numbers};
 use super::course::{Aim, ROUNDING, sharpen};
@@ -17,10 +18,10 @@ use crate::sync::follower::Reserve;
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
-/// No override: what was planned with one is planned anew.
+/// Value for an override that is not planned yet, so that the motion is planned again.
 const UNSEEN: f64 = -1.0;
 
-/// A superimposed motion under way.
+/// An active superimposed motion.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Overlay {
     /// Number of its command.
@@ -28,13 +29,13 @@ pub(super) struct Overlay {
     plan: Plan,
     start: u64,
     limits: Limits,
-    /// Where its way ends, from where the first one began.
+    /// End of its distance, counted from the start of the first superimposed motion.
     end: Position,
-    /// All of its way.
+    /// Its whole distance.
     whole: Position,
-    /// The override that its plan was made with (%).
+    /// The override of its plan (%).
     share: f64,
-    /// Its motion as the last cycle added it.
+    /// Its motion in the last cycle.
     pub shown: Motion,
     ending: Option<Code>,
 }
@@ -44,62 +45,62 @@ impl Overlay {
         self.plan.is_sound() && self.limits.is_sound() && self.shown.is_sound() && self.share.is_finite()
     }
 
-    /// Lowest and highest way from now to where it ends.
+    /// Returns lowest and highest remaining distance until its end.
     pub(super) fn ahead(&self) -> (Position, Position) {
         let now = self.shown.position;
         let (low, high) = self.plan.extent_from(now);
         (low.min(self.end).min(now) - now, high.max(self.end).max(now) - now)
     }
 
-    /// What is left of its way, as a share of all of it. Of one that stops nothing is.
+    /// Returns the remaining share of its distance; 0 for one that stops.
     pub(super) fn share_left(&self) -> f64 {
         let left = self.end - self.shown.position;
         if self.ending.is_some() || self.whole == Position::ZERO { 0.0 } else { left.to_f64() / self.whole.to_f64() }
     }
 
-    /// The way that it goes from now on without turning back: up, or down.
+    /// Returns the direction of the remaining distance if the motion does not turn back: up is true.
     fn way(&self) -> Option<bool> {
         let (low, high) = self.ahead();
         one_way((low, high), self.end - self.shown.position)
     }
 
-    /// The same from this cycle on with another share of its velocity (%); without any it holds.
+    /// Returns it planned again from this cycle on with another share of its velocity (%); with 0 it holds.
     fn planned(self, cycle: u64, share: f64, cycle_ns: u64) -> Self {
         let plan = plan(self.shown, self.end, &self.limits, share, cycle_ns);
         Self { plan, start: cycle, share, ..self }
     }
 }
 
-/// How two motions go that are added.
+/// Directions of two motions that are added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ways {
-    /// Neither ever goes against the other.
+    /// Both always have the same direction.
     Same,
-    /// Who knows.
+    /// Unknown.
     Any,
 }
 
 impl Ways {
-    /// What one motion leaves to the other of acceleration and deceleration (inc/s^2).
+    /// Returns acceleration and deceleration that one motion leaves to the other (inc/s^2).
     fn left(self, most: &Limits, taken: &Limits) -> (f64, f64) {
         let least = most.acceleration.min(most.deceleration);
         let (up, down) = (most.acceleration - taken.acceleration, most.deceleration - taken.deceleration);
         match self {
             Self::Same => (up, down),
-            // One slows down, the other one speeds up against it: nobody knows what the sum does.
+            // If one slows down while the other one speeds up against it, the sign of the sum is unknown.
             Self::Any => (up.min(least - taken.deceleration), down.min(least - taken.acceleration)),
         }
     }
 }
 
-/// The way to an end, up or down, if the lowest and the highest place on it lie nowhere else.
+/// Returns the direction to an end if the lowest and the highest position are not beyond start and end: up is true.
 fn one_way((low, high): (Position, Position), end: Position) -> Option<bool> {
     let rounding = Position::from_f64(ROUNDING);
     let is_straight = low >= end.min(Position::ZERO) - rounding && high <= end.max(Position::ZERO) + rounding;
     (is_straight && end != Position::ZERO).then_some(end > Position::ZERO)
 }
 
-/// A plan from `shown` to `end` with a share of the velocity (%); without any it holds.
+/// Returns a plan from `shown` to `end` with a share of the velocity (%); with 0 it holds.
 fn plan(shown: Motion, end: Position, limits: &Limits, share: f64, cycle_ns: u64) -> Plan {
     let velocity = limits.velocity * (share / 100.0);
     if velocity > 0.0 {
@@ -110,12 +111,12 @@ fn plan(shown: Motion, end: Position, limits: &Limits, share: f64, cycle_ns: u64
 }
 
 impl Axis {
-    /// Nothing moves the command, nor what a second drive has beside it.
+    /// Whether nothing moves the command, nor a second drive relative to the first one.
     pub(super) fn rests(&self) -> bool {
         matches!(self.generator, Generator::Rest) && self.overlay.is_none() && !self.holding.second_moves
     }
 
-    /// The motion under way without what is superimposed.
+    /// Returns the active motion without superimposed motion.
     pub(super) fn underlying(&self) -> Motion {
         let Some(Overlay { shown, .. }) = self.overlay else { return self.command };
         Motion {
@@ -126,12 +127,12 @@ impl Axis {
         }
     }
 
-    /// What a course that is planned anew below a superimposed motion begins with.
+    /// Returns the start of a course that is planned again below a superimposed motion.
     pub(super) fn base(&self) -> Motion {
         if self.overlay.is_some() { self.underlying() } else { self.present() }
     }
 
-    /// What a coupling leaves to the superimposed motion (inc/s, inc/s^2).
+    /// Returns the velocity and acceleration that a coupling leaves to the superimposed motion (inc/s, inc/s^2).
     pub(super) fn reserve(&self) -> Reserve {
         self.overlay.map_or(Reserve::default(), |overlay| Reserve {
             velocity: overlay.limits.velocity,
@@ -139,14 +140,14 @@ impl Axis {
         })
     }
 
-    /// Adds the superimposed motion of this cycle to `base`; what it has moved stays with the motion under way.
+    /// Adds the superimposed motion of this cycle to `base`; the distance remains in the active motion.
     pub(super) fn superimpose(&mut self, cx: &mut Context<'_>, base: Motion) -> Motion {
         let Some(overlay) = &mut self.overlay else { return base };
         let elapsed = cx.cycle.saturating_sub(overlay.start);
         let motion = overlay.plan.at(elapsed);
         let change = motion.position - overlay.shown.position;
         overlay.shown = motion;
-        // One that the override holds goes on later.
+        // A motion that the override holds continues later.
         let ended = elapsed >= overlay.plan.cycles() && overlay.plan.end() == overlay.end;
         let (sequence, ending) = (overlay.sequence, overlay.ending);
         if let Generator::Plan(course) = &mut self.generator {
@@ -175,15 +176,15 @@ impl Axis {
         sum
     }
 
-    /// Where the superimposed motion under way is, from where the first one began; 0 without one.
+    /// Returns the position of the superimposed motion, counted from the start of the first one; 0 without one.
     pub(super) fn superimposed(&self) -> Position {
         self.overlay.map_or(Position::ZERO, |overlay| overlay.shown.position)
     }
 
-    /// Starts a superimposed motion to an end; one that runs is replaced by the new way, from where it is.
+    /// Starts a superimposed motion to an end. It replaces an active one, from its present motion.
     ///
     /// # Errors
-    /// What the motion under way leaves is not enough; its end lies beyond a limit.
+    /// The active motion does not leave enough; its end is beyond a limit.
     pub(super) fn start_superimposed(
         &mut self,
         cx: &mut Context<'_>,
@@ -226,7 +227,8 @@ impl Axis {
         Ok(())
     }
 
-    /// Both ways together stay within the limits of position. A motion without end is watched in each cycle.
+    /// Checks that both motions together stay within the position limits. A motion without end is checked in each
+    /// cycle.
     fn check_sum(&self, overlay: &Overlay) -> Result<(), Refusal> {
         let (down, up) = overlay.ahead();
         let here = matches!(self.generator, Generator::Rest).then_some((self.command.position, self.command.position));
@@ -236,7 +238,7 @@ impl Axis {
         }
     }
 
-    /// These positions lie within the limits, or no further out than the axis stands already.
+    /// Checks that these positions are within the limits, or no further out than the axis already is.
     pub(super) fn check_range(&self, lowest: Position, highest: Position) -> Result<(), Refusal> {
         let now = self.command.position;
         let beyond = |code, reached: i64, limit| {
@@ -256,13 +258,13 @@ impl Axis {
         Ok(())
     }
 
-    /// With what is still to be superimposed, the motion under way stays within the limits of position.
+    /// Checks that the active motion plus the remaining superimposed motion stays within the position limits.
     pub(super) fn check_overlay(&self) -> Result<(), Refusal> {
         self.overlay.map_or(Ok(()), |overlay| self.check_sum(&overlay))
     }
 
-    /// The way that the motion under way and the goals that wait go without turning back: up, or down. None for what may turn at
-    /// any time: a leader, a stream, a vocabulary, a search.
+    /// Returns the direction of the active motion and the waiting goals if they do not turn back: up is true. None for
+    /// motions that may reverse at any time: a leader, a stream, a vocabulary, a search.
     fn way_of_motion(&self) -> Option<bool> {
         let Generator::Plan(course) = &self.generator else { return None };
         if self.goal.is_none() || self.owner != Owner::Native || self.searches() || self.probes() {
@@ -272,9 +274,9 @@ impl Axis {
         let (low, high) = course.extent_from(here);
         let ahead = (low - here, high - here);
         let up = match course.aim {
-            // What waits behind it may turn.
+            // A waiting goal may reverse.
             Aim::Velocity(_) if !self.buffer.is_empty() => None,
-            // Once it has its velocity, its plan lies behind it.
+            // Once the velocity is reached, its plan is behind the axis.
             Aim::Velocity(velocity) => {
                 let (end, rounding) = (course.end(), Position::from_f64(ROUNDING));
                 let is_straight = low >= here.min(end) - rounding && high <= here.max(end) + rounding;
@@ -292,7 +294,8 @@ impl Axis {
         goes_on.then_some(up)
     }
 
-    /// A goal that will begin below a superimposed motion asks for no more than that leaves; it goes up, or down, if that is known.
+    /// Checks that a goal that will begin below a superimposed motion stays within the remaining rates; `up`: its
+    /// direction, if known.
     pub(super) fn check_beside_overlay(&self, limits: &Limits, up: Option<bool>) -> Result<(), Refusal> {
         let Some(overlay) = &self.overlay else { return Ok(()) };
         let most = self.parameters.largest_limits();
@@ -300,7 +303,7 @@ impl Axis {
         let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
         let (speeding, slowing) = if is_same { Ways::Same } else { Ways::Any }.left(&most, &taken);
         let check = |asked: f64, left: f64, number: fn(f64) -> Number| {
-            // What is left was rounded.
+            // The remaining rate was rounded.
             let fits = asked <= left * (1.0 + 1e-12);
             let refusal = Refusal::new(code, self.object()).with(number(asked), number(left.max(0.0)));
             if fits { Ok(()) } else { Err(refusal) }
@@ -314,21 +317,22 @@ impl Axis {
         }
     }
 
-    /// What the motion under way leaves of the axis' limits, and all the velocity that it leaves (inc/s); what is asked for
-    /// must lie within.
+    /// Returns the remaining limits that the active motion leaves for the request, and the whole remaining velocity
+    /// (inc/s). The requested rates must be within them.
     fn remaining_limits(&self, request: &Move, ways: Ways) -> Result<(Limits, f64), Refusal> {
         let most = self.parameters.largest_limits();
         let usual = self.parameters.usual_limits();
         let used = match &self.generator {
             Generator::Plan(course) => Some(course.limits),
-            // It keeps within what it is left; of what both can do, whichever way they go, it has the usual share.
+            // A coupling keeps within the rest. Of the rates that are possible in both directions it uses the default
+            // share.
             Generator::Follow(_) | Generator::Track(_) => {
                 let rate = usual.acceleration.min(usual.deceleration);
                 Some(Limits { acceleration: rate, deceleration: rate, ..usual })
             }
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => None,
         };
-        // The goals that wait will move it beside this one too.
+        // The waiting goals will be active together with this motion, too.
         let used = self.buffer.limits().fold(used, |used, next| {
             let used = used.unwrap_or(next);
             Some(Limits { velocity: used.velocity.max(next.velocity), ..used.at_least(&next) })
@@ -371,25 +375,26 @@ impl Axis {
         Ok((limits, velocity))
     }
 
-    /// The velocity that a superimposed motion leaves to the motion under way (inc/s).
+    /// Returns the velocity that a superimposed motion leaves to the active motion (inc/s).
     pub(super) fn velocity_for_base(&self) -> f64 {
         let taken = self.overlay.map_or(0.0, |overlay| overlay.limits.velocity);
         (self.parameters.max_velocity - taken).max(0.0)
     }
 
-    /// Lowest and highest way that the superimposed motion still adds.
+    /// Returns lowest and highest distance that the superimposed motion still adds.
     pub(super) fn overlay_ahead(&self) -> (Position, Position) {
         self.overlay.map_or_else(Default::default, |overlay| overlay.ahead())
     }
 
-    /// With or without a superimposed motion, the motion under way has another part of what an override leaves.
+    /// Lets the active motion be planned again: with or without a superimposed motion it gets another share of the
+    /// override.
     fn share_anew(&mut self) {
         if self.parameters.velocity_override < 100.0 {
             self.override_seen = UNSEEN;
         }
     }
 
-    /// Plans the superimposed motion anew where the override has changed.
+    /// Plans the superimposed motion again after a change of the override.
     pub(super) fn override_overlay(&mut self, cycle: u64) {
         let share = self.parameters.velocity_override;
         if let Some(overlay) = &mut self.overlay
@@ -399,7 +404,8 @@ impl Axis {
             let next = overlay.planned(cycle, share, self.setup.cycle_ns);
             let ((low, high), (next_low, next_high)) = (overlay.ahead(), next.ahead());
             let rounding = Position::from_f64(ROUNDING);
-            // As below: what would pass its end by slowing down otherwise goes on, and is asked again.
+            // As for the active motion: if slowing down would pass its end, the old plan is kept and the change is
+            // tried again.
             if next_low >= low - rounding && next_high <= high + rounding {
                 *overlay = next;
             }
@@ -416,7 +422,7 @@ impl Axis {
         }
     }
 
-    /// Stops the superimposed motion; the motion under way goes on.
+    /// Stops the superimposed motion; the active motion continues.
     pub(super) fn cancel_overlay(&mut self, cx: &Context<'_>) {
         let cycle_ns = self.setup.cycle_ns;
         if let Some(overlay) = &mut self.overlay {

@@ -1,9 +1,9 @@
-//! A pair of places of leader and axis, and a leader at the moment of a gear.
+//! A pair of positions of leader and axis, and the leader when a gear begins.
 //!
-//! Law      the leader passes the start of a pair where it moves over the place that lies the distance before its own, in the direction in which it
-//!          moves; where it has a turn, in the turn of the last pass
-//! Reads    the leader, this cycle's
-//! Refuses  without a turn a leader that moves towards its place, and is past the start
+//! Law      the leader passes the start of a pair when it crosses the position at the distance before its own position,
+//!          in the direction in which it moves; with a modulo, in the turn of the last pass
+//! Reads    the leader of this cycle
+//! Refuses  without modulo: a leader beyond the start that moves towards its position
 //! Source   PLCopen (MC_GearInPos)
 
 use crate::command::Engage;
@@ -14,43 +14,44 @@ use crate::object::Leader;
 use crate::position::Position;
 use crate::sync::gear::Gear;
 
-/// A pair of places, and the leader's way before it.
+/// A pair of positions, and the distance of the leader before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
-    /// Of the leader (inc), within its turn where it has one.
+    /// Position of the leader (inc), within its turn if it has a modulo.
     leader: i64,
     turn: Option<Modulo>,
-    /// Of the axis (inc).
+    /// Position of the axis (inc).
     pub slave: i64,
-    /// The leader's way before it (inc); 0: the axis catches up behind.
+    /// Start distance of the leader (inc); 0: the axis catches up afterwards.
     pub distance: i64,
 }
 
 impl Pair {
-    /// The one that a coupling waits for.
+    /// Returns the pair for which a coupling waits.
     pub(super) fn of(engage: Engage) -> Option<Self> {
         let Engage::InPosition { position, turn, slave, distance } = engage else { return None };
         Some(Self { leader: position, turn, slave, distance })
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub(super) fn is_sound(&self) -> bool {
         let Self { leader, turn, slave, distance } = *self;
         let is_legal = [leader, slave].iter().all(|place| Position::whole(*place).is_legal());
         is_legal && turn.is_none_or(Modulo::is_sound) && (0..=Gear::MAX_CHANGE).contains(&distance)
     }
 
-    /// May the leader come to it by going on as it does?
+    /// Whether the leader approaches the pair in its present direction.
     pub(super) fn lies_ahead(&self, lead: Lead) -> bool {
         let towards = Position::whole(self.leader) - lead.position;
         let moves = lead.change != Position::ZERO;
         moves && (self.turn.is_some() || (towards > Position::ZERO) == (lead.change > Position::ZERO))
     }
 
-    /// How far behind its start the leader is that has passed it in this cycle, towards its place.
+    /// Returns the distance of the leader after the start, if it has passed the start in this cycle towards its
+    /// position.
     ///
     /// # Errors
-    /// It is past it already; where it has a turn, it comes there again.
+    /// It was already beyond the start. With a modulo it will pass again.
     pub(super) fn passed_start(&self, lead: Lead) -> Result<Option<Position>, (Number, Number)> {
         let direction = lead.change.raw().signum() as i64;
         if direction == 0 {
@@ -70,20 +71,20 @@ impl Pair {
     }
 }
 
-/// A leader at the moment of a gear.
+/// A leader when a gear begins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Started {
     pub leader: Leader,
-    /// As it stands in this cycle.
+    /// Its lead of this cycle.
     pub lead: Lead,
     /// Its mean change in a cycle (inc).
     pub mean: f64,
-    /// How far behind the moment it is.
+    /// Its distance after the start.
     pub after: Position,
 }
 
 impl Started {
-    /// Its change in a cycle (inc): that of a counted one is smoothed.
+    /// Returns its change in a cycle (inc), smoothed for a counted leader.
     pub(super) fn speed(&self) -> f64 {
         let change = self.lead.change.to_f64();
         if self.lead.uneven == 0.0 || self.mean * change <= 0.0 { change } else { self.mean }

@@ -1,11 +1,12 @@
-//! Shifting an axis against its leader in motion, by either side of its coupling (MC_PhasingRelative).
+//! Phase shift of an axis against its leader in motion, on either side of its coupling (MC_PhasingRelative).
 //!
-//! Law      slave: a superimposed motion, which the coupling keeps. master: what leads is seen shifted, to 2^-32 inc, and gear or cam make of
-//!          that what they make of any motion of it; the axis stays within its limits, and catches up what they hold back.
-//!          A new shift takes the place of one that moves, from its velocity on, and what was left of that is left out. It ends
-//!          with its coupling
+//! Law      slave: a superimposed motion, which the coupling keeps. Master: the position of the leader is shifted, to
+//!          2^-32 inc, and gear or cam treat this as any motion of the leader; the axis stays within its limits, and
+//!          makes up for the rest later. A new shift replaces an active one, from its velocity on; the rest of the old
+//!          one is dropped. A shift ends with its coupling
 //! Reads    the coupling
-//! Refuses  an axis that is not coupled by position; of a gear what the axis has no velocity or acceleration left for
+//! Refuses  an axis that is not coupled by position; on a gear, a shift for which the axis has no velocity or
+//!          acceleration left
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
 use super::alarm::{NO_NUMBERS, Numbers};
@@ -21,7 +22,7 @@ use crate::sync::gear::Gear;
 use crate::sync::{Shift, SyncMode, Transmission};
 use serde::{Deserialize, Serialize};
 
-/// A shift of the master under way.
+/// An active shift of the master.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Phasing {
     /// Number of its command.
@@ -37,7 +38,8 @@ impl Phasing {
 }
 
 impl Axis {
-    /// Takes a shift of one side; of the master it is in increments of the leader, and there is none where that has not its units.
+    /// Accepts a shift of one side. That of the master is in increments of the leader; none if the unit cannot be
+    /// converted.
     pub fn take_phase(&mut self, cx: &mut Context<'_>, sequence: u64, of_slave: bool, asked: Option<PhaseShift>) {
         let unit = || self.refuse(Code::PHASE_UNIT);
         let result = self.shiftable().and_then(|_| asked.ok_or_else(unit)).and_then(|asked| {
@@ -61,7 +63,7 @@ impl Axis {
             direction: Direction::Shortest,
             buffer_mode: BufferMode::Aborting,
         };
-        // Its coupling keeps what is below an increment.
+        // Its coupling keeps the fraction of an increment.
         let end = self.superimposed() + shift.exact();
         self.start_superimposed(cx, sequence, &request, end)
     }
@@ -76,7 +78,7 @@ impl Axis {
         };
         let before = self.phasing.map(|phasing| phasing.shift);
         let (p, reserve) = (&self.parameters, self.reserve());
-        // Without the shift that it takes the place of.
+        // Velocity without the shift that it replaces.
         let own = before.map_or(0.0, |before| before.speed() / cycle_s * gear.unwrap_or_default());
         let left = p.max_velocity - (self.underlying().velocity - own).abs() - reserve.velocity;
         let velocity = self.rate_of_master(asked.velocity, gear, (p.usual_velocity(), left), Number::Velocity)?;
@@ -99,7 +101,8 @@ impl Axis {
         Ok(())
     }
 
-    /// A rate of the master. A gear says what the axis makes of it, and what its default is; the slope of a cam is another one everywhere.
+    /// Returns a rate of the master. With a gear, limit and default follow from the rates of the axis; the slope of a
+    /// cam is not constant.
     fn rate_of_master(
         &self,
         asked: f64,
@@ -124,7 +127,7 @@ impl Axis {
         Ok(if asked == 0.0 { least / ratio } else { asked })
     }
 
-    /// How it follows by position, where that may be shifted.
+    /// Returns the follower if its coupling by position may be shifted.
     fn shiftable(&self) -> Result<&Follower, Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
@@ -134,14 +137,15 @@ impl Axis {
         by_position.ok_or_else(|| self.refuse(Code::PHASE_NO_COUPLING))
     }
 
-    /// Tells the end of a shift of the master.
+    /// Reports the end of a shift of the master.
     pub(super) fn tell_phase(&self, cx: &mut Context<'_>, ended: Option<(u64, Code)>, position: Position) {
         if let Some((sequence, code)) = ended {
             cx.events.push(Event::done(self.object(), sequence, code, position));
         }
     }
 
-    /// What the shift of the master adds to its change in this cycle, and the number of the command that ends with it.
+    /// Returns the change that the shift adds to the master in this cycle, and the number of the command that ends with
+    /// it.
     pub(super) fn phase_of_master(&mut self) -> (Position, Option<(u64, Code)>) {
         let Some(phasing) = &mut self.phasing else { return (Position::ZERO, None) };
         let (change, has_ended) = phasing.shift.step();
@@ -161,26 +165,26 @@ impl Axis {
         }
     }
 
-    /// Where its coupling is over, however that came, nothing is left to be shifted.
+    /// Ends the shift when the coupling has ended in any way.
     pub(super) fn settle_phase(&mut self, cx: &mut Context<'_>) {
         if self.phasing.is_some() && self.coupling().is_none() {
             self.end_phase(cx, Code::NOT_REACHED, NO_NUMBERS);
         }
     }
 
-    /// Is it the command of that number that shifts the master?
+    /// Whether the command of that number shifts the master.
     pub(super) fn is_phase(&self, sequence: u64) -> bool {
         self.phasing.is_some_and(|phasing| phasing.sequence == sequence)
     }
 
-    /// Slows the shift of the master down; where it is then it stays.
+    /// Slows the shift of the master down; the shift reached then remains.
     pub(super) fn cancel_phase(&mut self) {
         if let Some(phasing) = &mut self.phasing {
             (phasing.shift, phasing.ending) = (phasing.shift.stopping(), Some(Code::CANCELLED));
         }
     }
 
-    /// What is left of the shifts of slave and master, as shares of all of them.
+    /// Returns the remaining shares of the shifts of slave and master.
     pub(super) fn phase_left(&self) -> (f64, f64) {
         let slave = self.overlay.map_or(0.0, |overlay| overlay.share_left());
         (slave, self.phasing.map_or(0.0, |phasing| phasing.shift.share_left()))

@@ -1,10 +1,11 @@
-//! The position loop that is closed here, for a drive that does not close it.
+//! The position loop, for a drive that does not close it itself.
 //!
-//! Law      one of [`Law`], once a cycle while the axis is on: its output, 1 for the full reference, which is max_velocity where
-//!          the drive takes velocities. An axis that is off, or whose drive homes by itself, has no output, and its loop no past
+//! Law      one of [`Law`], once a cycle while the axis is on. Output 1 is the full reference, which is max_velocity if
+//!          the drive takes velocities. An axis that is off, or whose drive homes by itself, has output 0, and the
+//!          state of its loop is reset
 //! Reads    command and actual position of the cycle
-//! Writes   the output, and through it what the drive is asked for
-//! Refuses  a TIMER that is no whole number of cycles; what the loops below it cannot run with
+//! Writes   the output, from which the command to the drive follows
+//! Refuses  a TIMER that is no whole number of cycles; parameters with which the inner loops cannot run
 //! Source   MACS-REG-01, MACS-REG-04, MACS-REG-12, WF-CLC-03
 
 use super::Axis;
@@ -17,17 +18,18 @@ use crate::position::Position;
 use crate::regulator::{Law, Pid, PidInput, Proportional};
 use serde::{Deserialize, Serialize};
 
-/// What the loop keeps from cycle to cycle.
+/// State of the position loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PositionLoop {
     pid: Pid,
-    /// -1 to 1
+    /// Output, -1 to 1.
     output: f64,
-    /// The same as a velocity (inc/s).
+    /// Output as a velocity (inc/s).
     velocity: f64,
-    /// What 1 is: max_velocity and max_acceleration as they were when the axis came to rest last. They hold with the next motion.
+    /// Reference at output 1: max_velocity and max_acceleration when the axis last came to rest. A change acts from the
+    /// next motion on.
     full: Option<(f64, f64)>,
-    /// A closed brake holds the axis: nothing is stepped.
+    /// Whether a closed brake holds the axis, so that no loop advances.
     is_held: bool,
 }
 
@@ -38,10 +40,10 @@ impl PositionLoop {
     }
 }
 
-/// Can the loops that are closed here run with these parameters, in cycles of that length?
+/// Checks whether the loops that are closed here can run with these parameters and this cycle time.
 ///
 /// # Errors
-/// The key that cannot be, and why.
+/// The key of the invalid parameter, and the reason.
 pub fn may_close_loop(
     interface: Option<Interface>,
     law: Law,
@@ -63,7 +65,7 @@ pub fn may_close_loop(
         Some(Interface::Voltage) => parameters.power_stage.check(amplifier, cycle_ns)?,
         _ => return Ok(()),
     }
-    // A position loop right above a torque damps nothing; above a voltage the back EMF does (MACS-AMP-03).
+    // A position loop directly around a torque has no damping; around a voltage the back EMF damps (MACS-AMP-03).
     if amplifier.has_current_loop() && !amplifier.has_velocity_loop() {
         match law {
             Law::Proportional => return Err(("ampmode", Code::NO_DAMPING)),
@@ -78,12 +80,12 @@ pub fn may_close_loop(
     Ok(())
 }
 
-/// Is the position loop of such a drive closed here?
+/// Whether the position loop of such a drive is closed here.
 fn closes_loop(interface: Option<Interface>) -> bool {
     interface.is_some_and(Interface::closes_loop_here)
 }
 
-/// Cycles in a period, if that is a whole number.
+/// Returns the cycles in a period if that is a whole number.
 fn cycles(period_ms: i64, cycle_ns: u64) -> Option<u32> {
     let period_ns = u64::try_from(period_ms).ok()?.checked_mul(1_000_000)?;
     let count = u32::try_from(period_ns.checked_div(cycle_ns)?).ok()?;
@@ -91,19 +93,19 @@ fn cycles(period_ms: i64, cycle_ns: u64) -> Option<u32> {
 }
 
 impl Axis {
-    /// Is its position loop closed here?
+    /// Whether its position loop is closed here.
     #[inline]
     pub(super) fn closes_loop_here(&self) -> bool {
         !self.is_virtual() && closes_loop(Some(self.setup.interface))
     }
 
-    /// Do the loops run that are closed here? A drive that homes by itself closes its own.
+    /// Whether the loops that are closed here are active. A drive that homes by itself closes its own loops.
     pub(super) fn has_loops(&self) -> bool {
         self.is_on() && self.shown.mode() != MODE_HOMING
     }
 
-    /// Have they their outputs of this cycle already, or does a closed brake hold the axis under power? What it holds is not integrated,
-    /// and the effort stays what it was, for when it opens.
+    /// Whether the loops already have their outputs of this cycle, or a closed brake holds the axis under power. With a
+    /// closed brake nothing is integrated, and the effort stays unchanged until the brake opens.
     fn has_outputs(&mut self) -> bool {
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
         let is_held =
@@ -118,20 +120,21 @@ impl Axis {
         self.note_stepped() || is_held
     }
 
-    /// Can its loops run with its parameters?
+    /// Whether its loops can run with its parameters.
     pub(super) fn can_close_loop(&self) -> bool {
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let loops = may_close_loop(interface, self.setup.law, &self.parameters, self.setup.cycle_ns);
         loops.and(self.may_find_velocity_with(&self.parameters)).is_ok()
     }
 
-    /// Does its loop change its output while nothing moves?
+    /// Whether its loop may change its output at rest.
     pub(super) fn regulates(&self) -> bool {
         let has_past = self.setup.law != Law::Proportional || self.takes_effort();
         self.closes_loop_here() && has_past && self.is_on()
     }
 
-    /// One cycle of the loop: the velocity that it asks for (inc/s), where the drive takes velocities. True where nothing was stepped.
+    /// Advances the loop by one cycle and returns its velocity (inc/s) for a drive that takes velocities, and true if
+    /// no loop was advanced.
     #[inline]
     pub(super) fn close_loop(&mut self) -> (f64, bool) {
         if !self.has_loops() {
@@ -153,7 +156,7 @@ impl Axis {
             }
             return (value * full, false);
         }
-        // The motor is led, not the load.
+        // The loop moves the motor, not the load.
         let is_idle = self.compensation.is_idle();
         let ahead = if is_idle { 0 } else { self.turn_counts(self.compensation.ahead()) };
         let command = self.command.position + Position::whole(ahead);
@@ -167,7 +170,7 @@ impl Axis {
                 let input = PidInput {
                     error: (command - self.actual.position).to_f64(),
                     velocity: self.command.velocity / full,
-                    // The acceleration behind a leader that is counted is that of single counts.
+                    // With a counted leader the acceleration is that of single counts.
                     acceleration: if self.is_led { 0.0 } else { self.command.acceleration / rate },
                 };
                 let cycles = cycles(p.pid.period_ms, self.setup.cycle_ns).unwrap_or(1);
@@ -183,7 +186,8 @@ impl Axis {
         (velocity, false)
     }
 
-    /// What the output 1 is (inc/s, inc/s^2): another max_velocity changes nothing that is under way, unless that needs more.
+    /// Returns the reference at output 1 (inc/s, inc/s^2). A change of max_velocity does not act on an active motion,
+    /// unless the motion needs more.
     pub(super) fn full_reference(&mut self) -> (f64, f64) {
         let now = (self.parameters.max_velocity, self.parameters.max_acceleration);
         let is_enough = |(full, _): &(f64, f64)| !self.rests() && self.command.velocity.abs() <= *full;
@@ -192,17 +196,17 @@ impl Axis {
         full
     }
 
-    /// The velocity that the output 1 is, as it was asked for last (inc/s).
+    /// Returns the velocity at output 1 that was used last (inc/s).
     pub(super) fn full_in_force(&self) -> f64 {
         self.position_loop.full.map_or(self.parameters.max_velocity, |(full, _)| full)
     }
 
-    /// The sum of errors of the PID (inc).
+    /// Returns the sum of errors of the PID controller (inc).
     pub(super) fn error_sum(&self) -> f64 {
         self.position_loop.pid.sum()
     }
 
-    /// The output of the position loop, -1 to 1; 0 where the drive closes it.
+    /// Returns the output of the position loop, -1 to 1; 0 if the drive closes it.
     pub(super) fn regulator_output(&self) -> f64 {
         self.position_loop.output
     }

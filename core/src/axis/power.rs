@@ -1,4 +1,4 @@
-//! Switching a drive on and off (CiA 402 state machine, seen from the master).
+//! Switches a drive on and off (CiA 402 state machine, on the side of the master).
 
 use super::reaction::{Failure, closes_brake};
 use super::{Axis, AxisState, Context, Generator};
@@ -8,79 +8,79 @@ use crate::event::{Event, Kind, Number, Severity};
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
-/// How long a drive may take to switch on where its cell does not say it (ns).
+/// Time within which a drive must switch on, if its cell has no value (ns).
 pub const ENABLE_TIMEOUT_NS: u64 = 5_000_000_000;
-/// How long a drive may take to leave its fault, and an axis to come to rest before its power goes (ns).
+/// Time within which a drive must leave its fault, and an axis must come to rest before its power is removed (ns).
 const SWITCH_TIMEOUT_NS: u64 = 5_000_000_000;
-/// What the axis wants of its drive.
+/// The power state of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Power {
-    /// No voltage.
+    /// The drive has no voltage.
     Off,
-    /// On its way to operation enabled, since that cycle.
+    /// Changing to operation enabled, since that cycle.
     SwitchingOn { since: u64 },
-    /// Operation enabled: the axis commands it.
+    /// Operation enabled: the axis commands the drive.
     On,
     /// Operation enabled and holding, while the brake opens.
     Opening { since: u64 },
-    /// Stopping first, then off.
+    /// Stops first, then switches off.
     SwitchingOff,
-    /// At rest and holding, while the brake closes; then off.
+    /// At rest and holding, while the brake closes; then switches off.
     Closing { since: u64 },
-    /// The drive stops by itself (error reaction 4), since that cycle; and then it is switched off?
+    /// The drive stops by itself (error reaction 4), since that cycle; `then_off`: it is switched off afterwards.
     DriveStops { since: u64, then_off: bool },
-    /// Resetting the drive's fault, since that cycle.
+    /// Resets the fault of the drive, since that cycle.
     Resetting { since: u64 },
 }
 
 /// Time between two warnings of a drive that fails while its axis is off (ns).
 const TELL_AGAIN_NS: u64 = 1_000_000_000;
-/// Most emergency messages of a drive that are told within that time.
+/// Largest number of emergency messages of a drive that are reported within that time.
 const MOST_EMERGENCIES: u8 = 8;
 
-/// What is known of a drive whose axis is off.
+/// Supervision of a drive whose axis is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Watch {
-    /// It was there and had no fault, at least once.
+    /// Whether it has been online without fault at least once.
     was_well: bool,
-    /// Its present failure is told.
+    /// Whether its present failure was reported.
     is_told: bool,
-    /// When the last one was.
+    /// Cycle of the last report.
     told: Option<u64>,
-    /// Code of the emergency message that was told last, and when.
+    /// Code of the emergency message that was last reported, and its cycle.
     emergency: Option<(u16, u64)>,
-    /// Since when emergency messages are counted, and how many were told since then.
+    /// Cycle since which emergency messages are counted, and number of them reported since.
     emergencies: (u64, u8),
 }
 
 impl Axis {
-    /// True while the command position is the axis' own, not the actual position.
+    /// Whether the axis itself generates the command position. Otherwise it is the actual position.
     #[inline]
     pub(super) fn is_on(&self) -> bool {
         matches!(self.power, Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. })
     }
 
-    /// Does it wait for its brake to open?
+    /// Whether the axis waits for its brake to open.
     pub(super) fn is_opening(&self) -> bool {
         matches!(self.power, Power::Opening { .. })
     }
 
-    /// Cycles until the drive can have answered, beside the one that every drive takes.
+    /// Returns the cycles until the drive can respond, in addition to the one that every drive needs.
     pub(super) fn delay(&self) -> u64 {
         self.setup.drive.map_or(0, |(_, offers)| offers.delay.into())
     }
 
-    /// Takes over whether the machine is active.
+    /// Sets whether the machine is active.
     pub fn set_active(&mut self, active: bool) {
         self.active = active;
     }
 
-    /// May it be switched on and moved?
+    /// Whether the axis may be switched on and moved.
     pub fn is_active(&self) -> bool {
         self.active
     }
 
-    /// Does it stand without power, as far as its drive shows? A virtual axis only stands.
+    /// Whether the axis is without power, as far as its drive shows. A virtual axis only has to be at rest.
     pub fn is_off(&self) -> bool {
         if self.is_virtual() {
             return self.rests();
@@ -93,7 +93,7 @@ impl Axis {
         self.setup.drive.is_none()
     }
 
-    /// Sees to it that a drive that fails, goes away or falls silent stops the axis in the same cycle.
+    /// Stops the axis in the same cycle if its drive fails, is lost or sends no data.
     pub(super) fn supervise(&mut self, cx: &mut Context<'_>) {
         let Some(input) = cx.input else { return };
         if let Some(emergency) = input.emergency {
@@ -140,11 +140,11 @@ impl Axis {
             }
             Power::DriveStops { then_off, .. } => {
                 if let Some(code) = failure.filter(|code| code.class() != Some(Class::Feedback)) {
-                    // Nobody knows any more whether it does.
+                    // It is unknown whether the drive still stops.
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
                     let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
-                    // An output that works a brake closes it with the power, which nothing but that output would tell.
+                    // An output that controls a brake closes it with the power; no other signal would do that.
                     let has_brake = self.creeps() && self.parameters.outputs.brake != 0;
                     self.ask_for_brake(closes_brake(reaction) || has_brake);
                     self.switch_off(cx);
@@ -154,14 +154,14 @@ impl Axis {
         }
     }
 
-    /// Would the drive take what it is asked for? In another mode it would take it for something else.
+    /// Whether the drive is enabled in the commanded mode. In another mode it would interpret the command differently.
     fn is_enabled_as_asked(&self, input: &DriveInput) -> bool {
         let is_asked = self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number();
-        // Two drives are held as they stand in one cycle.
+        // Two drives are held at their positions of the same cycle.
         is_asked && (input.fresh || self.gantry().is_none())
     }
 
-    /// The error of a drive that was not enabled in time, with the state and the mode that it shows instead.
+    /// Returns the error of a drive that was not enabled in time, with the state and the mode that it shows instead.
     fn not_enabled(&self, input: &DriveInput) -> Failure {
         let shown = NotEnabled { state: self.shown.state(), mode: input.mode };
         let limit = i64::try_from(self.setup.enable_timeout_ns).unwrap_or(i64::MAX);
@@ -169,7 +169,8 @@ impl Axis {
         failure.with(Number::Count(shown.to_number()), Number::Time(limit))
     }
 
-    /// The same code is reported once a second, different codes at most eight times a second. Code 0 after a reported code is always reported.
+    /// Reports an emergency message. The same code is reported once a second, different codes at most eight times a
+    /// second. Code 0 after a reported code is always reported.
     fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
         let last = self.watch.emergency;
@@ -186,7 +187,7 @@ impl Axis {
         (self.watch.emergency, self.watch.emergencies) = (Some((code, cx.cycle)), (since, count));
         let told = Number::Count(i64::from(code) | i64::from(register) << 16);
         let data = Number::Count(i64::from_le_bytes([a, b, c, d, e, 0, 0, 0]));
-        // Code 0 says that an error is over.
+        // Code 0 means that an error has ended.
         let severity = if code == 0 { Severity::Info } else { Severity::Warn };
         let event = Event::new(severity, Kind::Warning, self.object(), Code::EMERGENCY).with(told, data);
         cx.events.push(Event { position: self.actual.position, ..event });
@@ -196,7 +197,8 @@ impl Axis {
         cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns) >= TELL_AGAIN_NS
     }
 
-    /// A drive that fails while its axis is off stops nothing: that is a warning. One that has not come yet does not fail.
+    /// Reports a drive that fails while its axis is off: this is only a warning. A drive that has not been online yet
+    /// does not fail.
     fn watch_idle_drive(&mut self, cx: &mut Context<'_>, failure: Option<Code>) {
         let failure = failure.filter(|code| code.class() != Some(Class::Feedback));
         let Some(code) = failure else {
@@ -204,7 +206,7 @@ impl Axis {
             return;
         };
         let watch = self.watch;
-        // While it is on, the same is an error.
+        // While the axis is on, the same failure is an error.
         let is_idle = self.power == Power::Off && self.alarm.is_none();
         let may_tell = watch.told.is_none_or(|told| self.is_time_to_tell(cx.cycle, told));
         if is_idle && watch.was_well && !watch.is_told && may_tell {
@@ -215,7 +217,7 @@ impl Axis {
         self.watch.is_told |= !is_idle;
     }
 
-    /// The brake has had its time: the axis may move, or its power go.
+    /// Ends the opening or closing time of the brake: the axis may move, or its power is removed.
     fn follow_brake(&mut self, cx: &mut Context<'_>) {
         match self.power {
             Power::Opening { since } if self.has_passed(cx.cycle, since, |brake| brake.release_ns) => {
@@ -249,13 +251,13 @@ impl Axis {
     pub(super) fn switch_off(&mut self, cx: &mut Context<'_>) {
         self.power = Power::Off;
         self.generator = Generator::Rest;
-        // Off and on again unlocks nothing.
+        // Switching off and on unlocks nothing.
         if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
             self.set_state(cx, AxisState::Disabled);
         }
     }
 
-    /// Chooses the control word and fills in the drive's outputs.
+    /// Selects the control word and sets the outputs to the drive.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
         if self.power == Power::SwitchingOff && self.rests() && self.has_come_to_rest(cx.cycle) {
             self.give_to_brake(cx.cycle);
@@ -284,7 +286,7 @@ impl Axis {
         }
     }
 
-    /// Fills in the drive's outputs: the increment that it is asked for, in the user's sense, and the control word.
+    /// Sets the outputs to the drive: the increment `asked`, in the direction of the axis, and the control word.
     fn command_drive(&mut self, asked: i64, word: u16) {
         let mode = self.setup.interface.mode();
         self.output = DriveOutput { control: word, mode, ..self.output };
@@ -292,7 +294,7 @@ impl Axis {
         self.output.position = self.output.position.wrapping_add(self.compensation.ahead());
     }
 
-    /// The part of the drive's outputs that changes while it moves.
+    /// Sets the outputs to the drive that change during motion.
     #[inline]
     pub(super) fn lead_drive(&mut self, asked: i64) {
         let (velocity, effort) = self.drive_reference();
@@ -305,8 +307,8 @@ impl Axis {
         self.output.acceleration = if is_position { self.across(self.command.acceleration) } else { 0.0 };
     }
 
-    /// Velocity (inc/s) and effort (in its unit) for the drive in the user's sense: to be followed, to be told beside the position,
-    /// or to run at.
+    /// Returns velocity (inc/s) and effort (in its unit) for the drive in the direction of the axis: as command, or as
+    /// feedforward of the position.
     #[inline]
     fn drive_reference(&mut self) -> (f64, f64) {
         match self.setup.interface {
@@ -321,8 +323,9 @@ impl Axis {
     }
 }
 
-/// The control word of a reset, so many cycles after it began. The reset needs a rising edge: bit 7 was low before, is low in the first cycle,
-/// and then is high and low in turn until the drive leaves its fault, or the time has passed.
+/// Returns the control word of a reset, `elapsed` cycles after its start. The reset needs a rising edge: bit 7 was 0
+/// before and is 0 in the first cycle, and then alternates between 1 and 0 until the drive leaves its fault, or the
+/// time has elapsed.
 fn reset_word(elapsed: u64, cycle_ns: u64) -> u16 {
     match elapsed.checked_sub(1) {
         Some(passed) if (passed / level_cycles(cycle_ns)).is_multiple_of(2) => control::FAULT_RESET,
@@ -336,7 +339,7 @@ mod tests {
 
     const CYCLES: [u64; 6] = [125_000, 341_333, 1_000_000, 4_000_000, 20_000_000, 100_000_000];
 
-    /// 50 ms are 400 cycles of 125 us and 50 of 1 ms; of 20 ms they are 3, and 5 are the least.
+    /// 50 ms are 400 cycles of 125 us and 50 of 1 ms; of 20 ms they are 3, and the minimum is 5.
     #[test]
     fn each_level_of_the_reset_stands_for_50_ms_and_five_cycles() {
         for (cycle_ns, level) in CYCLES.into_iter().zip([400, 147, 50, 13, 5, 5]) {
@@ -348,7 +351,7 @@ mod tests {
         }
     }
 
-    /// Drives that look at their control word in every nth cycle see the edge, whichever cycle they begin with.
+    /// Drives that read their control word in every nth cycle see the edge, from any first cycle.
     #[test]
     fn a_drive_that_looks_seldom_leaves_its_fault() {
         for cycle_ns in CYCLES {

@@ -1,10 +1,11 @@
-//! Touch probe to position: a goal that searches for a mark and ends at a distance from it (MC_TouchProbe, then a move).
+//! Touch probe with positioning: a goal that searches for a latch and ends at a distance from it (MC_TouchProbe, then a
+//! move).
 //!
-//! Law      latched = position of the axis at the first latch after the goal began; target = latched + distance, rounded once
-//!          to a whole increment and planned from the motion of that cycle with the limits of the goal
+//! Law      latched = position of the axis at the first latch after the start of the goal. target = latched + distance,
+//!          rounded once to a whole increment and planned from the motion of that cycle with the limits of the goal
 //! Reads    the latches of the cycle, its index pulse, the actual position
-//! Refuses  at the latch: an end beyond a limit, a way that cannot stop before it; the goal fails then and the axis stops. More than
-//!          `homing.index_distance` without an index pulse is an error
+//! Refuses  at the latch: an end beyond a limit, or a path that cannot stop before one; the goal then fails and the
+//!          axis stops. More than `homing.index_distance` without an index pulse is an error
 //! Source   PLCopen part 1 (MC_TouchProbe), contract section 7; MACS-CMD-02, MACS-HOME-05 (INDEX)
 
 use super::course::Aim;
@@ -19,27 +20,27 @@ use crate::profile::{Limits, Shape};
 use crate::vocabulary::Latched;
 use serde::{Deserialize, Serialize};
 
-/// What a goal searches for, and where it ends then.
+/// The latch for which a goal searches, and its end after that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Search {
     source: Object,
     edge: ProbeEdge,
-    /// From the latched position.
+    /// Distance from the latched position.
     distance: Position,
     limits: Limits,
-    /// Where it began.
+    /// Position at the start.
     from: Position,
-    /// The first latch has come.
+    /// Whether the first latch has come.
     is_over: bool,
 }
 
 impl Search {
-    /// Still without its latch?
+    /// Whether its latch is still missing.
     pub(super) fn is_on(&self) -> bool {
         !self.is_over
     }
 
-    /// Limits that a profile can be made with?
+    /// Whether a profile exists for its limits.
     pub(super) fn is_sound(&self) -> bool {
         let Limits { velocity, acceleration, deceleration, shape } = self.limits;
         let jerks = match shape {
@@ -50,7 +51,7 @@ impl Search {
     }
 }
 
-/// Returns true if the latch is an edge of that source that is waited for.
+/// Returns true if the latch is an edge of that source with that polarity.
 pub(super) fn is_awaited(latch: &Latched, source: Object, edge: ProbeEdge) -> bool {
     let is_edge = match edge {
         ProbeEdge::Rising => latch.rising,
@@ -61,7 +62,7 @@ pub(super) fn is_awaited(latch: &Latched, source: Object, edge: ProbeEdge) -> bo
     latch.object == source && is_edge
 }
 
-/// The first latch of the cycle that somebody waits for: the oldest.
+/// Returns the first matching latch of the cycle: the oldest.
 pub(super) fn first_latch(latches: &[Latched], source: Object, edge: ProbeEdge) -> Option<&Latched> {
     let awaited = latches.iter().filter(|latch| is_awaited(latch, source, edge));
     awaited.reduce(|first, next| if next.age_ns > first.age_ns { next } else { first })
@@ -71,7 +72,7 @@ impl Axis {
     /// Starts a move that searches.
     pub(super) fn start_probe(&mut self, cx: &mut Context<'_>, sequence: u64, request: &Probe) -> Result<(), Refusal> {
         if request.edge == ProbeEdge::Index {
-            // Of an absolute encoder there is none (MACS-ENC-10).
+            // An absolute encoder has none (MACS-ENC-10).
             self.check_zero_moves()?;
         }
         self.start_move(cx, sequence, &request.search())?;
@@ -83,19 +84,19 @@ impl Axis {
         Ok(())
     }
 
-    /// Does the active goal search, or has it searched?
+    /// Whether the active goal searches, or has searched.
     pub(super) fn probes(&self) -> bool {
         self.goal.as_ref().is_some_and(|goal| goal.search.is_some())
     }
 
-    /// Does the active goal still search?
+    /// Whether the active goal still searches.
     pub(super) fn searches(&self) -> bool {
         let search = self.goal.as_ref().filter(|goal| goal.ending.is_none()).and_then(|goal| goal.search.as_ref());
         search.is_some_and(Search::is_on)
     }
 
-    /// Takes the latch that the active goal searches for: from now on it goes to its end. Before the commands of the cycle,
-    /// so that a goal never takes a latch that was there before it.
+    /// Uses the latch for which the active goal searches: from now on the goal moves to its end. Called before the
+    /// commands of the cycle, so that a goal never uses a latch that was there before it.
     pub(super) fn take_mark(&mut self, cx: &mut Context<'_>) {
         if !self.searches() {
             return;
@@ -118,7 +119,7 @@ impl Axis {
         }
     }
 
-    /// An index that has not come within its way is an error, as in homing.
+    /// Raises an error if the index pulse has not come within its distance, as in homing.
     fn miss_index(&mut self, cx: &mut Context<'_>, search: &Search) {
         let gone = (self.actual.position - search.from).nearest().saturating_abs();
         let most = self.parameters.homing_index_distance();
@@ -129,7 +130,8 @@ impl Axis {
         self.raise(cx, missed.with(Number::Position(gone), Number::Position(most)));
     }
 
-    /// How long before this cycle its encoder was there (ns), on the straight line of the change of the cycle.
+    /// Returns the time before this cycle at which the encoder was at `place` (ns), linear within the change of the
+    /// cycle.
     pub(super) fn age_of(&self, place: Position) -> u32 {
         let change = self.actual.change.to_f64();
         let share = if change == 0.0 { 0.0 } else { (self.actual.position - place).to_f64() / change };
@@ -137,14 +139,15 @@ impl Axis {
         ((share.clamp(0.0, 1.0) * self.setup.cycle_ns as f64) as u32).min(self.setup.cycle_ns.saturating_sub(1) as u32)
     }
 
-    /// Where the axis was when something latched: as its own device caught it, else on the straight line of this cycle's change.
+    /// Returns the position of the axis at a latch: captured by its own device, otherwise linear within the change of
+    /// this cycle.
     pub(super) fn position_at(&self, latch: &Latched) -> Position {
         if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
-            // In the coordinate from before this cycle.
+            // In the coordinate before this cycle.
             return position + self.moved;
         }
         let (now, change) = if self.is_virtual() {
-            // Its actual position is the command of the cycle before until this one ends.
+            // Its actual position is the command of the cycle before until this cycle ends.
             (self.command.position, self.command.position - self.actual.position)
         } else {
             (self.actual.position, self.actual.change)
@@ -153,10 +156,10 @@ impl Axis {
         now - Position::from_f64(change.to_f64() * share)
     }
 
-    /// The active goal ends at `target` from now on, with a plan from the present motion.
+    /// Plans the active goal to `target` from the present motion.
     fn turn_to(&mut self, cycle: u64, target: Position, limits: Limits) -> Result<(), Refusal> {
         self.check_target(target, &self.parameters)?;
-        // What is superimposed goes on as it was planned.
+        // The superimposed motion continues as planned.
         let from = self.underlying();
         let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
         self.check_course(&course, from, limits)?;
@@ -167,7 +170,7 @@ impl Axis {
         self.check_overlay()
     }
 
-    /// Ends the active goal, and all that goes with it, by a refusal: the axis stops.
+    /// Ends the active goal and all related motions with a refusal: the axis stops.
     fn fail_goal(&mut self, cx: &mut Context<'_>, refusal: Refusal, limits: Limits) {
         if let Some(goal) = self.goal.take() {
             let event = Event::done(self.object(), goal.sequence, refusal.code, self.command.position);

@@ -1,4 +1,4 @@
-//! Writing an axis' signals.
+//! Writes the signals of an axis.
 
 use super::course::Aim;
 use super::generator::Coupling;
@@ -11,7 +11,7 @@ use crate::sync::{Leads, status};
 /// The signals of an axis.
 type Words = [u64; AxisSignal::COUNT];
 
-/// Those of one axis on the board. One look at the length, and none at each signal.
+/// Returns the signals of one axis on the board. The length is checked once here, and not for each signal.
 #[inline]
 fn words(board: &mut Board, first: Signal) -> Option<&mut Words> {
     board.block(first, AxisSignal::COUNT).try_into().ok()
@@ -26,7 +26,7 @@ fn show_coupling(words: &mut Words, coupling: Shown) {
     set(AxisSignal::SyncStatus, coupling.status);
 }
 
-/// What the axis shows of its coupling.
+/// Displayed values of the coupling of an axis.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shown {
     master: i64,
@@ -35,7 +35,7 @@ struct Shown {
     in_sync: bool,
 }
 
-/// What is shown of a coupling whose slave lacks so much.
+/// Returns the displayed values of a coupling with that error of the slave.
 #[inline]
 fn shown_of(coupling: &Coupling, leads: &Leads, error: Position) -> Shown {
     let (error, window) = (error.floor(), coupling.accuracy);
@@ -62,12 +62,12 @@ impl Axis {
         }
     }
 
-    /// REG_NORMTRACKERR: the tracking error in parts of the command velocity per ms (%); 0 at rest (MACS-SYS-03).
+    /// Returns REG_NORMTRACKERR: tracking error as a share of the command velocity per ms (%); 0 at rest (MACS-SYS-03).
     fn track_error(&self) -> f64 {
         let per_ms = self.command.velocity / 1000.0;
         let error = (self.command.position - self.actual.position).to_f64();
         let share = 100.0 * error / per_ms;
-        // Of next to no velocity any error is beyond all numbers.
+        // At almost no velocity the share is infinite.
         if per_ms == 0.0 || !share.is_finite() || !self.is_on() { 0.0 } else { share }
     }
 
@@ -92,7 +92,7 @@ impl Axis {
         set(State, self.state as u64);
         set(DriveState, self.shown.state() as u64);
         set(Reference, self.reference as u64);
-        // Taken off again while its brake opened, it never was.
+        // An axis that is switched off again while its brake opens was never enabled.
         set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
         set(ModeOfOperation, int(self.shown.mode().into()));
         set(Homed, bit(self.knows_zero()));
@@ -143,23 +143,23 @@ impl Axis {
         self.publish_vocabularies(board, leads);
     }
 
-    /// Writes the signals that change while it only moves.
+    /// Writes the signals that change while the axis only moves.
     #[inline]
     pub fn publish_motion(&mut self, board: &mut Board, leads: &Leads) {
         let Some(words) = words(board, self.signals) else { return };
         self.show_motion(words, leads);
-        // Where a plan leads to stays; what has no end shows where it is.
+        // The target of a plan does not change; a motion without end shows its present position.
         let is_led = matches!(&self.generator, Generator::Follow(_));
         if is_led || matches!(&self.generator, Generator::Plan(course) if matches!(course.aim, Aim::Velocity(_))) {
             words[AxisSignal::TargetPosition as usize] = self.command.position.floor().cast_unsigned();
         }
-        // Whose cycle is short is not conditioned.
+        // An axis in a reduced cycle has no processing of the master motion.
         if let Some(coupling) = self.coupling() {
             show_coupling(words, shown_of(coupling, leads, coupling.follower.error(self.command.position)));
         }
     }
 
-    /// Shows the motion of this cycle, and its master, if there is one.
+    /// Writes the signals of the motion of this cycle, and of its master. Returns true if there is a master.
     #[inline]
     fn show_motion(&mut self, words: &mut Words, leads: &Leads) -> bool {
         let master = self.watch_master(leads);
@@ -223,12 +223,12 @@ impl Axis {
         master.is_some()
     }
 
-    /// Shows a latched position.
+    /// Writes a latched position.
     pub fn publish_latch(&self, board: &mut Board, position: Position) {
         self.publish_latches(board, position, 1);
     }
 
-    /// Shows the last of so many latched positions.
+    /// Writes the last latched position, and adds `more` to their number.
     pub(super) fn publish_latches(&self, board: &mut Board, position: Position, more: u32) {
         let count = AxisSignal::LatchCount.of(self.signals);
         board.set_int(AxisSignal::LatchPosition.of(self.signals), position.floor());

@@ -1,9 +1,10 @@
-//! The one door for errors: whoever finds one hands its code over here, and one table says all that the axis does.
+//! Reactions to errors. Every error passes through [`Axis::raise`], and one table defines the reaction of the axis.
 //!
-//! Law      deed = f(class of the code, error_reaction, endswmod, does the axis close its position loop here); what is done is the
-//!          deed, as far as there is something left to command the axis by, and beside an error that stops it already no more than
-//!          what takes its power. docs/errors.md has the table in words, and a test compares an axis with it
-//! Reads    the code, parameters of the axis, what the axis wants of its drive
+//! Law      reaction = f(class of the code, error_reaction, endswmod, whether the axis closes its position loop here).
+//!          The reaction is executed as far as the axis can still be commanded. While an error already stops the axis,
+//!          a further error can only remove its power. docs/errors.md has the table in words, and a test compares an
+//!          axis with it
+//! Reads    the code, parameters of the axis, its power state
 //! Writes   the power, the generator, the state, the brake; all in the cycle of the error
 //! Source   MACS-ERR-02, MACS-ERR-03, MACS-ERR-05, MACS-LIM-08, MACS-IO-04, MACS-PROF-13
 
@@ -15,74 +16,74 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::profile::Motion;
 use crate::vocabulary::{Notice, Owner};
 
-/// Is the brake closed in the end, by this number of error_reaction (MACS-IO-04)?
+/// Whether the brake is finally closed with this value of error_reaction (MACS-IO-04).
 pub(super) fn closes_brake(reaction: i64) -> bool {
     matches!(reaction, 1 | 3)
 }
 
-/// Does an error of this code stop all axes (MACS-ERR-05)?
+/// Whether an error of this code stops all axes (MACS-ERR-05).
 pub fn stops_all(code: Code) -> bool {
     code == Code::FOLLOWING_ERROR
 }
 
-/// Where the axis is when its error comes.
+/// Time of an error within the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Moment {
     /// The command of this cycle is known: a stop begins with it.
     Behind,
-    /// It is not known yet: a stop begins with the last one, a cycle ago.
+    /// The command is not known yet: a stop begins with the last one, a cycle ago.
     Before,
-    /// The axis stops at a software limit, on a way of its own.
+    /// The axis stops at a software limit, with its own plan.
     AtLimit,
-    /// A command was refused that switches the drive off with that (SAIA-ERR-04), whatever class its code has.
+    /// A refused command switches the drive off (SAIA-ERR-04), whatever the class of its code.
     Refused,
 }
 
-/// An error, as it is handed over.
+/// An error, as passed to [`Axis::raise`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Failure {
     code: Code,
-    /// What was found, and what is allowed.
+    /// Found value and allowed value.
     numbers: (Number, Number),
     moment: Moment,
-    /// Its cause was there in the cycle before: beside another error it is told no more.
+    /// Whether its cause existed in the cycle before: in addition to another error it is not reported again.
     lasts: bool,
-    /// It takes the power, whatever its reaction is.
+    /// Whether it removes the power, whatever its reaction is.
     takes_power: bool,
 }
 
 impl Failure {
-    /// One that comes behind the motion of its cycle.
+    /// Returns an error that occurs after the motion of its cycle.
     pub(super) fn of(code: Code) -> Self {
         Self { code, numbers: (Number::None, Number::None), moment: Moment::Behind, lasts: false, takes_power: false }
     }
 
-    /// With what was found and what is allowed.
+    /// Adds the found value and the allowed value.
     pub(super) fn with(self, found: Number, allowed: Number) -> Self {
         Self { numbers: (found, allowed), ..self }
     }
 
-    /// It comes before the motion of its cycle.
+    /// Makes it an error that occurs before the motion of its cycle.
     pub(super) fn before_motion(self) -> Self {
         Self { moment: Moment::Before, ..self }
     }
 
-    /// It comes because the axis stops at a software limit.
+    /// Makes it the error of a stop at a software limit.
     pub(super) fn at_limit(self) -> Self {
         Self { moment: Moment::AtLimit, ..self }
     }
 
-    /// The refusal of a command that is to switch the drive off.
+    /// Returns the refusal of a command that switches the drive off.
     pub(super) fn of_refusal(refusal: Refusal) -> Self {
         Self { moment: Moment::Refused, ..Self::of(refusal.code).with(refusal.asked, refusal.limit) }
     }
 
-    /// Was its cause there in the cycle before?
+    /// Sets whether its cause existed in the cycle before.
     pub(super) fn lasting(self, lasts: bool) -> Self {
         Self { lasts, ..self }
     }
 
-    /// It takes the power, whatever its reaction is.
+    /// Makes it remove the power, whatever its reaction is.
     pub(super) fn taking_power(self) -> Self {
         Self { takes_power: true, ..self }
     }
@@ -95,27 +96,28 @@ impl Failure {
     }
 }
 
-/// What an axis does for an error.
+/// Reaction of an axis to an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Deed {
-    /// It goes on; the error is told.
+    /// Only reports the error.
     Report,
-    /// What it does ends, it stops with max_deceleration, and takes goals.
+    /// Ends the goal and stops with max_deceleration; the axis then accepts goals.
     End,
-    /// No voltage at once.
+    /// Removes the power at once.
     Off { brake: bool },
-    /// No voltage; one that stands leaves its load to its own brake first.
+    /// Removes the power; an axis at rest closes its own brake first.
     LetGo { brake: bool },
     /// The drive stops by itself.
     DriveStops,
-    /// It stops with max_deceleration; then what this number of error_reaction says.
+    /// Stops with max_deceleration; then executes this value of error_reaction.
     Stop { then: i64 },
-    /// Nothing here holds it: its drive stops it, its power goes, and the brake closes if this number of error_reaction says so.
+    /// No loop here holds the axis: its drive stops it, its power is removed, and the brake closes if this value of
+    /// error_reaction requires it.
     LeaveToDrive { then: i64 },
 }
 
 impl Deed {
-    /// The table.
+    /// Returns the reaction by the table.
     fn of(class: Class, reaction: i64, endswmod: i64, closes_loop: bool) -> Self {
         let by_parameter = match reaction {
             0 => Self::Off { brake: false },
@@ -142,7 +144,7 @@ impl Deed {
         }
     }
 
-    /// The same once the axis has stopped.
+    /// Returns the same reaction for after a stop.
     fn behind_stop(self) -> Self {
         let then = match self {
             Self::Stop { then } | Self::LeaveToDrive { then } => then,
@@ -160,30 +162,30 @@ impl Axis {
         Deed::of(class, reaction, p.supervision.endswmod, self.closes_loop_here())
     }
 
-    /// Does an error of this code stop nothing?
+    /// Whether an error of this code stops nothing.
     pub(super) fn only_reports(&self, code: Code) -> bool {
         self.deed(Failure::of(code).class()) == Deed::Report
     }
 
-    /// The deed as far as there is something left to command the axis by.
+    /// Returns the reaction as far as the axis can still be commanded.
     fn possible(&self, deed: Deed, moment: Moment) -> Deed {
         match deed {
             Deed::Report | Deed::End => deed,
             Deed::Stop { then } if self.is_left_to_drive() => Deed::LeaveToDrive { then },
             Deed::DriveStops if self.is_left_to_drive() => Deed::LeaveToDrive { then: 4 },
             _ if moment == Moment::AtLimit => deed.behind_stop(),
-            // There is no power that could go, and no drive.
+            // There is neither power nor a drive.
             _ if self.is_virtual() => deed.behind_stop(),
-            // While it is being switched off it only stops, and then is.
+            // While it is being switched off, the axis stops and is then switched off.
             Deed::DriveStops if self.is_on() && !self.is_at_work() => deed.behind_stop(),
-            // One that is not on yet is not to come on.
+            // An axis that is not on yet must not be switched on.
             Deed::DriveStops if !self.is_on() => Deed::Off { brake: false },
             Deed::Stop { then } if !self.is_on() => Deed::Off { brake: closes_brake(then) },
             _ => deed,
         }
     }
 
-    /// The door: the whole reaction to an error, in its cycle.
+    /// Executes the whole reaction to an error in its cycle. Every error passes through this function.
     #[cold]
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let class = failure.class();
@@ -234,7 +236,7 @@ impl Axis {
         }
     }
 
-    /// What this number of error_reaction is where an abort was to close a brake: it is closed all the same.
+    /// Returns this value of error_reaction, combined with a brake that an abort was to close.
     fn behind_abort(&self, then: i64) -> i64 {
         match then {
             2 | 5 if closes_brake(self.judge.after_stop) => 3,
@@ -243,10 +245,10 @@ impl Axis {
         }
     }
 
-    /// An error beside one that stops the axis already: that stands, and is answered.
+    /// Handles an error while another one already stops the axis: the first error remains active.
     fn raise_beside(&mut self, cx: &mut Context<'_>, failure: Failure, class: Class, deed: Deed) {
         match (class, deed) {
-            // What was to stop it cannot any more.
+            // The axis can no longer be stopped as planned.
             (Class::Drive | Class::Feedback | Class::Skew, Deed::Off { brake }) => {
                 self.end_all(cx, failure);
                 self.tell_beside(cx, failure);
@@ -261,7 +263,7 @@ impl Axis {
                 if !failure.lasts {
                     self.tell_beside(cx, failure);
                 }
-                // What stops it may leave it under power, and so may a drive that has stopped by itself.
+                // The present stop, or a drive that has stopped by itself, may leave the axis under power.
                 self.judge.after_stop = 1;
                 if matches!(self.power, Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
                     self.power = Power::Off;
@@ -274,32 +276,32 @@ impl Axis {
         }
     }
 
-    /// Keeps the first error and tells it; behind one that stopped nothing it is told beside that.
+    /// Sets and reports the first error; a later one is only reported.
     fn record(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let Failure { code, numbers: (found, allowed), .. } = failure;
         if !self.alarm.is_none() {
             return self.tell_beside(cx, failure);
         }
         self.alarm.set((found, allowed), self.fault_of(cx.cycle, code));
-        // A reset that waits was meant for what was there before.
+        // A waiting reset was meant for the state before.
         self.waiting.fail_with(cx.events, self.setup.index, code, Until::Healthy, (found, allowed));
         self.tell_error(cx, failure);
     }
 
-    /// The first error stands; another one that stops the axis, which the first did not, or takes its power, is told beside it.
+    /// Reports a further error; the first one remains active. A repeated code is reported only if it removes the power.
     fn tell_beside(&self, cx: &mut Context<'_>, failure: Failure) {
         if self.alarm.code() != failure.code || failure.takes_power {
             self.tell_error(cx, failure);
         }
     }
 
-    /// Tells it.
+    /// Reports the error.
     pub(super) fn tell_error(&self, cx: &mut Context<'_>, Failure { code, numbers: (found, allowed), .. }: Failure) {
         let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
         cx.events.push(Event { position: self.actual.position, ..event });
     }
 
-    /// Ends what runs.
+    /// Ends all active motions.
     fn end_all(&mut self, cx: &mut Context<'_>, failure: Failure) {
         self.reference = Reference::Stop;
         if self.owner != Owner::Native {
@@ -308,20 +310,20 @@ impl Axis {
         self.abandon_with(cx, failure.code, failure.numbers);
     }
 
-    /// No voltage from this cycle on.
+    /// Removes the power from this cycle on.
     fn take_power(&mut self, code: Code, class: Class, brake: bool) {
         if class == Class::Drive && code.is_alarm() && self.alarm.code() == code {
             self.vocabularies.notice(Notice::Alarm((code.0 % 100) as u8));
         }
-        // Nothing stops it any more: a brake that was to close once it stands closes now (MACS-IO-04).
+        // Nothing stops the axis any more: a brake that was to close at rest closes now (MACS-IO-04).
         self.ask_for_brake(brake || closes_brake(self.judge.after_stop));
         self.power = Power::Off;
         self.stand_on_actual();
     }
 
-    /// Stops it because of another axis' error, in the same cycle, after its own step.
+    /// Stops the axis because of the error of another axis, in the same cycle, after its own step.
     pub fn stop_with_other(&mut self, cx: &mut Context<'_>, other: u16) {
-        // Its actual position is read, its command may be that of a stop now.
+        // Its actual position is known, its command may already be that of a stop.
         let concerned = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
         if self.is_virtual() || !concerned || self.state == AxisState::ErrorStop {
             return;
@@ -331,17 +333,17 @@ impl Axis {
         self.settle_step(cx);
     }
 
-    /// Has an error of this cycle to stop the others?
+    /// Whether an error of this cycle stops the other axes.
     pub fn stops_others(&self) -> bool {
         self.stops_others
     }
 
-    /// On, and not on its way to being off.
+    /// Whether the axis is on and is not being switched off.
     fn is_at_work(&self) -> bool {
         matches!(self.power, Power::On | Power::Opening { .. })
     }
 
-    /// Would it not stay where its drive has stopped it? No voltage is 0 V.
+    /// Whether the axis may not stay where its drive has stopped it: 0 V is not standstill.
     pub(super) fn creeps(&self) -> bool {
         self.setup.analog.is_some()
     }
@@ -351,12 +353,12 @@ impl Axis {
         self.command = Motion::at_rest(self.actual.position);
     }
 
-    /// Is there something left to do for an error once the axis stands, which still moves?
+    /// Whether an error reaction waits for the axis, which still moves, to come to rest.
     pub(super) fn is_finishing_stop(&self) -> bool {
         matches!(self.judge.after_stop, 0 | 1 | 3) && self.is_on()
     }
 
-    /// What an error reaction leaves to do once the axis stands; its command does.
+    /// Executes the rest of an error reaction once the command is at rest.
     pub(super) fn finish_stop(&mut self, cycle: u64) {
         if self.is_finishing_stop() && !self.has_come_to_rest(cycle) {
             return;
@@ -368,7 +370,7 @@ impl Axis {
                 self.give_to_brake(cycle);
                 self.ask_for_brake(reaction == 1);
             }
-            // A virtual axis has none but the one that o_brake names (MACS-IO-04).
+            // A virtual axis has no brake but that of o_brake (MACS-IO-04).
             1 => self.ask_for_brake(self.parameters.outputs.brake != 0),
             3 => self.ask_for_brake(true),
             4 if has_drive && self.is_at_work() => {

@@ -1,16 +1,17 @@
-//! How much of a cycle an axis needs.
+//! Decides how much of a cycle an axis executes.
 //!
-//! Law      Passed: the axis stands, and nothing waits for its time; a cycle changes nothing but what counts cycles.
-//!          Calm: the axis moves, and nothing else goes on; a cycle moves and judges it, and leaves out the parts that sleep.
+//! Law      Passed: the axis is at rest, and no timer runs; a cycle changes nothing but the counts of cycles.
+//!          Calm: the axis only moves; a cycle moves and supervises it, and omits the inactive parts.
 //!          Full: everything else.
-//!          An axis is either of the first two once the end of two cycles in a row has found it so, and as long as nobody asks for
-//!          anything, nothing beside its cycle acts on it, its inputs stay as they were (of a calm one but for count, velocity and
-//!          effort), and nothing is told: what the last part of a cycle leaves to the first one of the next is done by then
+//!          The first two begin after two successive full cycles that found the axis in this state. They last while
+//!          there is no command, no effect from outside its cycle, no event, and no change of its inputs (for Calm
+//!          except count, velocity and effort). After two cycles everything that the end of a cycle leaves to the start
+//!          of the next one is done
 //! Reads    the whole state after a full cycle; the inputs of its drive, bit by bit
-//! Writes   nothing but the counts of cycles
-//! Refuses  whoever may depend on what it does not look at: a loop closed here that goes on at rest, vocabularies in use,
-//!          trajectories, homing, superimposed motions, goals
-//!          that wait or search, errors, switches, sources with other users. That costs time and changes nothing
+//! Writes   only the counts of cycles
+//! Refuses  every function that may need the omitted parts: a loop closed here that is active at rest, vocabularies in
+//!          use, trajectories, homing, superimposed motions, goals that wait or search, errors, switches, sources with
+//!          other users. Their cycles are full, which costs time and changes nothing
 
 use super::power::Power;
 use super::{Axis, AxisState, Generator, Reference};
@@ -19,41 +20,41 @@ use crate::encoder::Lead;
 use crate::position::Position;
 use crate::profile::Motion;
 
-/// How much of the present cycle is done.
+/// How much of the present cycle is executed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// All of it.
+    /// The whole cycle.
     #[default]
     Full,
-    /// What a motion needs.
+    /// Only the motion.
     Calm,
-    /// Nothing.
+    /// No part of it.
     Passed,
 }
 
-/// What the last cycles were like. No part of the state: a machine that was restored takes its first cycles in full.
+/// Summary of the last cycles. It is not part of the state: a restored machine executes its first cycles in full.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rhythm {
-    /// Of the present cycle.
+    /// Pace of the present cycle.
     pace: Pace,
-    /// Of the next one, if nothing comes between.
+    /// Pace of the next cycle without disturbance.
     next: Pace,
-    /// As the end of the last full cycle found the axis.
+    /// Pace that the end of the last full cycle allows.
     found: Pace,
-    /// The present cycle begins as the last one has ended.
+    /// Whether the present cycle continues from the last one without disturbance.
     goes_on: bool,
-    /// It may switch outputs of the machine in a cycle that is not full.
+    /// Whether it may switch outputs of the machine in a reduced cycle.
     switches: bool,
-    /// The loops that are closed here have their outputs of this cycle.
+    /// Whether the loops that are closed here have their outputs of this cycle.
     has_stepped: bool,
-    /// What is taken up in this cycle is known.
+    /// Whether the compensation of this cycle has been calculated.
     has_compensated: bool,
-    /// What its drive told then; a virtual axis has none.
+    /// Inputs of its drive at that time; unused for a virtual axis.
     told: DriveInput,
 }
 
 impl Axis {
-    /// How much of this cycle does it need? `is_quiet`: nothing that concerns all axes has changed, and nobody asks for anything.
+    /// Returns how much of this cycle is needed. `is_quiet`: no command, and no change that concerns all axes.
     #[inline]
     pub fn begin_cycle(&mut self, is_quiet: bool, input: Option<&DriveInput>) -> Pace {
         let rhythm = &mut self.rhythm;
@@ -69,45 +70,45 @@ impl Axis {
         rhythm.pace
     }
 
-    /// How much of this cycle is done.
+    /// Returns how much of this cycle is executed.
     #[inline]
     pub fn pace(&self) -> Pace {
         self.rhythm.pace
     }
 
-    /// May it switch outputs of the machine in this cycle?
+    /// Whether it may switch outputs of the machine in this cycle.
     #[inline]
     pub fn switches_outputs(&self) -> bool {
         self.rhythm.pace == Pace::Full || self.rhythm.switches
     }
 
-    /// Have the loops that are closed here been stepped in this cycle? From now on they have.
+    /// Returns true if the loops that are closed here have been advanced in this cycle, and notes that they are now.
     pub(super) fn note_stepped(&mut self) -> bool {
         std::mem::replace(&mut self.rhythm.has_stepped, true)
     }
 
-    /// Is it known what is taken up in this cycle? From now on it is.
+    /// Returns true if the compensation of this cycle has been calculated, and notes that it is now.
     pub(super) fn note_compensated(&mut self) -> bool {
         std::mem::replace(&mut self.rhythm.has_compensated, true)
     }
 
-    /// Something beside its own cycle acts on it, or it tells something.
+    /// Notes an effect from outside its cycle, or an event: the next cycles are full.
     pub fn disturb(&mut self) {
         let Rhythm { told, has_stepped, has_compensated, .. } = self.rhythm;
         self.rhythm = Rhythm { told, has_stepped, has_compensated, ..Rhythm::default() };
     }
 
-    /// The cycle of an axis that stands still.
+    /// Executes the cycle of an axis at rest.
     #[inline]
     pub fn pass_over(&mut self) {
         self.judge.pass();
         self.streamed.pass();
     }
 
-    /// Notes after a full cycle what the next one may be; `shown` is what others see of its command.
+    /// Decides after a full cycle how much the next one needs; `shown` is its command as other axes see it.
     pub fn note_rhythm(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
         let found = match self.generator {
-            // What moves is told first: that costs it next to nothing.
+            // The inputs of a moving axis are compared first, which costs little.
             Generator::Rest
                 if self.compensation.is_settled()
                     && !self.regulates()
@@ -127,14 +128,14 @@ impl Axis {
         rhythm.switches = switches;
         rhythm.next = if rhythm.goes_on && rhythm.found == found { found } else { Pace::Full };
         rhythm.found = found;
-        // A calm axis may begin with any count.
+        // A reduced cycle with motion may begin with any count.
         rhythm.goes_on = false;
         if let Some(input) = input.filter(|_| found != Pace::Full) {
             rhythm.told = *input;
         }
     }
 
-    /// Does the axis stand, and has everything that goes on by itself come to its end?
+    /// Whether the axis is at rest, and nothing changes by itself any more.
     fn rests_for_good(&self, shown: &Lead) -> bool {
         let holds = match self.state {
             AxisState::Standstill => self.power == Power::On && self.judge.in_position,
@@ -153,7 +154,7 @@ impl Axis {
             && !self.is_led
     }
 
-    /// Is there nothing but a motion that nobody streams, and no goal that needs more than to be reached?
+    /// Whether there is only a motion: no stream, and no goal that needs more than to be reached.
     fn moves_alone(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, SynchronizedMotion};
         matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion)
@@ -164,11 +165,11 @@ impl Axis {
             && !self.probes()
             && !self.judge.has_left_something()
             && self.judge.has_left_rest()
-            // Outputs that tell the sign of a velocity follow it.
+            // Outputs for the sign of a velocity follow it.
             && !self.tells_sign()
     }
 
-    /// Do the parts sleep that a cycle which is not full leaves out?
+    /// Whether the parts that a reduced cycle omits are inactive.
     fn sleeps(&self) -> bool {
         let p = &self.parameters;
         let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
@@ -201,7 +202,7 @@ impl Axis {
     }
 }
 
-/// Is it the same but for what a motion changes? An index pulse is never the same.
+/// Whether two inputs are equal except for the values of motion. Inputs with an index pulse are never equal.
 fn is_alike(one: &DriveInput, other: &DriveInput) -> bool {
     let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, bus, emergency, unacknowledged, .. } =
         *one;
@@ -214,7 +215,7 @@ fn is_alike(one: &DriveInput, other: &DriveInput) -> bool {
         && other.index.is_none()
 }
 
-/// Is the rest the same, bit by bit?
+/// Whether the values of motion are equal, bit by bit.
 fn is_same_motion(one: &DriveInput, other: &DriveInput) -> bool {
     one.count == other.count
         && one.velocity.to_bits() == other.velocity.to_bits()

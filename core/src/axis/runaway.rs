@@ -1,15 +1,15 @@
-//! A loop closed here that has lost its axis: the power goes.
+//! Removes the power of an axis that the loop closed here cannot control.
 //!
-//! Law      An error has the axis under power, to stop it by the loop. Where its following error is more than twice what is
-//!          allowed, and by what is allowed more than when the stop began; or more than what is allowed and has become no
-//!          smaller for [`PATIENCE_NS`] while the command stands: the loop does not bring it back. A sense is wired the wrong way,
-//!          or its drive does not follow.
-//!          Whatever the axis does: where the encoder counts nothing, while the drive is asked for a way of more than
-//!          max_following_error, or for the largest effort for [`PUSH_NS`], it is dead or the axis blocked
-//! Reads    the following error, command and state of the axis, what its drive was asked for, whether its encoder moves
-//! Writes   the error, which takes the power
-//! Refuses  nothing; where the drive closes the loop, that watches itself
-//! Source   docs/loops.md: no source system says what becomes of such an axis
+//! Law      after an error the loop stops the axis under power. The axis is lost if its following error is more than
+//!          twice the allowed one, and exceeds that at the start of the stop by more than the allowed one; or if it
+//!          exceeds the allowed one and has not become smaller for [`PATIENCE_NS`] while the command is at rest. A
+//!          direction is wired wrong, or the drive does not follow.
+//!          In any state the encoder is dead or the axis blocked if the encoder counts nothing while the drive is
+//!          commanded a distance of more than max_following_error, or the largest effort for [`PUSH_NS`]
+//! Reads    the following error, command and state of the axis, the command to its drive, whether its encoder moves
+//! Writes   the error, which removes the power
+//! Refuses  nothing; a drive that closes the loop supervises itself
+//! Source   docs/loops.md: no source system defines this case
 
 use super::power::Power;
 use super::reaction::Failure;
@@ -19,31 +19,31 @@ use crate::event::Number;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// How long a following error may stay what it is once the command stands (ns).
+/// Time for which a following error may stay unchanged once the command is at rest (ns).
 const PATIENCE_NS: u64 = 50_000_000;
-/// How long the largest effort may move nothing (ns).
+/// Time for which the largest effort may cause no motion (ns).
 const PUSH_NS: u64 = 100_000_000;
-/// Outputs below this share of the full one ask for no motion: a drive has a smallest step.
+/// Share of the full output below which no motion is expected: a drive has a smallest step.
 const LEAST: f64 = 0.001;
-/// From this share of the largest effort on it is the largest one.
+/// Share of the largest effort that counts as the largest one.
 const ALL: f64 = 0.95;
 
-/// What is kept of a stop by the loop.
+/// State of a stop by the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Stop {
-    /// Following error when it began (inc).
+    /// Following error at its start (inc).
     begun: u64,
-    /// The smallest since (inc).
+    /// Smallest following error since (inc).
     least: u64,
-    /// Cycles with new data in which it became no smaller.
+    /// Cycles with new data in which it did not become smaller.
     waits: u64,
 }
 
-/// How an axis does whose loop is closed here.
+/// Supervision of an axis whose loop is closed here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Recovery {
     stop: Option<Stop>,
-    /// Way that was asked for since the encoder has moved last (inc).
+    /// Distance commanded since the encoder last moved (inc).
     way: f64,
     /// Cycles of the largest effort since then.
     pushes: u64,
@@ -56,7 +56,7 @@ impl Recovery {
 }
 
 impl Axis {
-    /// Takes the power of an axis that its loop has lost.
+    /// Removes the power of an axis that its loop cannot control.
     pub(super) fn supervise_recovery(&mut self, cx: &mut Context<'_>) {
         if !self.closes_loop_here() {
             return;
@@ -82,7 +82,7 @@ impl Axis {
         }
         let allowed = self.parameters.max_following_error.unsigned_abs();
         let before = self.recovery.stop.unwrap_or(Stop { begun: error, least: error, waits: 0 });
-        // While the command moves, an axis that is slower may fall back.
+        // While the command moves, a slower axis may lag further behind.
         let is_stuck = error > allowed && self.rests() && error >= before.least;
         let stop = Stop {
             begun: before.begun,
@@ -110,11 +110,12 @@ impl Axis {
         }
     }
 
-    /// Way and cycles of the largest effort since the encoder has moved last, by what was asked for in the cycle before.
+    /// Returns distance and cycles of the largest effort since the encoder last moved, from the command of the cycle
+    /// before.
     #[inline]
     pub(super) fn standing(&self) -> (f64, u64) {
         let is_held = matches!(self.power, Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
-        // Where the motor has an encoder of its own, a load that has not come along yet is no dead encoder.
+        // If the motor has an encoder of its own, a load that has not moved yet is no dead encoder.
         let turns = self.has_velocity_encoder() && self.velocity_change() != 0;
         if self.motor_change() != Position::ZERO || turns || is_held {
             return (0.0, 0);
@@ -127,22 +128,22 @@ impl Axis {
         (if output > LEAST { way + output * self.parameters.max_velocity * self.cycle_s() } else { way }, 0)
     }
 
-    /// Is that more than an axis may stand?
+    /// Whether these values exceed those that an axis may have without motion.
     #[inline]
     pub(super) fn stands_too_long(&self, (way, pushes): (f64, u64)) -> bool {
-        // What is on its way to the drive has moved nothing yet.
+        // Commands that have not reached the drive yet have moved nothing.
         let coming = self.parameters.max_velocity * self.cycle_s() * (self.delay() + 2) as f64;
         pushes.saturating_mul(self.setup.cycle_ns) > PUSH_NS
             || way > self.parameters.max_following_error as f64 + coming
     }
 
-    /// A calm cycle was one without anything to supervise.
+    /// Stores these values in a reduced cycle, in which nothing else needs supervision.
     #[inline]
     pub(super) fn keep_standing(&mut self, (way, pushes): (f64, u64)) {
         (self.recovery.way, self.recovery.pushes) = (way, pushes);
     }
 
-    /// Is there nothing of a stop, and nothing asked for that moves nothing?
+    /// Whether there is neither a stop nor a command without motion.
     pub(super) fn is_well(&self) -> bool {
         self.recovery == Recovery::default()
     }

@@ -1,8 +1,8 @@
-//! Contacts of the cell that stop axes, and how an axis stood when an error came.
+//! Contacts of the cell that stop axes, and the snapshot of an axis at an error.
 //!
-//! Law      a contact that reads 0 stops every axis that is on or moves, in the same cycle; so does a broken wire
+//! Law      a contact that reads 0 stops every axis that is on or moves, in the same cycle; a broken wire does the same
 //! Reads    the digital inputs that section `safety` of the cell names
-//! Refuses  open: enable and every motion
+//! Refuses  with an open contact: enable and every motion
 //! Source   MACS-ERR-04; the contacts of a safety relay must act on the power of the drives as well
 
 use super::alarm::Fault;
@@ -14,17 +14,17 @@ use crate::drive::Inputs;
 use crate::event::{Number, Refusal};
 use serde::{Deserialize, Serialize};
 
-/// Contacts of the cell, by their places among the digital inputs: closed reads 1.
+/// Contacts of the cell, by their indices among the digital inputs. A closed contact reads 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Safety {
-    /// Emergency stop: axes stop, then lose their power.
+    /// Emergency stop: axes stop, then their power is removed.
     pub estop: Option<u32>,
     /// Interlock of a guard: axes stop and hold.
     pub interlock: Option<u32>,
 }
 
 impl Safety {
-    /// Why nothing may move.
+    /// Returns the code of the open contact that prevents motion.
     fn open(&self, inputs: &Inputs) -> Option<Code> {
         let is_open = |place: Option<u32>| place.is_some_and(|place| !inputs.digital(place as usize));
         match () {
@@ -36,7 +36,7 @@ impl Safety {
 }
 
 impl Axis {
-    /// Stops the axis where a contact is open.
+    /// Stops the axis if a contact is open.
     pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
         let now = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
         let before = std::mem::replace(&mut self.open_contact, now);
@@ -51,12 +51,12 @@ impl Axis {
         self.raise(cx, Failure::of(now).before_motion().lasting(now == before));
     }
 
-    /// Nothing begins while a contact is open.
+    /// Returns an error while a contact is open.
     pub(super) fn check_contacts(&self) -> Result<(), Refusal> {
         if self.open_contact.is_none() { Ok(()) } else { Err(self.refuse(self.open_contact)) }
     }
 
-    /// After a reset: an error whose cause persists comes back (MACS-ERR-04).
+    /// Raises an error again after a reset if its cause persists (MACS-ERR-04).
     pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code, lasting: Option<(Number, Number)>) {
         if !self.open_contact.is_none() && before == self.open_contact {
             self.raise(cx, Failure::of(before));
@@ -65,7 +65,7 @@ impl Axis {
         }
     }
 
-    /// How it stands, for an error that comes now.
+    /// Returns a snapshot of the axis for an error of this cycle.
     pub(super) fn fault_of(&self, cycle: u64, code: Code) -> Fault {
         Fault {
             code,

@@ -1,7 +1,7 @@
-//! What the drive of an axis shows in this cycle.
+//! State of the drive of an axis in this cycle.
 //!
-//! Law      a drive that is not there shows that it is not ready; one that has told nothing new for longer than
-//!          its setup allows fails
+//! Law      a drive that is offline counts as not ready to switch on; one without new data for longer than its setup
+//!          allows fails
 //! Reads    the inputs of the drive
 //! Source   CiA 402 (statusword, modes of operation display)
 
@@ -9,10 +9,10 @@ use crate::code::Code;
 use crate::drive::{BusState, DriveInput, DriveState, STATUS_WARNING};
 use serde::{Deserialize, Serialize};
 
-/// Cycles without new data from a drive that are waited for, where nobody says how many.
+/// Tolerated cycles without new data from a drive, if not configured.
 pub const MISSED_CYCLES: u32 = 10;
 
-/// What the drive shows.
+/// State of the drive.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct DriveShown {
     state: DriveState,
@@ -21,18 +21,18 @@ pub(super) struct DriveShown {
     /// Mode of operation.
     mode: i8,
     stale_cycles: u32,
-    /// In the user's sense.
+    /// Effort in the direction of the axis.
     effort: f64,
 }
 
 impl DriveShown {
-    /// Before anything was read; a virtual axis has a drive that is always on.
+    /// Returns the state before the first reading. The drive of a virtual axis is always enabled.
     pub(super) fn new(is_virtual: bool) -> Self {
         let state = if is_virtual { DriveState::Enabled } else { DriveState::NotReady };
         Self { state, warning: false, mode: 0, stale_cycles: 0, effort: 0.0 }
     }
 
-    /// Reads the drive; `effort` is that of the inputs in the user's sense.
+    /// Reads the drive; `effort` is that of the inputs in the direction of the axis.
     pub(super) fn read(&mut self, input: &DriveInput, effort: f64) {
         *self = Self {
             state: if input.online { DriveState::from_status(input.status) } else { DriveState::NotReady },
@@ -43,7 +43,7 @@ impl DriveShown {
         };
     }
 
-    /// As [`read`](Self::read), where nothing but the effort can be another one.
+    /// As [`read`](Self::read), if only the effort can have changed.
     #[inline]
     pub(super) fn read_effort(&mut self, effort: f64) {
         self.effort = effort;
@@ -67,12 +67,12 @@ impl DriveShown {
         self.effort
     }
 
-    /// Has it told something new in this cycle?
+    /// Whether it has new data in this cycle.
     pub(super) fn is_fresh(&self) -> bool {
         self.stale_cycles == 0
     }
 
-    /// Has it told nothing new in this cycle, and does it still count as there, for so many cycles?
+    /// Whether it has no new data in this cycle, but not for more than `missed_cycles` cycles.
     pub(super) fn is_awaited(&self, missed_cycles: u32) -> bool {
         (1..=missed_cycles).contains(&self.stale_cycles)
     }
@@ -81,12 +81,13 @@ impl DriveShown {
         matches!(self.state, DriveState::Fault | DriveState::FaultReaction)
     }
 
-    /// May its motor have voltage?
+    /// Whether its motor may have power.
     pub(super) fn may_run(&self) -> bool {
         matches!(self.state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction)
     }
 
-    /// What of it keeps an axis from moving, by these inputs of this cycle; so many cycles without new data are waited for.
+    /// Returns the code of the failure that prevents motion, by the inputs of this cycle and the tolerated cycles
+    /// without new data.
     pub(super) fn failure(&self, input: &DriveInput, missed_cycles: u32) -> Option<Code> {
         match () {
             () if input.bus == BusState::Off => Some(Code::BUS_ERROR),

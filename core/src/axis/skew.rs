@@ -1,11 +1,12 @@
-//! An axis with two drives: how it holds them together, and squares them.
+//! An axis with two drives (gantry): supervision of its skew, and squaring.
 //!
-//! Law      while it is on it may be `max_skew` from square, and while it looks for its square that much from what it holds; beyond
-//!          that skew_reaction acts in the cycle in which it shows, and beyond twice that both are without voltage whatever it is.
-//!          What switches off, stops or fails, does so for both drives
-//! Reads    its gantry, as both drives were read
-//! Writes   what its gantry holds: as both stand when it comes on, the square once homing has found it
-//! Refuses  to be switched on beyond `max_skew`, or where the second drive tells no place
+//! Law      while the axis is on, its skew is at most `max_skew`; while homing searches for the square position, the
+//!          same applies to the change of the skew. A larger skew causes skew_reaction in the cycle in which it
+//!          appears, and twice that removes the power of both drives in any case. Switching off, stops and failures act
+//!          on both drives
+//! Reads    its gantry with both drives
+//! Writes   the difference that its gantry holds: that at switching on, and square once homing has found it
+//! Refuses  to be switched on beyond `max_skew`, or without the position of the second drive
 //! Source   contract section 3, docs/homing.md
 
 use super::power::Power;
@@ -18,21 +19,21 @@ use crate::position::Position;
 use crate::profile::Limits;
 
 impl Axis {
-    /// Place of its gantry among those of the machine; none where it has one drive alone.
+    /// Returns the index of its gantry among those of the machine; none for an axis with one drive.
     #[inline]
     pub fn gantry(&self) -> Option<u16> {
         self.setup.gantry
     }
 
-    /// A distance of its drives in its own sense (inc).
+    /// Converts a distance of its drives to the direction of the axis (inc).
     pub fn in_its_sense(&self, counts: i64) -> i64 {
         self.turn_counts(counts)
     }
 
-    /// May it be switched on as its two drives stand?
+    /// Checks whether it may be switched on with its two drives at their positions.
     ///
     /// # Errors
-    /// They are too far from square, or nobody knows how far.
+    /// They are too far from square, or their skew is unknown.
     pub fn admits_skew(&self, gantry: &Gantry) -> Result<(), Refusal> {
         if self.power != Power::Off {
             return Ok(());
@@ -40,7 +41,7 @@ impl Axis {
         self.fits_on(gantry).map_err(|(code, found, limit)| self.refuse(code).with(found, limit))
     }
 
-    /// Would it be held together where both drives stand? Else why not.
+    /// Checks whether its gantry could be held with both drives at their positions.
     fn fits_on(&self, gantry: &Gantry) -> Result<(), (Code, Number, Number)> {
         let (skew, limit) = (gantry.skew(), self.parameters.gantry.skew_limit());
         match () {
@@ -50,18 +51,18 @@ impl Axis {
         }
     }
 
-    /// What keeps it from coming on as its two drives stand now.
+    /// Returns the failure that prevents switching on with its two drives at their positions.
     pub(super) fn unfit_to_come_on(&self, cx: &Context<'_>) -> Option<Failure> {
         let (code, found, limit) = self.fits_on(cx.gantry.as_deref()?).err()?;
         Some(Failure::of(code).with(found, limit).before_motion().taking_power())
     }
 
-    /// Reads how its second drive moves.
+    /// Reads the motion of its second drive.
     pub(super) fn read_second(&mut self, cx: &Context<'_>) {
         self.holding.second_change = cx.gantry.as_deref().map_or(0, Gantry::second_change);
     }
 
-    /// Sees to it that both drives stay together.
+    /// Supervises the skew of both drives.
     pub(super) fn supervise_gantry(&mut self, cx: &mut Context<'_>) {
         let Some(gantry) = cx.gantry.as_deref_mut() else { return };
         if gantry.is_anew() {
@@ -82,13 +83,13 @@ impl Axis {
         };
         self.holding.second_moves = gantry.is_squaring();
         if is_left {
-            // It is between what it was and square: where, its zero does not tell.
+            // The second drive is between its old position and square; the zero does not show where.
             self.homing.forget();
         }
         let limit = self.parameters.gantry.skew_limit();
         let is_run = self.is_on() || matches!(self.power, Power::DriveStops { .. });
         let failure = match gantry.trouble(cx.cycle, limit, self.homing.is_running()).filter(|_| is_run) {
-            // Words of different cycles tell neither that it goes on nor that it is over.
+            // Data of different cycles show neither that the skew lasts nor that it has ended.
             None if is_run && !gantry.is_fresh() => return,
             None => {
                 gantry.note_beyond(false);
@@ -106,7 +107,7 @@ impl Axis {
         self.raise(cx, failure.before_motion());
     }
 
-    /// What the second drive may use on its way to the square.
+    /// Returns the limits of the second drive for squaring.
     fn squaring_limits(&self) -> Limits {
         let p = &self.parameters;
         let acceleration = p.homing_acceleration();
@@ -118,43 +119,45 @@ impl Axis {
         }
     }
 
-    /// Homing begins: edges from before count no more.
+    /// Clears earlier edges at the start of homing.
     pub(super) fn forget_edges(&mut self, cx: &mut Context<'_>) {
         if let Some(gantry) = cx.gantry.as_deref_mut() {
             self.switches.home = gantry.begin_search();
         }
     }
 
-    /// A leg of the search begins.
+    /// Begins a leg of the search.
     pub(super) fn begin_leg_of_both(cx: &mut Context<'_>) {
         if let Some(gantry) = cx.gantry.as_deref_mut() {
             gantry.begin_leg();
         }
     }
 
-    /// Has one drive left its switch behind, further than a switch bounces, before that of the other one came?
+    /// Whether one drive has left its switch, by more than a bouncing contact explains, before the other drive reached
+    /// its own.
     pub(super) fn has_passed_switch(&self, cx: &Context<'_>) -> bool {
         cx.gantry.as_deref().is_some_and(|gantry| gantry.has_passed(self.parameters.gantry.skew_limit()))
     }
 
-    /// Is the second drive led into a limit switch on its way to the square?
+    /// Whether the second drive moves into a limit switch during squaring.
     pub(super) fn squares_into_limit(&self, cx: &Context<'_>) -> bool {
         let way = cx.gantry.as_deref().filter(|gantry| gantry.is_squaring()).and_then(Gantry::goes_up);
         way.is_some_and(|up| if up { self.switches.positive } else { self.switches.negative })
     }
 
-    /// How far it has gone with the switch of one drive actuated alone, and how far it may, where that is further.
+    /// Returns the distance moved with the switch of only one drive active, and the allowed distance, if it exceeds
+    /// that.
     pub(super) fn parted(&self, cx: &Context<'_>) -> Option<(i64, i64)> {
         let limit = self.parameters.gantry.squaring_limit();
         let gone = cx.gantry.as_deref()?.differs_for()?;
         (gone > limit).then_some((gone, limit))
     }
 
-    /// Leads the second drive to the square by the edges of both switches, and returns the place of the first one's edge; none where there
-    /// is one drive alone.
+    /// Moves the second drive to square by the edges of both switches, and returns the position of the edge of the
+    /// first drive; none for an axis with one drive.
     ///
     /// # Errors
-    /// What it would have to go, and how far it may; none where an edge of one drive did not come.
+    /// The necessary and the allowed distance; none if the edge of one drive is missing.
     pub(super) fn square(&mut self, cx: &mut Context<'_>) -> Result<Option<Position>, (Number, Number)> {
         let (limits, most) = (self.squaring_limits(), self.parameters.gantry.squaring_limit());
         let Some(gantry) = cx.gantry.as_deref_mut() else { return Ok(None) };
@@ -167,7 +170,7 @@ impl Axis {
         Ok(Some(self.actual.position - Position::whole(self.turn_counts(gone))))
     }
 
-    /// Is its second drive on the way to the square?
+    /// Whether its second drive is being squared.
     pub(super) fn is_squaring(cx: &Context<'_>) -> bool {
         cx.gantry.as_deref().is_some_and(Gantry::is_squaring)
     }

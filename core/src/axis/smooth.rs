@@ -1,15 +1,17 @@
 //! The start of a coupling by marks over a polynomial of 5th order (SYNCMSTART 7).
 //!
-//! Law      what moves the axis goes on until the place of a mark of its master is known, and of one of its own; of an index pulse the last one is
-//!          known before. Then the curve is an [`Approach`] to the pair of marks that lies k groups of the master ahead: k is the least number at which a
-//!          curve that ends where it does by itself, half-way between both velocities, stays below acceleration and jerk. It begins as soon
-//!          as the mark of the axis nearest to that end can be reached with velocity and acceleration of the goal, for k or k + 1: from rest
-//!          within a distance of marks; each distance that it waits in vain allows one group more. Behind the curve marks correct as always, and nothing is left of
-//!          the start. It is start 5 instead where the master stands, the axis rests without a known mark, or 8 groups have passed;
-//!          on the curve, where the velocity of the master leaves a tenth around that of its begin
+//! Law      until the positions of a mark of the master and of a mark of the axis are known, the present motion
+//!          continues; of an index pulse the last position counts. The curve is then an [`Approach`] to the pair of
+//!          marks k groups of the master ahead. k is the least number for which a curve with free end, at the mean of
+//!          both velocities, stays below acceleration and jerk. The curve begins as soon as the mark of the axis
+//!          nearest to that end can be reached with velocity and acceleration of the goal, for k or k + 1: from rest
+//!          within one distance between marks. Each distance of waiting without success allows one more group. After
+//!          the curve, marks correct as usual, and no state of the start remains. Start 5 replaces it if the master is
+//!          at rest, the axis rests without a known mark, or 8 groups have passed; and on the curve if the velocity of
+//!          the master changes by more than a tenth
 //! Reads    marks of both sides, the leader
-//! Writes   an event where it falls back
-//! Refuses  nothing: it falls back
+//! Writes   an event when start 5 replaces it
+//! Refuses  nothing: start 5 replaces it
 //! Source   MACS-MARK-14 to -17
 
 use super::engage::Engagement;
@@ -33,39 +35,39 @@ use serde::{Deserialize, Serialize};
 const MEAN_TIME: f64 = 50.0;
 /// Share of its velocity by which a master may change on the curve.
 const MOST_CHANGE: f64 = 0.1;
-/// Groups of the master that pass before it is given up.
+/// Groups of the master after which the smooth start is given up.
 const MOST_GROUPS: f64 = 8.0;
-/// Peak of the acceleration, and of the jerk, of the curve that ends by itself: s = v T (x^3 - x^4 / 2) (MACS-MARK-17).
+/// Peaks of acceleration and jerk of the curve with free end: s = v T (x^3 - x^4 / 2) (MACS-MARK-17).
 const PEAK_ACCELERATION: f64 = 1.5;
 const PEAK_JERK: f64 = 6.0;
-/// From a smooth start to the one that takes its place.
+/// Difference between a smooth start and the start that replaces it.
 const FALLS_BACK_BY: i64 = 2;
 
-/// Is that SYNCMSTART the smooth one?
+/// Whether that SYNCMSTART is the smooth one.
 fn is_smooth(start: i64) -> bool {
     start % 1_000 == 7
 }
 
-/// The SYNCMSTART that takes the place of a smooth one.
+/// Returns the SYNCMSTART that replaces a smooth one.
 pub(crate) fn fallback(start: i64) -> i64 {
     start.saturating_sub(FALLS_BACK_BY)
 }
 
-/// Why a smooth start falls back.
+/// Reason why another start replaces a smooth one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fallback {
-    /// The master is below 1 inc in [`MEAN_TIME`].
+    /// The master is slower than 1 inc in [`MEAN_TIME`].
     MasterStands,
-    /// The axis rests, and where its marks are is not known.
+    /// The axis rests, and the positions of its marks are unknown.
     MarkUnknown,
     /// [`MOST_GROUPS`] have passed, or have no length.
     CurveMissing,
-    /// The velocity of the master has left [`MOST_CHANGE`] around that of the begin.
+    /// The velocity of the master has changed by more than [`MOST_CHANGE`] since the start.
     MasterChanged,
 }
 
 impl Fallback {
-    /// Each with its sentence.
+    /// Each reason with its message.
     const ALL: [(Self, &'static str); 4] = [
         (Self::MasterStands, "the leader is slower than 1 inc in 50 ms"),
         (Self::MarkUnknown, "the axis rests, and no mark of it is known"),
@@ -73,24 +75,24 @@ impl Fallback {
         (Self::MasterChanged, "the velocity of the leader has changed by more than 10 % on the curve"),
     ];
 
-    /// The sentence of the number that an event carries.
+    /// Returns the message for the number in an event.
     pub(crate) fn sentence(number: i64) -> &'static str {
         Self::ALL.iter().find(|(why, _)| *why as i64 == number).map_or("", |(_, sentence)| sentence)
     }
 }
 
-/// The velocity of a master (inc per cycle), smoothed.
+/// Smoothed velocity of a master (inc per cycle).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Mean {
     velocity: f64,
-    /// Since it was begun (ms), to MEAN_TIME.
+    /// Time since its start (ms), at most MEAN_TIME.
     since: f64,
 }
 
 impl Mean {
     fn step(&mut self, change: f64, cycle_ms: f64) {
         self.since = (self.since + cycle_ms).min(MEAN_TIME);
-        // A mean of all that came, until that is long enough.
+        // At first a mean of all values.
         self.velocity += (change - self.velocity) * (cycle_ms / self.since).min(1.0);
     }
 
@@ -98,17 +100,17 @@ impl Mean {
         self.velocity.is_finite() && (0.0..=MEAN_TIME).contains(&self.since)
     }
 
-    /// Does it stand: is it slower than an increment in that time?
+    /// Whether it is slower than an increment in that time.
     fn stands(&self, cycle_ms: f64) -> bool {
         self.velocity.abs() * MEAN_TIME < cycle_ms
     }
 }
 
-/// A curve under way.
+/// An active curve.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Curve {
     mean: Mean,
-    /// Of the master as it began (inc per cycle).
+    /// Velocity of the master at the start (inc per cycle).
     velocity: f64,
 }
 
@@ -117,22 +119,23 @@ impl Curve {
         self.mean.is_sound() && self.velocity.is_finite()
     }
 
-    /// A cycle in which the master moves by so much (inc); false where its velocity has left that of the begin.
+    /// Advances in a cycle in which the master moves by `change` (inc). Returns false if its velocity has changed too
+    /// much.
     pub(super) fn step(&mut self, change: f64, cycle_ms: f64) -> bool {
         self.mean.step(change, cycle_ms);
         (self.mean.velocity - self.velocity).abs() <= self.velocity.abs() * MOST_CHANGE
     }
 }
 
-/// What is known while it waits.
+/// State of waiting for a smooth start.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Smooth {
     start: i64,
-    /// Ways of master and axis since their last marks.
+    /// Distances of master and axis since their last marks.
     master: Option<Position>,
     slave: Option<Position>,
     mean: Mean,
-    /// Way of the master since it waits (inc), without its sign.
+    /// Travel of the master during the wait (inc), without sign.
     waited: f64,
 }
 
@@ -143,7 +146,7 @@ impl Smooth {
     }
 }
 
-/// What came of a cycle of waiting.
+/// Result of a cycle of waiting.
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 enum Outcome {
     Waits,
@@ -152,24 +155,24 @@ enum Outcome {
 }
 
 impl Axis {
-    /// What a coupling by marks waits with, where SYNCMSTART asks for a smooth start and one may come.
+    /// Returns the state for waiting if SYNCMSTART selects a smooth start and it is possible.
     pub(super) fn smooth_start(&self, mode: SyncMode, lead: Lead) -> Option<Smooth> {
         let start = self.parameters.marks.start;
         if mode != SyncMode::Marker || !is_smooth(start) {
             return None;
         }
         let by_index = MarkSignal::decode(self.parameters.marks.slave_type).input.is_none();
-        // The cycle that begins it is counted at its end.
+        // The cycle that begins the wait is counted at its end.
         let was_at = self.actual.position - self.actual.change;
         let slave = self.known_index().filter(|_| by_index).map(|index| was_at - index);
         let mean = Mean { velocity: lead.velocity * self.cycle_s(), since: 0.0 };
         Some(Smooth { start, master: None, slave, mean, waited: 0.0 })
     }
 
-    /// A cycle of a coupling that waits for a smooth start; none once it has begun.
+    /// Advances a coupling that waits for a smooth start; none once it has begun.
     ///
     /// # Errors
-    /// A coupling that begins at once would be refused.
+    /// A coupling without waiting would be refused.
     pub(super) fn start_smoothly(
         &mut self,
         cx: &mut Context<'_>,
@@ -197,12 +200,12 @@ impl Axis {
         };
         let begun = why.is_none();
         let coupling = self.coupling_by(leader, request, follower);
-        // It has begun: what takes over ends no wait of its own.
+        // It has begun: the takeover must not end its own wait.
         self.engagement = None;
         self.take_over(cx, engagement.sequence, None);
         self.begin_conditioning(request.mode, lead);
         let velocity = smooth.mean.velocity;
-        // One count says nothing of the speed, which is known here.
+        // One count does not give the speed, but the mean does.
         let filter = self.parameters.master_tau(true).map(|_| MasterFilter::settled(velocity));
         self.conditioning.go_on_with(filter);
         if let Some(path) = &mut self.conditioning.marks {
@@ -219,7 +222,7 @@ impl Axis {
         Ok(None)
     }
 
-    /// Reports that another start takes the place of a smooth one.
+    /// Reports that another start replaces a smooth one.
     fn tell_fallback(&self, cx: &mut Context<'_>, start: i64, why: Fallback) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SMOOTH_START_FALLBACK);
         let event = event.with(Number::Count(why as i64), Number::Count(start));
@@ -231,7 +234,7 @@ impl Axis {
         let cycle_ms = self.cycle_s() * 1e3;
         let group = self.master_group();
         let rests = matches!(self.generator, Generator::Rest);
-        // A counted master shows its speed only after a while.
+        // A counted master shows its speed only after some time.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
         if is_known && mean.stands(cycle_ms) {
             return Ok(Outcome::FallsBack(Fallback::MasterStands));
@@ -251,7 +254,7 @@ impl Axis {
         let bounds = self.bounds_of(request)?;
         let (present, cycle_s, speed) = (self.present(), self.cycle_s(), mean.velocity);
         let led = self.led_ahead(request.mode);
-        // One that is coupled to a counted master shows single counts.
+        // An axis coupled to a counted master shows the velocity of single counts.
         let velocity = if self.coupling().is_some() { self.steady_velocity() } else { present.velocity };
         let from = Begin {
             place: present.position - led,
@@ -275,7 +278,8 @@ impl Axis {
         Ok(Outcome::Waits)
     }
 
-    /// The shortest way of the master (inc) in which a curve that ends by itself stays below acceleration and jerk.
+    /// Returns the shortest distance of the master (inc) in which a curve with free end stays below acceleration and
+    /// jerk.
     fn least_length(&self, way: &Way) -> f64 {
         let cycle_s = self.cycle_s();
         let turn = (way.ratio.to_f64() - way.from.slope).abs();
@@ -285,10 +289,11 @@ impl Axis {
         by_acceleration.max(by_jerk)
     }
 
-    /// The curve to the pair that lies so far ahead of the master, where the axis can go it; it has passed its last mark so far.
+    /// Returns the curve to the pair at distance `left` ahead of the master, if the axis can follow it; `since`:
+    /// distance since its last mark.
     fn curve(&self, way: &Way, left: Position, since: Position) -> Option<Approach> {
         let Way { ratio, speed, from, .. } = *way;
-        // Whole increments; what is left of the pair lies behind it.
+        // Whole increments; the rest of the distance is after the curve.
         let whole = left.floor();
         let rest = left - Position::whole(whole);
         let length = if speed < 0.0 { whole.checked_neg()? } else { whole };
@@ -303,19 +308,19 @@ impl Axis {
         let per_s = speed.abs() / self.cycle_s();
         let jerk = approach.jerk() * per_s * per_s * per_s;
         let is_smooth = self.parameters.max_jerk.is_none_or(|most| jerk <= most);
-        // A short way would need a start in the wrong direction.
+        // A short distance would need a start in the wrong direction.
         let turns = from.slope * ratio.to_f64() < 0.0;
         let is_onward = turns || approach.keeps_sense(ratio.to_f64());
         let fits = is_smooth && is_onward && self.leads_forward(&approach, speed) && self.bears(shape, *way);
         fits.then_some(approach)
     }
 
-    /// From group to group of the marks of its master (inc of it).
+    /// Returns the distance between groups of marks of its master (inc of the master).
     fn master_group(&self) -> f64 {
         self.parameters.sync.mark_distance as f64 * self.parameters.marks.per_master.max(1) as f64
     }
 
-    /// From group to group of its own marks (inc).
+    /// Returns the distance between groups of its own marks (inc).
     fn slave_period(&self, ratio: Ratio) -> f64 {
         let marks = &self.parameters.marks;
         match marks.slave_distance {
@@ -324,7 +329,8 @@ impl Axis {
         }
     }
 
-    /// Gives a curve up where its master has changed its velocity: the gear takes the axis as it is, and marks start as 5 does.
+    /// Aborts a curve whose master has changed its velocity: the gear starts from the present motion, and marks start
+    /// as with start 5.
     pub(super) fn watch_curve(&mut self, cx: &mut Context<'_>, path: &mut MarkPath, change: f64) {
         let cycle_ms = self.cycle_s() * 1e3;
         let slave = self.underlying();

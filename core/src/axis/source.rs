@@ -1,8 +1,9 @@
-//! The source of an axis' position, as the cell and its parameters name it.
+//! The source of the position of an axis, from the cell and its parameters.
 //!
-//! Law      ENCODERTYPE chooses among what the cell has: the drive's words, an entry of section `encoders`, the command
-//! Refuses  sources that the cell does not have, sources that a drive which closes the loop itself does not read; of an axis with two drives
-//!          what both cannot do together
+//! Law      ENCODERTYPE selects one of the sources of the cell: the process data of the drive, an entry of section
+//!          `encoders`, the command
+//! Refuses  sources that the cell does not have, sources that a drive with its own position loop does not read; for an
+//!          axis with two drives, everything that both drives cannot do together
 //! Source   MACS-ENC-01, -04, -07, -13; WF-ABS; contract section 8
 
 use super::homing::methods::squares;
@@ -14,18 +15,18 @@ use crate::parameter::AxisParameters;
 use crate::parameter::vocabularies::ENCODER_KIND;
 use serde::{Deserialize, Serialize};
 
-/// What the cell says of it.
+/// Source of the position in the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Wired {
-    /// The drive tells it in words of that form.
+    /// Values of that form from the drive.
     Drive(Form),
     /// An entry of section `encoders`.
     Encoder(u16),
 }
 
 impl Wired {
-    /// Which sources of an axis that is wired so are absolute, where the entries of section `encoders` have these
-    /// forms.
+    /// Returns which sources of an axis with this wiring are absolute. `entry`: forms of the entries of section
+    /// `encoders`.
     pub fn absolute_sources(self, entry: impl Fn(u16) -> Option<Form>) -> AbsoluteSources {
         let is_absolute = |form| matches!(form, Some(Form::Absolute(_)));
         let own = match self {
@@ -37,28 +38,28 @@ impl Wired {
 }
 
 impl Default for Wired {
-    /// Counts that do not wrap.
+    /// Returns counts that do not wrap.
     fn default() -> Self {
         Self::Drive(Form::Incremental(64))
     }
 }
 
-/// Where the position comes from.
+/// Selected source of the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Source {
-    /// The drive, in words of that form.
+    /// Values of that form from the drive.
     Drive(Form),
     /// An entry of section `encoders`.
     Encoder(u16),
-    /// The command, while the axis is on (MACS-ENC-13); off, where the drive stands.
+    /// The command while the axis is on (MACS-ENC-13); the position of the drive while it is off.
     Simulated,
 }
 
 impl Source {
-    /// What parameters make of what the cell says.
+    /// Returns the source that the parameters select from those of the cell.
     ///
     /// # Errors
-    /// The key of the parameter that asks for something that is not there, and why not.
+    /// The key of the parameter that selects an unavailable source, and the reason.
     pub fn of(wired: Wired, encoders: usize, p: &AxisParameters) -> Result<Self, (&'static str, Code)> {
         use source::Feedback;
         const KEY: &str = "encodertype";
@@ -91,8 +92,8 @@ impl Source {
         }
     }
 
-    /// Can a loop that is closed there use it? A drive with interface position closes it with its own encoder, whose words it
-    /// decodes itself.
+    /// Whether a loop of that interface can use it. A drive with interface position closes the loop with its own
+    /// encoder, whose values it decodes itself.
     pub fn fits(self, interface: Interface) -> bool {
         match self {
             Self::Drive(Form::Absolute(encoder)) => interface != Interface::Position || is_plain(encoder),
@@ -101,7 +102,7 @@ impl Source {
         }
     }
 
-    /// Does it read the same words as another one? How large a step may be only judges them.
+    /// Whether both read the same values. The largest step is only a check.
     pub(super) fn reads_as(self, other: Self) -> bool {
         let read = |source| match source {
             Self::Drive(Form::Absolute(encoder)) => Self::Drive(Form::Absolute(Absolute { max_step: None, ..encoder })),
@@ -110,7 +111,7 @@ impl Source {
         read(self) == read(other)
     }
 
-    /// Form of the words that the drive tells.
+    /// Returns the form of the values from the drive.
     pub(super) fn form(self) -> Form {
         match self {
             Self::Drive(form) => form,
@@ -119,15 +120,15 @@ impl Source {
     }
 }
 
-/// Are its words counts, so that a drive may close its loop with it?
+/// Whether its values are counts, so that a drive may close its loop with it.
 fn is_plain(encoder: Absolute) -> bool {
     encoder.code == WordCode::Binary && encoder.parity.is_none() && !encoder.corrects
 }
 
-/// May the axis read what its parameters say?
+/// Checks whether the axis can read the source of its parameters.
 ///
 /// # Errors
-/// The key that says otherwise, and why it may not.
+/// The key of the invalid parameter, and the reason.
 pub fn may_read(
     wired: Wired,
     encoders: usize,
@@ -143,10 +144,10 @@ pub fn may_read(
     }
 }
 
-/// Can two drives carry an axis with these parameters?
+/// Checks whether two drives can move an axis with these parameters.
 ///
 /// # Errors
-/// The key of the parameter that does not let them, and why not.
+/// The key of the parameter that prevents it, and the reason.
 pub fn may_carry(wired: Wired, p: &AxisParameters) -> Result<(), (&'static str, Code)> {
     if p.gantry.max_skew.is_none() {
         return Err(("max_skew", Code::GANTRY_NO_LIMIT));

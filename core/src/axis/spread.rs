@@ -1,24 +1,25 @@
-//! Corrections for marks, spread over a distance of the master or over a time.
+//! Corrections by marks, spread over a distance of the master or over a time.
 //!
-//! Law      each correction comes evenly over its own distance (inc of the master) or time (cycles), whatever is ordered after it. One that is ordered
-//!          less than a sixteenth of that after another ends with it. Their sum is bounded; what the bound holds back comes as soon as it can
+//! Law      each correction is moved evenly over its own distance (inc of the master) or time (cycles), whatever
+//!          corrections follow. A correction commanded less than a sixteenth of that after another ends with it. Their
+//!          sum is bounded; the rest follows as soon as possible
 //! Reads    the change of the master
-//! Writes   what comes of the corrections in a cycle (inc)
+//! Writes   the motion of the corrections in a cycle (inc)
 //! Refuses  nothing
 //! Source   MACS-MARK-12, MACS-MARK-13, A-39
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Most corrections that are worked off at a time, each by itself.
+/// Largest number of simultaneous separate corrections.
 const MOST: usize = 16;
 
 /// One correction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Part {
-    /// What is left of it; zero: nothing, it is over.
+    /// Remaining correction; zero: the correction has ended.
     left: Position,
-    /// What is left of its distance (inc), or of its time (cycles).
+    /// Remaining distance (inc) or time (cycles).
     over: f64,
     is_time: bool,
 }
@@ -28,36 +29,36 @@ impl Part {
         self.left == Position::ZERO
     }
 
-    /// How much of its distance or time a cycle takes in which the master moves by `change` (inc).
+    /// Returns the distance or time that passes in a cycle in which the master moves by `change` (inc).
     fn passed(&self, change: f64) -> f64 {
         if self.is_time { 1.0 } else { change.abs() }
     }
 
-    /// What it gives in such a cycle.
+    /// Returns the motion of such a cycle.
     fn wanted(&self, change: f64) -> f64 {
         let (left, passed) = (self.left.to_f64(), self.passed(change));
         if passed >= self.over { left } else { left * (passed / self.over) }
     }
 
-    /// Gives a share of that.
+    /// Moves by a share of that.
     fn step(&mut self, change: f64, share: f64) -> Position {
         let step = self.wanted(change) * share;
         self.over = (self.over - self.passed(change)).max(0.0);
-        // Bit for bit all of it.
+        // At the end the remaining correction is used exactly, bit by bit.
         let way = if step == self.left.to_f64() { self.left } else { Position::from_f64(step) };
         self.left = self.left - way;
         way
     }
 }
 
-/// What is worked off.
+/// The active corrections.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spread {
     parts: [Part; MOST],
 }
 
 impl Spread {
-    /// A correction over a distance of the master (inc), or over a time (cycles).
+    /// Adds a correction over a distance of the master (inc), or over a time (cycles).
     pub(super) fn add(&mut self, correction: Position, over: f64, is_time: bool) {
         if correction == Position::ZERO {
             return;
@@ -69,12 +70,13 @@ impl Spread {
         } else if let Some(free) = self.parts.iter_mut().find(|part| part.is_over()) {
             *free = Part { left: correction, over, is_time };
         } else if let Some(last) = self.parts.iter_mut().max_by(|one, other| one.over.total_cmp(&other.over)) {
-            // Only where distances or times have changed, or a bound holds them back.
+            // Only if distances or times have changed, or the bound delays corrections.
             last.left += correction;
         }
     }
 
-    /// What comes in a cycle in which the master moves by `change` (inc), `most` (inc) either way.
+    /// Returns the motion in a cycle in which the master moves by `change` (inc), at most `most` (inc) in either
+    /// direction.
     pub(super) fn step(&mut self, change: f64, most: f64) -> Position {
         let wanted: f64 = self.parts.iter().map(|part| part.wanted(change)).sum();
         let share = if wanted.abs() > most { most / wanted.abs() } else { 1.0 };
@@ -85,7 +87,7 @@ impl Spread {
         way
     }
 
-    /// What is not given yet.
+    /// Returns the remaining sum of corrections.
     pub(super) fn left(&self) -> Position {
         self.parts.iter().fold(Position::ZERO, |sum, part| sum + part.left)
     }
@@ -103,8 +105,9 @@ mod tests {
         (0..cycles).fold(Position::ZERO, |sum, _| sum + spread.step(10.0, f64::INFINITY)).to_f64()
     }
 
-    /// SYNCVFTIME -100000 is a second, with a pair of marks every 50 ms that is as it should be. Begun again at each pair, 0.95^20 of it, 36 %, would be left
-    /// after that second.
+    /// SYNCVFTIME -100000 is a second, with a correct pair of marks every 50 ms. If each pair restarted the correction,
+    /// 0.95^20 of it, 36 %, would be left after that second.
+    ///
     /// Proves: MACS-SYNC-10, MACS-MARK-13, MACS-O-37
     #[test]
     fn a_correction_ends_in_its_time_whatever_pairs_come() {
@@ -117,7 +120,7 @@ mod tests {
             spread.add(Position::ZERO, 1_000.0, true);
         }
         assert_eq!(spread.left(), Position::ZERO);
-        // Without a time it comes with the distance of the master.
+        // Without a time it moves with the distance of the master.
         spread.add(Position::whole(-200), 500.0, false);
         assert!((given(&mut spread, 25) + 100.0).abs() < 1e-6);
         assert_eq!(spread.step(0.0, f64::INFINITY), Position::ZERO);
@@ -125,7 +128,8 @@ mod tests {
         assert_eq!(spread.left(), Position::ZERO);
     }
 
-    /// 100 inc over 1000 cycles, and 250 cycles later 40 inc over as many: 0.1 a cycle, then 0.14, then 0.04.
+    /// 100 inc over 1000 cycles, and 250 cycles later 40 inc over as many: 0.1 inc per cycle, then 0.14, then 0.04.
+    ///
     /// Proves: MACS-MARK-13
     #[test]
     fn each_correction_keeps_its_own_time() {
@@ -139,7 +143,8 @@ mod tests {
         assert_eq!(spread.left(), Position::ZERO);
     }
 
-    /// More of them than there is room for: none takes longer than its time, and none comes more than a sixteenth of it earlier.
+    /// More corrections than there is room for: none takes longer than its time, and none ends more than a sixteenth of
+    /// it earlier.
     #[test]
     fn many_corrections_end_in_time() {
         let mut spread = Spread::default();
@@ -158,7 +163,7 @@ mod tests {
         assert!(spread.is_sound());
     }
 
-    /// Half of what is wanted is let through: all of it comes, later.
+    /// Half of the motion is allowed: all of it is moved, but later.
     #[test]
     fn a_bound_delays_and_loses_nothing() {
         let mut spread = Spread::default();

@@ -1,5 +1,5 @@
-//! The commands that every axis answers: enable, disable, halt, quick_stop, reset_errors, cancel; and who waits for
-//! their end.
+//! The commands that every axis executes: enable, disable, halt, quick_stop, reset_errors, cancel; and the commands
+//! that wait for their end.
 
 use super::alarm::NO_NUMBERS;
 use super::course::Aim;
@@ -15,13 +15,14 @@ use crate::sync::Disengage;
 use crate::vocabulary::Notice;
 
 impl Axis {
-    /// May a command for several axes be applied to this one of them? Asked of all of them before any changes.
+    /// Checks whether a command for several axes can be executed on this one. All axes are checked before any of them
+    /// changes.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn admits(&self, action: &Action) -> Result<(), Refusal> {
         let refuse = |code| Err(Refusal::new(code, self.object()));
-        // A stop is never refused: with nobody left to tell, it still stops.
+        // A stop is never refused: without room for another waiting command it still stops.
         let stops = matches!(action, Action::Disable(_) | Action::Halt(_) | Action::QuickStop(_));
         if !stops && !self.waiting.has_room() {
             return refuse(Code::TOO_MANY_WAITING);
@@ -40,12 +41,12 @@ impl Axis {
         Ok(())
     }
 
-    /// Lets a command wait; where too many do, it is answered at once that nobody will tell it the end.
+    /// Lets a command wait. If too many wait, it ends at once with a warning that its end will not be reported.
     fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
         let done = Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence);
         let done = Event { position: self.command.position, ..done };
         if until == Until::Standstill && self.rests() && self.has_stopped_by_itself(cx.cycle) {
-            // It stands: what else comes in this cycle does not concern it.
+            // The axis is at rest: later commands of this cycle do not concern this one.
             cx.events.push(done);
         } else if !self.waiting.add(sequence, until) {
             cx.events.push(Event { severity: Severity::Warn, code: Code::TOO_MANY_WAITING, ..done });
@@ -53,12 +54,12 @@ impl Axis {
     }
 
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        // A deactivation, an error or a stop that locks wins over it in its cycle: the wait ends at once then.
+        // A deactivation, an error or a stop that locks has priority in its cycle: the wait then ends at once.
         let is_free = self.check_lock().is_ok() && self.locked_in(cx.cycle).is_none();
         if self.power == Power::Off && self.active && is_free {
-            // An abort has closed it while the axis was off.
+            // An abort has closed the brake while the axis was off.
             self.brake = false;
-            // Who has just switched it off has what it wanted, though it does not last.
+            // A disable of the same cycle has reached its end, although the axis does not stay off.
             self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
             self.power = Power::SwitchingOn { since: cx.cycle };
         }
@@ -70,11 +71,11 @@ impl Axis {
         self.wait(cx, sequence, if self.is_virtual() { Until::Standstill } else { Until::Disabled });
     }
 
-    /// Stops with the maximum deceleration, then switches off; nobody is told its end.
+    /// Stops with the maximum deceleration, then switches off, without reporting the end.
     pub(super) fn begin_disable(&mut self, cx: &mut Context<'_>) {
         self.abandon(cx, Code::DISABLED);
         if self.is_virtual() {
-            // A virtual axis is always on: there is only its motion to end.
+            // A virtual axis is always on: only its motion has to end.
             self.function = None;
             self.brake_to_rest(cx, &self.stop_limits());
             return;
@@ -102,16 +103,16 @@ impl Axis {
     }
 
     pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        // From here on it is a quick stop that locks it.
+        // From now on a quick stop locks the axis.
         self.holding.interrupted = false;
         self.holding.aborted = false;
         self.stop_and_lock(cx, Code::QUICK_STOP);
         self.wait(cx, sequence, Until::Standstill);
     }
 
-    /// Ends all that runs. An axis under power stops, and nothing moves it until it is reset, off and on again neither; an error
-    /// keeps its own lock. I_BREAK leaves an axis without power as it is, what else stops locks that as well.
-    /// [`heed_stop`](Self::heed_stop) does the rest once all commands of the cycle are known.
+    /// Ends all motions. An axis under power stops, and nothing moves it until it is reset, not even after power off
+    /// and on; an error keeps its own lock. I_BREAK leaves an axis without power unchanged, all other stops lock it as
+    /// well. [`heed_stop`](Self::heed_stop) does the rest once all commands of the cycle are known.
     pub(super) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
         self.abandon(cx, code);
         self.holding.locked = Some((cx.cycle, code));
@@ -127,20 +128,22 @@ impl Axis {
         }
     }
 
-    /// The code of the stop that locks in that cycle.
+    /// Returns the code of the stop that locks in that cycle.
     pub(super) fn locked_in(&self, cycle: u64) -> Option<Code> {
         self.holding.locked.filter(|(locked, _)| *locked == cycle).map(|(_, code)| code)
     }
 
-    /// What was to let the axis go on was meant for what was there before the stop of this cycle, also where it comes behind it:
-    /// commands come in the order of their lanes. An axis that switches on is off again.
+    /// Cancels commands of this cycle that would let the axis continue: they were meant for the state before the stop,
+    /// also if they come after it, because commands are executed in the order of their queues. An axis that is being
+    /// switched on is switched off again.
     pub(super) fn heed_stop(&mut self, cx: &mut Context<'_>) {
         let Some(code) = self.locked_in(cx.cycle) else { return };
         self.waiting.fail(cx.events, self.setup.index, code, Until::Enabled);
         if matches!(self.power, Power::SwitchingOn { .. }) {
             self.switch_off(cx);
         }
-        // Without power and lock a reset lets nothing go on. Who takes the power in this cycle does not make it one that counts.
+        // Without power and lock a reset lets no motion continue. Whether the power was removed in this cycle makes no
+        // difference.
         if self.is_on() || self.holding.had_power || self.state == AxisState::Stopping {
             self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
             (self.holding.clears, self.holding.resumes) = (false, false);
@@ -150,7 +153,7 @@ impl Axis {
         }
     }
 
-    /// Stops and locks the axis; a brake closes once it stands, or at once where nothing holds it (MACS-ERR-09, A-49).
+    /// Stops and locks the axis. A brake closes at rest, or at once if nothing holds the axis (MACS-ERR-09, A-49).
     pub(super) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
         self.holding.interrupted = false;
         let was_on = self.is_on();
@@ -160,18 +163,18 @@ impl Axis {
         if !was_on {
             self.brake |= has_brake;
         } else if has_brake {
-            // What an error has left to do is done as well.
+            // The rest of an error reaction is executed as well.
             self.judge.after_stop = if matches!(self.judge.after_stop, 0 | 1 | 4) { 1 } else { 3 };
         }
         self.wait(cx, sequence, Until::Standstill);
     }
 
-    /// Waits for rest, then clears what can be cleared: [`settle_waiting`](Self::settle_waiting) does it.
+    /// Waits for rest; then [`settle_waiting`](Self::settle_waiting) clears the errors that can be cleared.
     pub(super) fn reset(&mut self, cx: &mut Context<'_>, sequence: u64) {
         self.wait(cx, sequence, Until::Healthy);
     }
 
-    /// Clears error and lock of an axis at rest; a drive in fault has to leave it first.
+    /// Clears error and lock of an axis at rest; a drive in fault first has to leave it.
     fn begin_reset(&mut self, cx: &mut Context<'_>) {
         if self.drive_fails(cx) {
             self.power = Power::Resetting { since: cx.cycle };
@@ -200,13 +203,13 @@ impl Axis {
             self.power = Power::Off;
         } else if was_braked && matches!(self.power, Power::On | Power::Opening { .. }) {
             if lasting.is_some() && self.own_brake().is_some() {
-                // The brake holds it away from its command: it begins where it is, as with enable.
+                // The brake holds it away from its command: the command starts at the actual position, as with enable.
                 self.note_stop_given_up();
                 self.stand_on_actual();
                 self.judge.fill(self.asked());
                 lasting = None;
             }
-            // Its own brake opens again, from the next cycle on, and takes its time.
+            // Its own brake opens again from the next cycle on, within its opening time.
             self.power = self.power_is_on(cx.cycle.saturating_add(1));
         }
         self.judge.forget(lasting.is_some());
@@ -217,8 +220,8 @@ impl Axis {
         self.return_error(cx, before, lasting);
     }
 
-    /// Ends a goal of this axis with a controlled stop; the active one lives until the axis stands. False for another's.
-    /// `is_told`: another axis of the same goal has answered.
+    /// Ends a goal of this axis with a controlled stop; the active goal ends once the axis is at rest. Returns false if
+    /// the goal belongs to another axis. `is_told`: another axis of the same goal has answered.
     pub fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
         let is_active = self.goal.is_some_and(|active| active.sequence == goal);
         let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
@@ -261,13 +264,14 @@ impl Axis {
         self.uncouple(cx, disengage, Code::CANCELLED);
     }
 
-    /// Ends the active goal with `code`: at once where the axis goes on alone at the velocity of its coupling, else once it stands.
+    /// Ends the active goal with `code`: at once if the axis continues alone at the velocity of its coupling, otherwise
+    /// at rest.
     pub(super) fn uncouple(&mut self, cx: &mut Context<'_>, disengage: Disengage, code: Code) {
         let limits = self.active_limits();
         if disengage == Disengage::KeepVelocity {
             self.end_goal(cx, code);
             let steady = self.steady_velocity();
-            // Alone it may not go where its master led it.
+            // Without its master it may not move in the direction in which the master led it.
             let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
             let most = self.parameters.max_velocity;
             let aim = Aim::velocity(velocity.clamp(-most, most));
@@ -281,13 +285,13 @@ impl Axis {
         }
     }
 
-    /// True where a halt may take the motion over: not while an error or a quick stop ends it.
+    /// Whether a halt may take over the motion: not while an error or a quick stop ends it.
     fn is_moving_freely(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
         self.power == Power::On && matches!(self.state, DiscreteMotion | ContinuousMotion | Homing | SynchronizedMotion)
     }
 
-    /// Tells those who wait, once what they wait for is there or cannot come any more.
+    /// Ends waiting commands whose condition is met or can no longer be met.
     pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
         if self.waiting.is_empty() && !self.holding.clears && !self.holding.resumes {
             self.holding.coasts_since = None;
@@ -297,7 +301,7 @@ impl Axis {
         let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
             || !self.alarm.is_none()
             || self.drive_fails(cx);
-        // One whose drive still stops, or whose brake still closes, is not to be let go.
+        // An axis whose drive still stops, or whose brake still closes, must not be reset.
         let is_going = match self.power {
             Power::Resetting { .. } | Power::Closing { .. } => true,
             Power::DriveStops { .. } => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
@@ -344,7 +348,7 @@ impl Axis {
             end(Until::Standstill, Code::REPLACED);
         }
         let resets = matches!(self.power, Power::Resetting { .. });
-        // Until its brake is open it takes no goal.
+        // Until its brake is open it accepts no goal.
         if failed.is_none() && !resets && !opens && self.state != AxisState::Stopping {
             end(Until::Healthy, Code::NONE);
         }

@@ -1,12 +1,13 @@
-//! Streamed setpoints: the newest velocity holds until the next one, and for no longer than setpoint_timeout.
+//! Streamed setpoints: the newest velocity is valid until the next one, at most for setpoint_timeout.
 //!
-//! Law      a setpoint moves an axis that is on and stands, or that a setpoint moves already; it takes no axis from a goal. An axis
-//!          that has had none for longer than `setpoint_timeout` stops, and says so; one whose setpoint was asked for so
-//!          long and no longer stops then, and is free for the next one on its way
-//! Refuses  what it may not follow: told once by a warning with the reason, and again when that changes or the stream was silent
-//!          between. A setpoint of 0 asks for nothing that anybody would miss, and is not told of. Where the newest one leads
-//!          into a limit, or backwards against REVERS, the one before is asked for no more: the axis stops. With `jog_at_limit:
-//!          stop` one that leads into a software limit is reported once, until the axis leaves that limit or is led away from it
+//! Law      a setpoint moves an axis that is on and at rest, or that already follows setpoints; it does not end a goal.
+//!          An axis without a setpoint for longer than `setpoint_timeout` stops with a warning. A setpoint with a
+//!          duration ends after that time, and the next one may take over during the stop
+//! Refuses  setpoints that the axis must not follow: one warning with the reason, and another one when the reason
+//!          changes or after a pause of the stream. A refused setpoint of 0 is not reported. If the newest setpoint
+//!          leads into a limit, or backward against REVERS, the one before is no longer valid: the axis stops. With
+//!          `jog_at_limit: stop` a stream into a software limit is reported once, until the axis leaves that limit or a
+//!          setpoint leads away from it
 
 use super::alarm::NO_NUMBERS;
 use super::course::Aim;
@@ -18,43 +19,43 @@ use crate::vocabulary::Owner;
 use crate::{command::Setpoint, event::Refusal};
 use serde::{Deserialize, Serialize};
 
-/// The parameter by which warnings of streams are told from those of what else moves an axis.
+/// Parameter in warnings of streams, which distinguishes them from warnings of other motions.
 pub(crate) const STREAM: &str = "setpoint_timeout";
 
-/// What an axis knows of its setpoints.
+/// State of the streamed setpoints of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Streamed {
-    /// Cycles since the last one that it followed.
+    /// Cycles since the last setpoint that it followed.
     age: u64,
-    /// For how long that one was asked for (ns).
+    /// Duration of that setpoint (ns).
     duration: Option<u64>,
-    /// Cycles since the last one that came.
+    /// Cycles since the last setpoint that was received.
     silence: u64,
-    /// Why one was not followed, as it was told.
+    /// Reported reason why a setpoint was not followed.
     told: Code,
 }
 
 impl Default for Streamed {
-    /// None has ever come.
+    /// No setpoint was received yet.
     fn default() -> Self {
         Self { age: u64::MAX, duration: None, silence: u64::MAX, told: Code::NONE }
     }
 }
 
 impl Streamed {
-    /// A cycle without a setpoint.
+    /// Counts a cycle without a setpoint.
     pub(super) fn pass(&mut self) {
         (self.age, self.silence) = (self.age.saturating_add(1), self.silence.saturating_add(1));
     }
 
-    /// Is nothing told that is forgotten in time?
+    /// Whether no reported reason has to be cleared later.
     pub(super) fn is_settled(&self) -> bool {
         self.told.is_none()
     }
 }
 
 impl Axis {
-    /// Takes a new setpoint, and stops when none has come for too long.
+    /// Executes a new setpoint, and stops after the timeout.
     pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
         let timeout = self.parameters.setpoint_timeout.unsigned_abs();
         self.streamed.pass();
@@ -67,7 +68,7 @@ impl Axis {
             self.take_setpoint(cx, setpoint);
         }
         let age = self.streamed.age.saturating_mul(self.setup.cycle_ns);
-        // Also one that the override holds: it is not to move once that lets it go.
+        // Also a setpoint at override 0: it must not move the axis when the override changes.
         let runs = matches!(&self.generator, Generator::Plan(course) if course.aim != Aim::Stop);
         if self.reference != Reference::Stream || !runs {
             return;
@@ -85,7 +86,7 @@ impl Axis {
         let mut told = Code::NONE;
         let checked = self.check_setpoint(velocity);
         if self.is_held_at_limit(velocity, &checked) {
-            // What stops it goes on.
+            // The stop continues.
             (self.streamed.age, self.streamed.duration) = (0, duration);
             return;
         }
@@ -102,7 +103,7 @@ impl Axis {
                 self.note_refused_at_limit(velocity, &refusal);
                 let is_barred = matches!(refusal.code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN);
                 if !(is_barred && self.streams()) {
-                    // One that is not followed is no sign of life.
+                    // A setpoint that is not followed does not restart the timeout.
                     return;
                 }
                 told = refusal.code;
@@ -111,23 +112,23 @@ impl Axis {
         };
         self.streamed = Streamed { age: 0, duration, silence: 0, told };
         if velocity != 0.0 || !self.rests() {
-            // What waited to engage is not to take the axis from it.
+            // A waiting coupling must not take the axis from the stream.
             self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
             self.stream_at(cx, velocity);
         }
     }
 
-    /// Does a setpoint move it?
+    /// Whether a setpoint moves the axis.
     pub(super) fn streams(&self) -> bool {
         self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream
     }
 
-    /// May the axis follow it? Not yet, where it comes to rest by itself.
+    /// Checks whether the axis may follow it. False: not yet, while the axis comes to rest by itself.
     fn check_setpoint(&self, velocity: f64) -> Result<bool, Refusal> {
         let refuse = |code, limit| Err(Refusal::new(code, self.object()).with(Number::Velocity(velocity), limit));
         self.check_closed_loop()?;
         if !velocity.is_finite() {
-            // Without it: an event with NaN would not equal itself.
+            // Without the value: an event with NaN would not be equal to itself.
             return Err(Refusal::new(Code::SETPOINT_NO_NUMBER, self.object()));
         }
         self.check_free()?;
@@ -147,7 +148,7 @@ impl Axis {
         let usual = self.parameters.usual_limits();
         let aim = Aim::velocity(velocity);
         let mut course = self.course(cx.cycle, from, aim, usual);
-        // Turning back before a limit may take more than the usual deceleration.
+        // A reversal before a limit may need more than the default deceleration.
         if self.check_course(&course, from, usual).is_err() {
             course = self.course(cx.cycle, from, aim, self.stop_limits());
         }

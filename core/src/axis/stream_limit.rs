@@ -1,9 +1,9 @@
 //! Streams of setpoints at a software limit.
 //!
-//! Law      with `jog_at_limit: stop` a stream that leads into a software limit ends at it, without an error. An event reports that, and no
-//!          other one does until the axis has left the limit, or a setpoint has led away from it; until then a setpoint that leads on
-//!          into the limit changes nothing
-//! Reads    the setpoint and what refuses it, the plan under way, the limit that has stopped the axis
+//! Law      with `jog_at_limit: stop` a stream that leads into a software limit ends at it, without an error. One event
+//!          reports that, and no other one follows until the axis has left the limit, or a setpoint has led away from
+//!          it; until then a setpoint that leads further into the limit has no effect
+//! Reads    the setpoint and its refusal, the active plan, the limit that has stopped the axis
 //! Writes   whether a stream has been reported at that limit
 //! Source   contract section 3
 
@@ -20,7 +20,8 @@ impl Axis {
         self.parameters.supervision.jog_at_limit == 0
     }
 
-    /// Whether a setpoint leads on into the software limit that has ended its stream. One that leads away ends that.
+    /// Whether a setpoint leads further into the software limit that has ended its stream. A setpoint that leads away
+    /// clears that state.
     pub(super) fn is_held_at_limit(&mut self, velocity: f64, checked: &Result<bool, Refusal>) -> bool {
         let Some(up) = self.at_limits.told_stream().filter(|_| self.stops_streams()) else { return false };
         let is_away = if up { velocity < 0.0 } else { velocity > 0.0 };
@@ -37,7 +38,7 @@ impl Axis {
         }
     }
 
-    /// A setpoint is refused, and that is reported: where it leads further into a software limit it is not reported again.
+    /// Notes that a setpoint is refused and reported: further setpoints into the same software limit are not reported.
     pub(super) fn note_refused_at_limit(&mut self, velocity: f64, refusal: &Refusal) {
         if self.stops_streams() && is_software_limit(refusal) {
             let up = velocity > 0.0;
@@ -45,8 +46,8 @@ impl Axis {
         }
     }
 
-    /// The motion of a stream that ends at a limit, as fast as it was asked for; none where something else moves the axis, or where
-    /// that would pass the limit.
+    /// Returns the motion of a stream that ends at a limit, with the requested velocity; none if another motion is
+    /// active, or the motion would pass the limit.
     pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<Course> {
         let Generator::Plan(Course { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else { return None };
         let is_towards = if up { *asked > 0.0 } else { *asked < 0.0 };
@@ -61,7 +62,7 @@ impl Axis {
         ((end - limit).to_f64().abs() <= course::ROUNDING).then_some(course)
     }
 
-    /// Whether the motion under way ends at a limit, whatever velocity (inc/s) a stream asks for, or because of that one.
+    /// Whether the active motion ends at a limit, either with any velocity (inc/s) of the stream, or with this one.
     fn ends_at_limit(&self, up: bool, asked: f64) -> bool {
         let Generator::Plan(course) = &self.generator else { return false };
         let is_asked = course.aim == Aim::Stop || course.limits.velocity == asked.abs();
@@ -69,7 +70,7 @@ impl Axis {
     }
 }
 
-/// Whether a velocity leads further into a software limit: a limit switch has no place.
+/// Whether a velocity leads further into a software limit. A limit switch has no position.
 fn is_software_limit(refusal: &Refusal) -> bool {
     refusal.code == Code::LIMIT_VIOLATION && refusal.limit != Number::None
 }

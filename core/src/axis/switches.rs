@@ -1,7 +1,8 @@
-//! The switches of an axis' way: those at its drive (60FDh) and those that parameters assign to digital inputs.
+//! Limit and reference switches of an axis: those at its drive (60FDh) and those assigned to digital inputs by
+//! parameters.
 //!
-//! Law      actuated = bit of the drive, or level of the assigned input: input n (the n-th digital input of the cell, in file
-//!          order, from 1), inverted for -n
+//! Law      active = bit of the drive, or level of the assigned input: input n (the n-th digital input of the cell, in
+//!          file order, from 1), inverted for -n
 //! Source   MACS-IO-01, MACS-IO-02, MACS-LIM-07, CiA 402-2 object 60FDh
 
 use super::Axis;
@@ -9,7 +10,7 @@ use crate::drive::{DriveInput, Inputs, inputs};
 use crate::parameter::Assigned;
 use serde::{Deserialize, Serialize};
 
-/// The switches, true where they are actuated.
+/// The switches; true while active.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Switches {
     /// Reference switch.
@@ -33,10 +34,10 @@ impl Switches {
     }
 }
 
-/// The level of an assigned input: n, or -n for the inverse; false where none is assigned.
+/// Returns the level of an assigned input: n, or -n for the inverse; false if none is assigned.
 pub(crate) fn assigned_input(level: impl Fn(usize) -> bool, number: i64) -> bool {
     let Some(place) = number.unsigned_abs().checked_sub(1) else { return false };
-    // What lies beyond all inputs reads 0.
+    // An input number beyond the last input reads 0.
     let is_high = usize::try_from(place).is_ok_and(level);
     is_high != (number < 0)
 }
@@ -48,7 +49,7 @@ impl Axis {
         self.switches_before = self.switches;
         self.switches = Switches::read(drive, all, &self.parameters.assigned);
         if self.gantry().is_some() {
-            // Those of both drives are in the word of the drive already.
+            // The input data of the drive already contain the switches of both drives.
             self.switches.home = drive.is_some_and(|drive| drive.inputs & inputs::HOME != 0);
         }
     }

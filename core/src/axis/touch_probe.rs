@@ -1,11 +1,13 @@
-//! Passive touch probe: records where the axis is when something latches, whatever moves it (MC_TouchProbe, MC_AbortTrigger).
+//! Touch probe without a motion: records the position of the axis at a latch, in any motion (MC_TouchProbe,
+//! MC_AbortTrigger).
 //!
-//! Law      recorded = position of the axis at the latch, on the straight line of the change of its cycle. A touch probe without a
-//!          window records every latch of its edge; with one, those whose position lies between the first and the last place, both
-//!          included, within the turn of an axis that has one. It is over with the first record, or records until it is aborted
+//! Law      recorded = position of the axis at the latch, linear within the change of its cycle. A touch probe without
+//!          window records every latch of its edge; with a window, those whose position is between the first and the
+//!          last position, both included, within the turn of an axis with modulo. It ends with the first record, or
+//!          records until it is aborted
 //! Reads    the latches of the cycle, its index pulse, the actual position
-//! Writes   an event `latch` of each record, the signals of the last one, `done` at the end; moves nothing
-//! Refuses  more touch probes than there is room for; a window that ends before it begins, of an axis without turn
+//! Writes   an event `latch` for each record, the signals of the last one, `done` at the end; moves nothing
+//! Refuses  more touch probes than there is room for; a window that ends before it begins, on an axis without modulo
 //! Source   PLCopen part 1 (MC_TouchProbe, MC_AbortTrigger)
 
 use super::probe::is_awaited;
@@ -21,16 +23,17 @@ use crate::signal::Board;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 
-/// Touch probes of one axis that may be armed at the same time, each for another trigger.
+/// Largest number of touch probes of one axis that are armed at the same time, each for another trigger.
 pub(super) const MAX_TOUCH_PROBES: usize = 4;
 
-/// Events of one axis in a cycle that its touch probes make: each latch is recorded by one of them, and each may record the index and end.
+/// Largest number of events of the touch probes of one axis in a cycle: each latch is recorded by one of them, and each
+/// may record the index and end.
 pub(crate) const MOST_RECORDS: usize = MAX_LATCHES + 2 * MAX_TOUCH_PROBES;
 
-/// The number of an index pulse where an edge has 0 (falling) or 1 (rising).
+/// Number of an index pulse in events in which an edge has 0 (falling) or 1 (rising).
 pub(crate) const INDEX: i64 = 2;
 
-/// Places between which a touch probe records, both included.
+/// Positions between which a touch probe records, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Window {
     first: Position,
@@ -46,14 +49,14 @@ impl Window {
     }
 }
 
-/// A touch probe that is armed.
+/// An armed touch probe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Armed {
     /// Number of its command.
     sequence: u64,
     source: Object,
     edge: ProbeEdge,
-    /// Records until it is aborted; else the first record ends it.
+    /// Whether it records until it is aborted. Otherwise the first record ends it.
     continuous: bool,
     window: Option<Window>,
 }
@@ -61,12 +64,12 @@ struct Armed {
 /// The touch probes of an axis.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct TouchProbes {
-    /// How many are armed: what each full cycle looks at.
+    /// Number of armed touch probes, which every full cycle reads.
     count: u8,
     armed: [Option<Armed>; MAX_TOUCH_PROBES],
-    /// The coordinate in which the windows were given is that of the axis no more.
+    /// Whether the coordinate of the windows is no longer that of the axis.
     is_outdated: bool,
-    /// Records of this cycle that are not shown yet, and the last of them.
+    /// Number of records of this cycle that are not published yet, and the last of them.
     #[serde(skip)]
     recorded: (u32, Position),
 }
@@ -79,22 +82,22 @@ impl TouchProbes {
         before
     }
 
-    /// Returns true if one with a window is armed.
+    /// Returns true if a touch probe with a window is armed.
     pub(super) fn have_window(&self) -> bool {
         self.armed.iter().flatten().any(|armed| armed.window.is_some())
     }
 
-    /// Whether nothing is left to end or to show.
+    /// Whether nothing is left to end or to publish.
     pub(super) fn are_settled(&self) -> bool {
         !self.is_outdated && self.recorded.0 == 0
     }
 
-    /// The places of all windows are meant in another coordinate than that of the axis from now on.
+    /// Notes that the coordinate of the axis is no longer that of the windows.
     pub(super) fn note_new_coordinate(&mut self) {
         self.is_outdated |= self.have_window();
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub(super) fn are_sound(&self) -> bool {
         let is_legal = |window: Window| window.first.is_legal() && window.last.is_legal();
         let is_counted = usize::from(self.count) == self.armed.iter().flatten().count();
@@ -103,7 +106,7 @@ impl TouchProbes {
 }
 
 impl Axis {
-    /// Arms a touch probe; one that is armed for the same trigger gives way to it.
+    /// Arms a touch probe. It replaces one for the same trigger.
     pub(super) fn arm_touch_probe(
         &mut self,
         cx: &mut Context<'_>,
@@ -113,7 +116,7 @@ impl Axis {
         let TouchProbe { source, edge, continuous, window, .. } = *request;
         self.end_outdated(cx);
         if edge == ProbeEdge::Index {
-            // Of an absolute encoder there is none (MACS-ENC-10).
+            // An absolute encoder has none (MACS-ENC-10).
             self.check_zero_moves()?;
         }
         let window = match window {
@@ -166,7 +169,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Ends touch probes whose windows were given in a coordinate that is not that of the axis any more.
+    /// Ends touch probes with windows in a coordinate that is no longer that of the axis.
     fn end_outdated(&mut self, cx: &mut Context<'_>) {
         if !std::mem::take(&mut self.touch_probes.is_outdated) {
             return;
@@ -178,7 +181,7 @@ impl Axis {
         }
     }
 
-    /// The power of the machine goes: nothing is armed any more.
+    /// Ends all touch probes when the power of the machine is removed.
     pub fn lose_touch_probes(&mut self, events: &mut EventQueue) {
         for place in 0..MAX_TOUCH_PROBES {
             self.end_touch_probe(events, place, Code::DISABLED, self.command.position);
@@ -195,8 +198,8 @@ impl Axis {
         }
     }
 
-    /// Records the latches of this cycle that touch probes wait for. Before the commands of the cycle, so that none takes a latch that
-    /// was there before it.
+    /// Records the latches of this cycle for which touch probes wait. Called before the commands of the cycle, so that
+    /// a touch probe never records a latch that was there before it.
     pub(super) fn record_latches(&mut self, cx: &mut Context<'_>) {
         if self.touch_probes.count == 0 {
             return;
@@ -214,7 +217,7 @@ impl Axis {
         }
     }
 
-    /// Records the edges of one touch probe, the oldest first, until it is over.
+    /// Records the edges of one touch probe, the oldest first, until it ends.
     fn record_edges(&mut self, cx: &mut Context<'_>, place: usize, armed: &Armed) {
         let latches = cx.latches;
         let mut order: [usize; MAX_LATCHES] = std::array::from_fn(|nth| nth);
@@ -229,7 +232,7 @@ impl Axis {
         }
     }
 
-    /// Records one latch, if it is within the window; true where that ends the touch probe.
+    /// Records one latch if it is within the window. Returns true if that ends the touch probe.
     fn record_latch(
         &mut self,
         cx: &mut Context<'_>,
@@ -249,7 +252,7 @@ impl Axis {
         }
         let latch = Event::new(Severity::Info, Kind::Latch, self.object(), Code::NONE).of_command(armed.sequence);
         cx.events.push(Event { age_ns, position, ..latch.with(Number::Count(edge), source) });
-        // What its own device latches is shown already.
+        // Latches of its own device are already published.
         if armed.source != self.object() || armed.edge == ProbeEdge::Index {
             self.touch_probes.recorded = (self.touch_probes.recorded.0.saturating_add(1), position);
         }
@@ -259,7 +262,7 @@ impl Axis {
         !armed.continuous
     }
 
-    /// Shows the last record of the cycle.
+    /// Publishes the last record of the cycle.
     pub(super) fn publish_records(&mut self, board: &mut Board) {
         let (count, position) = self.touch_probes.recorded;
         if count > 0 {

@@ -1,10 +1,10 @@
-//! A trajectory on one of its axes. The machine keeps it, and judges all of its axes together.
+//! A trajectory on one of its axes. The machine keeps the trajectory and checks all its axes together.
 //!
-//! Law      target(k) = the trajectory at t_k. The axis follows it as a coupled axis follows its leader: exactly, where its
-//!          limits allow that; else it lags, and catches up within them. Splines of degree 3 and 5 were checked before, so
-//!          that only the steps of velocity between straight segments make it lag
-//! Reads    the trajectories that run
-//! Source   PLCopen (MC_GearIn, for the way to the target), ros2_controllers' joint_trajectory_controller for the splines
+//! Law      target(k) = the trajectory at t_k. The axis follows it as a coupled axis follows its leader: exactly if its
+//!          limits allow that; otherwise it lags, and catches up within them. Splines of degree 3 and 5 were checked
+//!          before, so that only the steps of velocity between straight segments cause a lag
+//! Reads    the active trajectories
+//! Source   PLCopen (MC_GearIn, for the catching up), joint_trajectory_controller of ros2_controllers for the splines
 
 use super::course::{Aim, ROUNDING};
 use super::goal::Goal;
@@ -23,30 +23,31 @@ use crate::trajectory::{Begin, LagLimits, Reach, Tolerance};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
 
-/// What the differences of whole cycles may be more than the rates of a spline, as a share.
+/// Share by which the differences of whole cycles may exceed the rates of a spline.
 const STEP_SLACK: f64 = 1e-6;
 
-/// An axis' place in a trajectory.
+/// The track of a trajectory that an axis follows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tracker {
-    /// Its place among those that run.
+    /// Index of the trajectory among the active ones.
     slot: u16,
-    /// Its place among the trajectory's.
+    /// Index of the track in the trajectory.
     track: u16,
-    /// The motion with which it begins, by the trajectory's time.
+    /// Motion at the begin, in the time of the trajectory.
     begin: Motion,
-    /// It has not begun yet.
+    /// Whether the trajectory has not begun yet.
     waits: bool,
     /// Change of the command in the last cycle (inc/s).
     moved: f64,
-    /// The command is the spline itself, and shows its velocity: within half of what a cycle may change, that of its step.
+    /// Whether the command is the spline itself, with its velocity: that of its step within half of the change per
+    /// cycle.
     exact: bool,
-    /// It has no step of velocity that would make the axis lag.
+    /// Whether it has no step of velocity that would make the axis lag.
     smooth: bool,
-    /// Lowest and highest position of all of it.
+    /// Lowest and highest position of the whole track.
     low: Position,
     high: Position,
-    /// How far the track is moved: whole turns.
+    /// Shift of the track: whole turns.
     shift: Position,
 }
 
@@ -59,24 +60,24 @@ impl Tracker {
         Begin { motion: self.begin, time_ns: run.begin_ns, shift: self.shift }
     }
 
-    /// Its run.
+    /// Returns its trajectory.
     pub(super) fn run<'a>(&self, runs: &'a [Option<Run>]) -> Option<&'a Run> {
         runs.get(usize::from(self.slot))?.as_ref()
     }
 
-    /// The motion that its run asks of the axis, once so much real time has passed since the cycle in which that begins (ns).
+    /// Returns the motion of the track after that real time since the cycle in which the trajectory begins (ns).
     pub(super) fn asked_after(&self, run: &Run, elapsed_ns: u64) -> Motion {
         let sample = run.sample_after(usize::from(self.track), &self.begin(run), elapsed_ns);
         Motion { position: sample.position + self.shift, ..sample }
     }
 
-    /// The same in a cycle.
+    /// Returns the motion of the track in a cycle.
     fn asked(&self, run: &Run, cycle: u64) -> Motion {
         self.asked_after(run, run.elapsed_ns(cycle))
     }
 }
 
-/// A tolerance that does not hold: what was found, what is allowed.
+/// Found and allowed value of a violated tolerance.
 pub type Violation = (Number, Number);
 
 impl Axis {
@@ -84,48 +85,50 @@ impl Axis {
         self.goal.as_ref().and_then(|goal| goal.track)
     }
 
-    /// Its own trajectory, and the one that it follows until that begins.
+    /// Returns its own trajectory, and the one that it follows until that begins.
     pub(super) fn trackers(&self) -> impl Iterator<Item = Tracker> {
         self.goal.into_iter().flat_map(|goal| [goal.track, goal.before]).flatten()
     }
 
-    /// The trajectory that leads it, which its own does not while it waits for its start.
+    /// Returns the trajectory that it follows; not its own while that waits for its start.
     fn leading(&self) -> Option<Tracker> {
         self.goal.as_ref().and_then(|goal| goal.before.or(goal.track))
     }
 
-    /// The trajectory by which it moves in this cycle.
+    /// Returns the trajectory that moves it in this cycle.
     fn led_by<'a>(&self, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
         let tracker =
             self.leading().filter(|tracker| !tracker.waits && matches!(self.generator, Generator::Track(_)))?;
         Some((tracker, tracker.run(runs)?))
     }
 
-    /// The trajectory by which it moves until the cycle in which another one begins: not one that ends in motion in an earlier cycle.
+    /// Returns the trajectory that moves it until the cycle in which another one begins; not one that ends in motion in
+    /// an earlier cycle.
     fn led_until<'a>(&self, begins: u64, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
         let lasts = |run: &Run| run.late_ns(begins).is_none_or(|late| late < run.cycle_ns);
         self.led_by(runs).filter(|(_, run)| !run.trajectory.ends_in_motion() || lasts(run))
     }
 
-    /// Places of the trajectory that it follows until its own begins: among those that run, among the tracks of that.
+    /// Returns the indices of the trajectory that it follows until its own begins: among the active ones, and of its
+    /// track.
     pub fn follows_before(&self) -> Option<(usize, usize)> {
         let before = self.goal?.before?;
         Some((usize::from(before.slot), usize::from(before.track)))
     }
 
-    /// Lowest and highest position of its trajectories.
+    /// Returns lowest and highest position of its trajectories.
     pub(super) fn track_extent(&self) -> Option<(Position, Position)> {
         let extents = self.trackers().map(|tracker| (tracker.low, tracker.high));
         extents.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))
     }
 
-    /// Is its command its trajectory itself?
+    /// Whether its command is exactly its trajectory.
     pub(super) fn is_on_track(&self) -> bool {
         self.leading().is_some_and(|tracker| tracker.exact)
     }
 
-    /// Whether it stays within its software limits because its trajectory does. False while the axis lags, or may lag later, and where a
-    /// part of the trajectory is beyond a limit, as one may be that begins there.
+    /// Whether it stays within its software limits because its trajectory does. False while the axis lags, or may lag
+    /// later, and if a part of the trajectory is beyond a limit, which is possible for one that begins there.
     pub(super) fn stays_within_limits(&self) -> bool {
         let rounding = Position::from_f64(ROUNDING);
         let (low, high) = (Position::whole(self.limit(false)) - rounding, Position::whole(self.limit(true)) + rounding);
@@ -133,41 +136,42 @@ impl Axis {
             .is_some_and(|tracker| tracker.exact && tracker.smooth && tracker.low >= low && tracker.high <= high)
     }
 
-    /// Is it one of a trajectory?
+    /// Whether it belongs to a trajectory.
     pub(super) fn has_track(&self) -> bool {
         self.goal.as_ref().is_some_and(|goal| goal.track.is_some())
     }
 
-    /// Is it the axis of that track of that run, between two cycles?
+    /// Whether it is the axis of that track of that trajectory, between two cycles.
     pub fn tracks(&self, sequence: u64, slot: usize, track: usize) -> bool {
         let place = |tracker: Tracker| (usize::from(tracker.slot), usize::from(tracker.track));
         self.goal.is_some_and(|goal| goal.sequence == sequence && goal.track.map(place) == Some((slot, track)))
     }
 
-    /// The trajectory that it is of: number, place among those that run, place among its tracks.
+    /// Returns its trajectory: number, index among the active ones, index of its track.
     pub fn tracked(&self) -> Option<(u64, usize, usize)> {
         let goal = self.goal?;
         goal.track.map(|tracker| (goal.sequence, usize::from(tracker.slot), usize::from(tracker.track)))
     }
 
-    /// Why it has left the trajectory of that command, if it has, with what was found and what is allowed; asked once.
+    /// Returns the reason why it has left the trajectory of that command, with found and allowed value, and clears it.
     pub fn take_left(&mut self, sequence: u64) -> Option<(Code, Number, Number)> {
         let (_, code, (found, allowed)) = self.left.filter(|(of, ..)| *of == sequence)?;
         self.left = None;
         Some((code, found, allowed))
     }
 
-    /// Has its trajectory been cancelled?
+    /// Whether its trajectory has been cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.goal.as_ref().is_some_and(|goal| goal.ending.is_some())
     }
 
-    /// Nothing moves its command.
+    /// Whether nothing moves its command.
     pub fn stands(&self) -> bool {
         self.rests()
     }
 
-    /// Its motion in the cycle in which a track begins: a trajectory that it follows leads it until then, else it stops from now on.
+    /// Returns its motion in the cycle in which a track begins: it follows its trajectory until then, or stops from now
+    /// on.
     pub fn motion_at(&self, cycle: u64, begins: u64, runs: &[Option<Run>]) -> Motion {
         let present = self.present();
         if begins <= cycle {
@@ -180,8 +184,8 @@ impl Axis {
         if course.has_ended(begins) { self.resting(course.at(begins).position) } else { course.at(begins) }
     }
 
-    /// Takes that track of a run: it leaves what moves it. What moved it before is replaced, but for a trajectory that leads it until this one
-    /// begins.
+    /// Starts that track of a trajectory. It replaces the present motion, except for a trajectory that the axis follows
+    /// until this one begins.
     pub fn take_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
         let runs = cx.runs;
         let waits = run.begins > cx.cycle;
@@ -211,7 +215,7 @@ impl Axis {
         self.goal = Some(Goal { sequence, ending: None, target, search: None, track: Some(tracker), before });
     }
 
-    /// Begins the track that it has taken, or waits for its start.
+    /// Begins the started track, or waits for its start.
     pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run) {
         let Some(goal) = self.goal else { return };
         let Some(tracker) = goal.track else { return };
@@ -228,7 +232,7 @@ impl Axis {
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
-    /// The follower of an axis that moves so, which a track takes over there.
+    /// Returns the follower of an axis with that motion, from which the track takes over at `from`.
     fn track_from(&self, motion: Motion, from: Position, margin: f64) -> Generator {
         let p = &self.parameters;
         let down = p.deceleration_limit();
@@ -245,7 +249,7 @@ impl Axis {
         Generator::Track(if from == motion.position { follower.at_once() } else { follower })
     }
 
-    /// A track that waited begins, once the cycle has come in which it does.
+    /// Begins a waiting track when its cycle has come.
     pub(super) fn start_waiting_track(&mut self, cx: &mut Context<'_>) {
         if !self.has_track() {
             return;
@@ -263,7 +267,7 @@ impl Axis {
         let expected = tracker.begin;
         tracker.begin = self.takes_over_at(planned, run, usize::from(tracker.track));
         (tracker.moved, tracker.waits) = (self.command.velocity, false);
-        // It was checked with the motion that was expected here, which is another one where the axis lags behind the trajectory before.
+        // It was checked with the expected motion, which differs if the axis lags behind the trajectory before.
         tracker.smooth &= tracker.begin == expected;
         let from = tracker.begin.position + tracker.shift;
         tracker.exact = from == present.position;
@@ -273,7 +277,7 @@ impl Axis {
         }
     }
 
-    /// The motion of this cycle by the trajectory; none where there is none, and the axis stops already.
+    /// Returns the motion of this cycle by the trajectory. None: no trajectory, and the axis already stops.
     pub(super) fn follow_track(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
         let Generator::Track(mut follower) = self.generator else { return None };
         let Some((mut tracker, run)) = self.led_by(cx.runs) else {
@@ -286,14 +290,14 @@ impl Axis {
         let halt = run.trajectory.straight_end(track, &begin, run.time(cx.cycle).ns);
         follower.halt_at(halt.map(|halt| halt + tracker.shift));
         let lead = Lead { position: sample.position, change, velocity: sample.velocity, uneven: 0.0, valid: true };
-        // What rounding has put beyond a limit was not commanded; it is not to stay behind for that.
+        // A position beyond a limit that comes only from rounding was not commanded, and must not cause a lag.
         let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
         let position = if held { follower.target() } else { self.command.position };
         let slave = Motion { position, velocity: tracker.moved, ..self.command };
         let rule = if self.reverses_alone() { Rule::Always } else { Rule::Never };
         let next = follower.step(slave, (lead, &[]), self.cycle_s(), Reserve::default(), rule);
         tracker.moved = next.velocity;
-        // Not where two straight segments meet, nor where it arrives: there the step of this cycle is what stops begin with.
+        // Not where two straight segments meet, nor at the end: there a stop begins with the step of this cycle.
         let most = self.parameters.max_acceleration.max(self.parameters.deceleration_limit());
         let half = 0.5 * most * self.cycle_s() * (1.0 + run.trajectory.limits().margin.max(STEP_SLACK));
         let is_smooth = (sample.velocity - next.velocity).abs() <= half;
@@ -303,12 +307,13 @@ impl Axis {
             *if goal.before.is_some() { &mut goal.before } else { &mut goal.track } = Some(tracker);
         }
         self.generator = Generator::Track(follower);
-        // Where it is on the spline, its velocity is that of the spline now, not its mean since the last cycle.
+        // On the spline its velocity is the present one of the spline, not the mean since the last cycle.
         let position = self.unrounded(next.position);
         Some(if tracker.exact { Motion { position, ..sample } } else { Motion { position, ..next } })
     }
 
-    /// Where a run begins on it, and what limits it while it lags, both by the trajectory's time; none once it has left the run.
+    /// Returns the start of a trajectory on it, and its limits while it lags, both in the time of the trajectory; none
+    /// once it has left the trajectory.
     pub fn lag_of(&self, run: &Run) -> Option<(Begin, LagLimits)> {
         let is_member = !self.is_cancelled() && self.tracked().is_some_and(|(of, ..)| of == run.sequence);
         let tracker = self.tracker().filter(|_| is_member)?;
@@ -317,7 +322,7 @@ impl Axis {
         Some((tracker.begin(run), limits.stretched(run.stretch.factor())))
     }
 
-    /// Without what rounding puts it beyond a limit.
+    /// Removes the part of a position that is beyond a limit only by rounding.
     fn unrounded(&self, position: Position) -> Position {
         let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
         let (now, rounding) = (self.command.position, Position::from_f64(ROUNDING));
@@ -328,7 +333,7 @@ impl Axis {
         }
     }
 
-    /// Trajectory minus command (inc); none without one.
+    /// Returns trajectory minus command (inc); none without one.
     pub(super) fn track_error_position(&self) -> Option<Position> {
         match &self.generator {
             Generator::Track(follower) => Some(follower.error(self.command.position)),
@@ -336,8 +341,8 @@ impl Axis {
         }
     }
 
-    /// Is it too far from where its trajectory wanted it? Its command is compared as its following error is: with the cycle
-    /// that the actual values answer.
+    /// Returns the violation if it is too far from its trajectory. Its actual values are compared with the cycle to
+    /// which they respond, as for the following error.
     pub fn path_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
         let tracker = self.tracker().filter(|tracker| !tracker.waits)?;
         let track = usize::from(tracker.track);
@@ -351,21 +356,21 @@ impl Axis {
         self.violation(&path, self.answered(cycle, (run, &tracker))?)
     }
 
-    /// Age of the command that its actual values answer (cycles).
+    /// Returns the age of the command to which its actual values respond (cycles).
     fn age(&self) -> u64 {
         if self.is_virtual() { 0 } else { self.delay().saturating_add(1) }
     }
 
-    /// Motion that its trajectory asked for in the cycle that its actual values answer, with the error of its acceleration; none before its
-    /// start.
+    /// Returns the motion of its trajectory in the cycle to which its actual values respond, with the error of its
+    /// acceleration; none before its start.
     fn answered(&self, cycle: u64, (run, tracker): (&Run, &Tracker)) -> Option<Motion> {
         let answered = cycle.checked_sub(self.age()).filter(|answered| *answered >= run.begins)?;
-        // No drive measures its acceleration: the commanded one is what there is.
+        // No drive measures its acceleration, so the commanded one is used.
         let acceleration = tracker.asked(run, cycle).acceleration - self.command.acceleration;
         Some(Motion { acceleration, ..tracker.asked(run, answered) })
     }
 
-    /// Is it too far from where its trajectory has ended, at rest?
+    /// Returns the violation if it is too far from the end of its trajectory, at rest.
     pub fn goal_violation(&self, run: &Run) -> Option<Violation> {
         let tracker = self.tracker()?;
         let track = usize::from(tracker.track);
@@ -374,7 +379,7 @@ impl Axis {
         self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
     }
 
-    /// Is its command, or are its actual values, too far from its trajectory where that ends in motion?
+    /// Returns the violation if its command or its actual values are too far from a trajectory that ends in motion.
     pub fn end_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
         let tracker = self.tracker()?;
         let goal = run.trajectory.tracks().get(usize::from(tracker.track))?.goal;
@@ -384,13 +389,14 @@ impl Axis {
         lags.or_else(|| self.violation(&goal, self.answered(cycle, (run, &tracker))?))
     }
 
-    /// The first tolerance that does not hold. The acceleration of `wanted` is the error itself.
+    /// Returns the first violated tolerance. The acceleration of `wanted` is the error itself.
     fn violation(&self, tolerance: &Tolerance, wanted: Motion) -> Option<Violation> {
         let position = (wanted.position - self.actual.position).to_f64();
         let velocity = wanted.velocity - self.actual.velocity;
         let whole = |value: f64| Number::Position(value as i64);
         let beyond = |error: f64, limit: Option<f64>| limit.filter(|limit| error.abs() > *limit);
-        // The error away from 0, the tolerance towards it: what is told is beyond what is allowed as well.
+        // The error is rounded away from 0, the tolerance towards 0, so that the reported error exceeds the reported
+        // tolerance.
         beyond(position, tolerance.position)
             .map(|limit| (whole(position.abs().ceil().copysign(position)), whole(limit.floor())))
             .or_else(|| {
@@ -403,7 +409,8 @@ impl Axis {
             })
     }
 
-    /// Does its command stand where its trajectory ends? One that may not go backwards stays where rounding led it.
+    /// Whether its command rests at the end of its trajectory. An axis that may not move backward stays where rounding
+    /// has led it.
     pub fn is_at_end(&self) -> bool {
         let end = self.goal.and_then(|goal| goal.target);
         self.tracker().is_some_and(|tracker| !tracker.waits)
@@ -412,7 +419,7 @@ impl Axis {
             && self.command.velocity == 0.0
     }
 
-    /// The trajectory has ended well: the axis stands at its end.
+    /// Ends the trajectory successfully: the axis is at rest at its end.
     pub fn finish_track(&mut self, cx: &mut Context<'_>) {
         let end = self.goal.take().and_then(|goal| goal.target);
         self.generator = Generator::Rest;
@@ -420,7 +427,7 @@ impl Axis {
         self.set_state(cx, AxisState::Standstill);
     }
 
-    /// The trajectory has ended otherwise: the axis stops, if it does not already.
+    /// Ends the trajectory in any other way: the axis stops, if it has not stopped yet.
     pub fn release_track(&mut self, cx: &mut Context<'_>) {
         self.goal = None;
         if self.is_on() && matches!(self.generator, Generator::Track(_)) {

@@ -1,7 +1,7 @@
-//! What an axis refuses of a trajectory, and where it exceeds its limits, before the trajectory begins.
+//! Checks of a trajectory for an axis before it begins: refusals, and rates that exceed the limits.
 //!
-//! Refuses  knots, ways, velocities, accelerations, steps of velocity and stops after the end beyond the limits of the axis, as moves do;
-//!          a start too far away; a trajectory without time that ends elsewhere
+//! Refuses  knots, paths, velocities, accelerations, steps of velocity and stops after the end beyond the limits of the
+//!          axis, as for moves; a start too far away; a trajectory without time that ends elsewhere
 //! Source   GRP-TRAJ-10, GRP-TRAJ-11
 
 use super::Axis;
@@ -14,14 +14,15 @@ use crate::position::Position;
 use crate::profile::{self, Motion};
 use crate::trajectory::{Begin, Peaks, Reach, Trajectory};
 
-/// What rounding may put a rate beyond its limit, as a share of it.
+/// Share by which rounding may put a rate beyond its limit.
 const SLACK: f64 = 1e-9;
 
 impl Axis {
-    /// Checks that it may take that track of a run, from its motion in the cycle in which that begins, but for its rates.
+    /// Checks whether the axis may follow that track of a trajectory, from its motion in the cycle of the begin,
+    /// without its rates.
     ///
     /// # Errors
-    /// Its state or its limits forbid it.
+    /// Its state or its limits do not allow it.
     pub fn check_track(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
@@ -42,22 +43,22 @@ impl Axis {
         Ok(())
     }
 
-    /// The rates of that track that exceed their limits by more than the margin.
+    /// Returns the rates of that track that exceed their limits by more than the margin.
     pub fn track_excesses(&self, from: Motion, run: &Run, track: usize) -> impl Iterator<Item = Excess> {
         let reaches = self.reaches(from, run, track).into_iter().flatten();
         reaches.flat_map(|(reach, peaks)| self.excesses(run, &run.stretch.real_reach(reach), &peaks)).flatten()
     }
 
-    /// The largest step of velocity of that track, where it is more than the axis can do in a cycle: the way by which the axis will lag at
-    /// least (inc), and the refusal of a trajectory that must not lag.
+    /// Returns the largest step of velocity of that track if it exceeds that of the axis in a cycle: the least lag of
+    /// the axis (inc), and the refusal for a trajectory that must not lag.
     pub fn track_step(&self, from: Motion, run: &Run, track: usize) -> Option<(f64, Refusal)> {
         let trajectory = &run.trajectory;
-        // Points within the cycle in which it begins may be past, too.
+        // Points within the first cycle may be in the past, too.
         let is_ahead = |step: &(f64, u32)| step.1 >= trajectory.point_ahead(run.begin_ns);
         let steps = self.steps(from, run, track)?.into_iter().filter(is_ahead);
         let (step, point) = steps.max_by(|one, other| one.0.total_cmp(&other.0))?;
         let (most, rate) = self.most_step();
-        // What rounding makes of velocities is none.
+        // Differences of rounded velocities are not steps.
         if step.is_nan() || step <= most {
             return None;
         }
@@ -66,20 +67,20 @@ impl Axis {
         Some((step * step / (2.0 * rate), Refusal { place: Some(place(trajectory, point)), ..refusal }))
     }
 
-    /// Whether no step of that track ahead is more than the axis can do in a cycle.
+    /// Whether no future step of that track exceeds that of the axis in a cycle.
     pub(super) fn is_smooth(&self, from: Motion, run: &Run, track: usize) -> bool {
         let most = self.most_step().0;
         self.steps(from, run, track).is_some_and(|steps| steps.iter().all(|(step, _)| *step <= most))
     }
 
-    /// How much the velocity may change in a cycle (inc/s), and in a second (inc/s^2).
+    /// Returns the largest change of velocity in a cycle (inc/s), and in a second (inc/s^2).
     pub(super) fn most_step(&self) -> (f64, f64) {
         let rate = self.parameters.max_acceleration.min(self.parameters.deceleration_limit());
         (rate * self.cycle_s(), rate)
     }
 
-    /// The steps of velocity where that track begins, at the first point ahead, and the largest one of the points after that (inc/s), with their
-    /// points.
+    /// Returns the steps of velocity at the begin of that track, at the first future point, and the largest one of the
+    /// points after that (inc/s), with their points.
     fn steps(&self, from: Motion, run: &Run, track: usize) -> Option<[(f64, u32); 3]> {
         let trajectory = &run.trajectory;
         let demand = trajectory.demand(track)?;
@@ -90,14 +91,15 @@ impl Axis {
             .map_or((motion.velocity, motion.velocity), |spline| spline.end_velocities());
         let point = trajectory.point_ahead(run.begin_ns);
         let time_ns = trajectory.times_ns().get(point as usize).copied().unwrap_or(0);
-        // After the last point it rests, or continues with the velocity of that.
+        // After the last point it rests, or continues with the velocity of that point.
         let next = trajectory.given(track, time_ns).map_or(trajectory.end_velocity(track), |motion| motion.velocity);
         let (before, after) = ((first.0 - motion.velocity).abs(), (next - first.1).abs());
         let steps = [(before, point), (after, point), (demand.step, demand.peaks.step)];
         Some(steps.map(|(step, point)| (step / run.stretch.factor(), point)))
     }
 
-    /// What that track asks for, by the trajectory's time: from its first point on, and from the axis to the first point ahead.
+    /// Returns the demands of that track in the time of the trajectory: from its first point on, and from the axis to
+    /// the first future point.
     pub(super) fn reaches(&self, from: Motion, run: &Run, track: usize) -> [Option<(Reach, Peaks)>; 2] {
         let shift = self.shift(from, run, track);
         let begin = Begin { motion: self.takes_over(from, run, track), time_ns: run.begin_ns, shift };
@@ -108,12 +110,13 @@ impl Axis {
         [run.trajectory.demand(track).map(|demand| (demand.way.moved(shift), demand.peaks)), first]
     }
 
-    /// How far that track is moved: by the whole turns that bring its first point ahead nearest to the axis (GRP-TRAJ-10).
+    /// Returns the shift of that track: the whole turns that bring its first future point nearest to the axis
+    /// (GRP-TRAJ-10).
     pub(super) fn shift(&self, from: Motion, run: &Run, track: usize) -> Position {
         run.trajectory.shift(track, run.begin_ns, from.position, self.setup.modulo)
     }
 
-    /// A track whose first point is at time 0 begins near to the command (GRP-TRAJ-11).
+    /// Checks that a track with a first point at time 0 begins near the command (GRP-TRAJ-11).
     fn check_start(&self, from: Position, run: &Run, track: usize) -> Result<(), Refusal> {
         let trajectory = &run.trajectory;
         let Some(of) = trajectory.tracks().get(track).filter(|_| trajectory.times_ns().first() == Some(&0)) else {
@@ -128,14 +131,15 @@ impl Axis {
         Err(Refusal::new(Code::TRAJECTORY_START, self.object()).with(number(off.ceil()), number(most.floor())))
     }
 
-    /// Where that track takes it over, by the trajectory's time and without its shift: at what its points ask for, if the axis is near to that. The
-    /// difference, such as the rounding of a measured position, is worked off during the motion. Otherwise the spline from the axis
-    /// to the first point that lies ahead would be judged, which is not part of the plan.
+    /// Returns the motion with which that track takes over the axis, in the time of the trajectory and without its
+    /// shift: that of its points if the axis is near it. The axis then removes the difference, such as the rounding of
+    /// a measured position, during the motion. Otherwise the spline from the axis to the first future point would be
+    /// checked, which is not part of the plan.
     pub(super) fn takes_over(&self, from: Motion, run: &Run, track: usize) -> Motion {
         self.takes_over_at(Motion { position: from.position - self.shift(from, run, track), ..from }, run, track)
     }
 
-    /// The same, from a motion without the shift.
+    /// As [`takes_over`](Self::takes_over), from a motion without the shift.
     pub(super) fn takes_over_at(&self, motion: Motion, run: &Run, track: usize) -> Motion {
         let is_near = |given: &Motion| {
             (given.position - motion.position).to_f64().abs() <= self.nearness()
@@ -144,12 +148,12 @@ impl Axis {
         run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or_else(|| run.stretch.planned(motion))
     }
 
-    /// How far off a point is that counts as the same place (inc).
+    /// Returns the distance within which two positions count as the same (inc).
     pub(super) fn nearness(&self) -> f64 {
         self.parameters.in_position_window.max(1) as f64
     }
 
-    /// A trajectory that has no time left may end only where the axis is.
+    /// Checks that a trajectory without remaining time ends at the axis.
     fn check_is_there(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         let shift = self.shift(from, run, track);
         let Some(end) = run.trajectory.end(track, shift).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
@@ -166,7 +170,7 @@ impl Axis {
         let goal = run.trajectory.tracks().get(track).and_then(|track| track.goal.position);
         let most = goal.unwrap_or(self.nearness());
         let off = |from: Position| (end - from).to_f64().abs();
-        // A client that asks for where the axis is may mean either.
+        // A client that requests the present position may mean the commanded or the actual one.
         let off = off(self.command.position).min(off(self.actual.position));
         if off > most {
             let number = |value: f64| Number::Position(value as i64);
@@ -176,7 +180,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Checks where a track goes, and that it does not go backwards where that is forbidden.
+    /// Checks the positions of a track, and that it does not move backward if that is not allowed.
     fn check_track_way(
         &self,
         trajectory: &Trajectory,
@@ -201,7 +205,8 @@ impl Axis {
         Ok(())
     }
 
-    /// Where an axis whose track ends with a velocity comes to rest; none where the track ends at rest.
+    /// Returns the position at which an axis comes to rest after a track that ends with a velocity; none if the track
+    /// ends at rest.
     pub(super) fn rest_after_end(&self, run: &Run, track: usize, shift: Position) -> Option<Position> {
         let trajectory = &run.trajectory;
         let (ends_with, slope) = (trajectory.end_velocity(track), trajectory.last_slope(track));
@@ -218,7 +223,7 @@ impl Axis {
     /// Checks that an axis whose track ends with a velocity can stop within its limits.
     ///
     /// # Errors
-    /// It would stop beyond one.
+    /// It would stop beyond a limit.
     pub fn check_stop_after_end(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         let Some(rest) = self.rest_after_end(run, track, self.shift(from, run, track)) else { return Ok(()) };
         let rounding = Position::from_f64(ROUNDING);
@@ -234,7 +239,7 @@ impl Axis {
         beyond.map_or(Ok(()), |(rest, limit)| Err(refusal.with(Number::Position(rest), Number::Position(limit))))
     }
 
-    /// Velocity, acceleration and deceleration, where they exceed their limits by more than the margin.
+    /// Returns velocity, acceleration and deceleration if they exceed their limits by more than the margin.
     fn excesses(&self, run: &Run, reach: &Reach, peaks: &Peaks) -> [Option<Excess>; 3] {
         const VELOCITY: u16 = Row::place("max_velocity");
         const ACCELERATION: u16 = Row::place("max_acceleration");

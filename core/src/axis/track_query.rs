@@ -1,8 +1,9 @@
-//! The motion that a trajectory asks of an axis at any time (`query_state` of joint_trajectory_controller).
+//! The motion of a trajectory on an axis at any time (`query_state` of joint_trajectory_controller).
 //!
-//! Law      t = (time of the machine - time of the cycle in which the trajectory begins), on the trajectory that covers it: its own, or the
-//!          one that leads it until that begins. Of an axis that stands without a trajectory it is where it stands
-//! Refuses  a time before the begin and after the last point; an axis that moves otherwise, or stops
+//! Law      t = time of the machine - time of the cycle in which the trajectory begins, on the trajectory that covers
+//!          it: its own, or the one that the axis follows until that begins. An axis at rest without trajectory returns
+//!          its present position
+//! Refuses  a time before the begin or after the last point; an axis in another motion, or during a stop
 //! Source   joint_trajectory_controller of ros2_controllers (Jazzy)
 
 use super::run::{Run, place};
@@ -21,7 +22,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Its motion at that time, with the next point if a trajectory leads it then.
+    /// Returns its motion at that time, and the next point if it follows a trajectory then.
     fn trajectory_at(&self, runs: &[Option<Run>], at_ns: u64) -> Result<(Motion, Option<TrajectoryPlace>), Refusal> {
         if !self.has_track() || self.is_cancelled() {
             let stands = self.rests() && !self.has_track();
@@ -29,7 +30,7 @@ impl Axis {
             return stands.then(|| (self.resting(self.command.position), None)).ok_or_else(refusal);
         }
         let mut outside = self.refuse(Code::NO_TRAJECTORY);
-        // The own one first: the one before leads the axis until then only.
+        // Its own trajectory comes first: the axis follows the one before only until that begins.
         for tracker in self.trackers() {
             let Some(run) = tracker.run(runs) else { continue };
             let elapsed = i128::from(at_ns) - i128::from(run.begins) * i128::from(run.cycle_ns);
@@ -39,7 +40,7 @@ impl Axis {
                 return Ok((tracker.asked_after(run, elapsed), Some(place(&run.trajectory, ahead))));
             }
             let ns = |time: i128| Number::Time(time.clamp(i64::MIN.into(), i64::MAX.into()) as i64);
-            // From time 0 of the trajectory, which is up to a cycle before that in which it begins.
+            // From time 0 of the trajectory, which is up to a cycle before the cycle in which it begins.
             let since_start = i128::from(run.begin_ns);
             let (asked, last) = (ns(since_start + elapsed), ns(since_start + i128::from(lasts)));
             outside = self.refuse(Code::TRAJECTORY_OTHER_TIME).with(asked, last);

@@ -1,14 +1,17 @@
-//! The encoder of the velocity loop, where that is not the one of the position loop: it sits in the drive, on the motor.
+//! The encoder of the velocity loop, if it is not that of the position loop: it is connected to the drive, on the
+//! motor.
 //!
-//! Law      The velocity loop sees its velocity in parts of the full one, 1 for AMPENCRPM turns a minute of AMPENCRES increments, in the
-//!          sense of POSDRCT's tens digit. Changes of its words count alone: no zero of the axis is one of it.
-//!          apart = way of the position - way of this encoder under power, both in increments of the axis. A piece of way in which both went the
-//!          same way, neither less than half as far as the other, brings it half of that nearer to 0: a ratio that is not quite the given one
-//!          adds nothing up, a twist or play neither, and who stands or turns back while the other moves is told from that. More than
-//!          max_following_error: one of both is not what it was taken for
-//! Reads    the words of the drive, the change of the actual position, AMPENCNO, AMPENCRES, AMPENCRPM, POSDRCT
-//! Writes   the way that the velocity is found from; the error, which takes the power
-//! Refuses  another axis than its own, an axis with two drives, two senses of one encoder
+//! Law      the velocity loop uses its velocity as a fraction of the full one, which is AMPENCRPM turns per minute of
+//!          AMPENCRES increments, in the direction of the tens digit of POSDRCT. Only changes of its values count: the
+//!          axis has no zero on it.
+//!          apart = travel of the position - travel of this encoder under power, both in increments of the axis. After
+//!          a section of travel in which both moved in the same direction, neither less than half as far as the other,
+//!          apart is moved towards 0 by half of the longer travel. So neither a slightly different ratio nor torsion or
+//!          backlash accumulates, but an encoder that stops or reverses while the other one moves is detected. More
+//!          than max_following_error: one of both encoders is not the configured one
+//! Reads    the values of the drive, the change of the actual position, AMPENCNO, AMPENCRES, AMPENCRPM, POSDRCT
+//! Writes   the travel from which the velocity is calculated; the error, which removes the power
+//! Refuses  an encoder of another axis, an axis with two drives, two directions of one encoder
 //! Source   MACS-AMP-06, MACS-DIR-01, MACS-DIR-03; docs/loops.md
 
 use super::reaction::Failure;
@@ -21,18 +24,19 @@ use crate::event::Number;
 use crate::parameter::AxisParameters;
 use serde::{Deserialize, Serialize};
 
-/// Of the larger of both ways so much is no difference: a ratio that is less than twice, and more than half, of the given one is borne.
+/// Share of the longer travel that is no difference: a ratio between half and twice the given one is tolerated.
 const SHARE: f64 = 0.5;
-/// A piece of way in parts of max_following_error, and its least length in increments of either encoder: single counts have no ratio.
+/// Length of a section as a fraction of max_following_error, and its minimum in increments of either encoder: single
+/// counts have no ratio.
 const PIECE: f64 = 0.125;
 const LEAST: f64 = 16.0;
 
-/// Two ways that ought to be one.
+/// Travel of two encoders that should be equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Pair {
-    /// How far they were apart when this piece of way began (inc).
+    /// Difference at the start of this section (inc).
     apart: f64,
-    /// What both have gone since (inc).
+    /// Travel of both since then (inc).
     load: f64,
     motor: f64,
 }
@@ -42,12 +46,12 @@ impl Pair {
         [self.apart, self.load, self.motor].iter().all(|way| way.is_finite())
     }
 
-    /// How far they are apart.
+    /// Returns the difference of both.
     fn distance(&self) -> f64 {
         self.apart + self.load - self.motor
     }
 
-    /// Goes on by these changes, in pieces of that length.
+    /// Adds these changes, in sections of length `piece`.
     fn step(&mut self, load: f64, motor: f64, piece: f64) {
         (self.load, self.motor) = (self.load + load, self.motor + motor);
         let (longer, shorter) = (self.load.abs().max(self.motor.abs()), self.load.abs().min(self.motor.abs()));
@@ -65,15 +69,15 @@ impl Pair {
     }
 }
 
-/// What is kept of it from cycle to cycle.
+/// State of the encoder of the velocity loop.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct VelocityFeedback {
     reader: Reader,
-    /// Change in this cycle (inc of this encoder, in its own sense).
+    /// Change in this cycle (inc of this encoder, in its own direction).
     change: i64,
-    /// Its word is none.
+    /// Whether its value is invalid.
     is_lost: bool,
-    /// Ways of position and motor under power.
+    /// Travel of position and motor under power.
     ways: Pair,
 }
 
@@ -89,10 +93,10 @@ impl VelocityFeedback {
     }
 }
 
-/// May an axis of that place have the encoder of the velocity loop that its parameters name?
+/// Checks whether axis `own` may have the encoder of the velocity loop that its parameters name.
 ///
 /// # Errors
-/// The key that cannot be, and why.
+/// The key of the invalid parameter, and the reason.
 pub fn may_find_velocity(
     own: usize,
     interface: Option<Interface>,
@@ -105,7 +109,8 @@ pub fn may_find_velocity(
         return Ok(());
     }
     encoder.check(own.saturating_add(1), has_two_drives)?;
-    // With one encoder for both, a tens digit of its own would make one loop push what the other brakes.
+    // With one encoder for both loops, a tens digit of its own would make one loop accelerate what the other one
+    // brakes.
     let is_one = !matches!(Source::of(wired, encoders, parameters), Ok(Source::Encoder(_)));
     if is_one && parameters.turns_loops_apart() {
         return Err(("posdrct", Code::NO_VELOCITY_LOOP));
@@ -114,29 +119,29 @@ pub fn may_find_velocity(
 }
 
 impl Axis {
-    /// May its velocity loop have the encoder that such parameters name?
+    /// Checks whether its velocity loop may have the encoder that these parameters name.
     pub(super) fn may_find_velocity_with(&self, parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let sources = (self.setup.wired, self.setup.encoders);
         may_find_velocity(self.setup.index.into(), interface, sources, self.setup.gantry.is_some(), parameters)
     }
 
-    /// Does its velocity loop see another encoder than its position loop?
+    /// Whether its velocity loop has another encoder than its position loop.
     #[inline]
     pub(super) fn has_velocity_encoder(&self) -> bool {
         self.parameters.has_velocity_encoder() && self.takes_effort()
     }
 
-    /// What the words of its drive are.
+    /// Returns the form of the values from its drive.
     fn form_of_drive(&self) -> Form {
         match (self.counter.form(), self.setup.wired) {
-            // Its position comes from elsewhere; the cell may say what the drive tells.
+            // Its position has another source; the cell may define the form of the values from the drive.
             (Form::Incremental(64), Wired::Drive(form)) => form,
             (form, _) => form,
         }
     }
 
-    /// Reads the words of the drive for the velocity loop.
+    /// Reads the value of the drive for the velocity loop.
     pub(super) fn read_velocity_encoder(&mut self, input: &DriveInput) {
         if !self.has_velocity_encoder() {
             return;
@@ -147,41 +152,43 @@ impl Axis {
             feedback.reader = Reader::new(form);
         }
         feedback.change = 0;
-        // A drive that is lost is told of as such.
+        // A lost drive is reported as such.
         if input.online {
             let reading = feedback.reader.take(input.count, input.epoch, true);
             (feedback.change, feedback.is_lost) = (reading.change, !reading.valid);
         }
     }
 
-    /// Is it not known what the motor does?
+    /// Whether the motion of the motor is unknown.
     pub(super) fn has_lost_velocity(&self) -> bool {
         self.velocity_feedback.is_lost && self.has_velocity_encoder()
     }
 
-    /// How far the encoder of the velocity loop has turned in this cycle (inc of that encoder, in the user's sense).
+    /// Returns the change of the encoder of the velocity loop in this cycle (inc of that encoder, in the direction of
+    /// the axis).
     pub(super) fn velocity_change(&self) -> i64 {
         if !self.has_velocity_encoder() {
             return self.motor_change().floor();
         }
         let change = self.turn_counts(self.velocity_feedback.change);
         let sense = self.turned();
-        // The sense of the position loop is that of the reference, and so that of what is fed back here.
+        // The direction of the position loop is that of the reference, so it also applies to this feedback.
         if sense.position == sense.velocity { change } else { change.wrapping_neg() }
     }
 
-    /// Full velocity of the encoder of the velocity loop, where that of the axis is `full` (inc/s, each in its own increments).
+    /// Returns the full velocity of the encoder of the velocity loop for a full velocity `full` of the axis (inc/s,
+    /// each in its own increments).
     pub(super) fn full_of_loop(&self, full: f64) -> f64 {
         if self.has_velocity_encoder() { self.parameters.full_of_velocity_encoder(full) } else { full }
     }
 
-    /// Increments of the axis for each of the encoder of the velocity loop.
+    /// Returns increments of the axis per increment of the encoder of the velocity loop.
     pub(super) fn per_velocity_encoder(&self) -> f64 {
         let full = self.full_in_force();
         full / self.full_of_loop(full)
     }
 
-    /// Takes the power where load and motor do not move together.
+    /// Removes the power if load and motor do not move together.
     pub(super) fn supervise_encoders(&mut self, cx: &mut Context<'_>) {
         if !self.has_velocity_encoder() {
             return;
@@ -197,7 +204,7 @@ impl Axis {
         let piece = (PIECE * allowed as f64).max(LEAST * ratio.max(1.0));
         ways.step(load, motor, piece);
         let apart = ways.distance();
-        // Within a piece a ratio has not shown yet.
+        // Within a section a ratio is not detected yet.
         if apart.abs() > piece.max(allowed as f64) {
             // The cast saturates.
             let found = Number::Position(apart as i64);
@@ -211,7 +218,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Runs along changes and returns how far both were apart at most.
+    /// Applies changes and returns the largest difference.
     fn most(changes: impl IntoIterator<Item = (f64, f64)>) -> f64 {
         let mut pair = Pair::default();
         let distances = changes.into_iter().map(|(load, motor)| {
@@ -222,14 +229,15 @@ mod tests {
     }
 
     proptest! {
-        /// A ratio within half and twice the given one, by any changes of one sense: never further apart than a piece and a change make.
+        /// With a ratio between half and twice the given one, and changes in one direction, the difference is at most a
+        /// section and a change.
         #[test]
         fn a_ratio_adds_nothing_up(ratio in 0.51..1.95_f64, changes in prop::collection::vec(0.0..50.0_f64, 1..500)) {
             prop_assert!(most(changes.iter().map(|change| (*change, change * ratio))) <= 200.0);
             prop_assert!(most(changes.iter().map(|change| (-change, -change * ratio))) <= 200.0);
         }
 
-        /// One that stands while the other goes to and fro and on: they are as far apart as that has come.
+        /// If one encoder stops while the other one moves in any direction, the difference is the whole travel.
         #[test]
         fn a_way_alone_is_all_told(changes in prop::collection::vec(-50.0..80.0_f64, 1..500), is_motor in any::<bool>()) {
             let mut pair = Pair::default();
@@ -244,7 +252,7 @@ mod tests {
         }
     }
 
-    /// What turned against the other is apart by both ways; what is endless begins anew.
+    /// Motion in opposite directions adds up; infinite values reset the difference.
     #[test]
     fn half_as_far_is_together_and_less_is_not() {
         let mut pair = Pair::default();

@@ -1,4 +1,4 @@
-//! The vocabularies on an axis: what they see of it, their steps, and what their parameters may ask.
+//! The vocabularies on an axis: their view of it, their steps, and the checks of their parameters.
 
 mod order;
 mod verb;
@@ -29,7 +29,7 @@ impl Axis {
             owns: self.owner == owner,
             owned: self.lost == Some((cycle, owner)),
             free: self.check_ready().is_ok(),
-            // Not before its brake is open, and no more once that closes.
+            // False until its brake is open, and again while it closes.
             on: matches!(self.power, Power::On | Power::SwitchingOff),
             closing: matches!(self.power, Power::Closing { .. }),
             locked: self.is_locked(),
@@ -64,13 +64,13 @@ impl Axis {
         }
     }
 
-    /// An error or a quick stop holds it, or an open contact while it is on.
+    /// Whether an error or a quick stop locks it, or a contact is open while it is on.
     fn is_locked(&self) -> bool {
         matches!(self.state, AxisState::ErrorStop | AxisState::Stopping)
             || self.power == Power::On && !self.open_contact.is_none()
     }
 
-    /// The step of each vocabulary that has been used, in their order.
+    /// Steps each vocabulary that has been used, in their order.
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
         for owner in Owner::VOCABULARIES {
             if self.vocabularies.wakes(owner, &self.parameters)
@@ -88,7 +88,7 @@ impl Axis {
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), problem.code);
             cx.events.push(Event { parameter: Some(problem.row), ..event.with(problem.asked, problem.limit) });
         }
-        // Only one that selects by itself goes back to what it was.
+        // Only a vocabulary that selects by itself returns to its state before.
         let before = asked.writes.and_then(|_| self.vocabularies.copy(owner));
         let mut writes = asked.writes;
         if let Some(refusal) = self.try_order(cx, owner, asked.order) {
@@ -98,7 +98,7 @@ impl Axis {
             writes = then;
         }
         if let Some(writes) = writes {
-            // What the order made of the target.
+            // The target as set by the order.
             tried.follow(&self.view(cx.cycle, owner, cx.leads, cx.latches));
             if self.owner == owner {
                 self.reference = writes.reference;
@@ -107,7 +107,7 @@ impl Axis {
         }
     }
 
-    /// Once its homing is done, a vocabulary shows what it stands at now in that very cycle; so it does once the axis is locked.
+    /// Shows the new state of a vocabulary in the very cycle in which its homing ends, or the axis is locked.
     pub(super) fn settle_vocabularies(&mut self, cx: &mut Context<'_>) {
         if !self.vocabularies.watches_end() {
             return;
@@ -129,7 +129,7 @@ impl Axis {
         }
     }
 
-    /// What a vocabulary selects is a parameter, and told where that changes.
+    /// Writes the selection of a vocabulary, which is a parameter, and reports a change.
     fn write_selection(&mut self, cx: &mut Context<'_>, writes: Writes) {
         let is_new = ROWS.get(usize::from(writes.row)).is_some_and(|row| row.value(&self.parameters) != writes.value);
         if is_new {
@@ -137,10 +137,10 @@ impl Axis {
         }
     }
 
-    /// May the vocabularies have these parameters, as far as can be seen before the cycle?
+    /// Checks whether the vocabularies may have these parameters, as far as this is known before the cycle.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why not.
     pub fn admits_vocabularies(
         &self,
         candidate: &AxisParameters,
@@ -175,7 +175,7 @@ impl Axis {
                 self.check_target(target, candidate)?;
                 self.check_selected_way(cycle, Aim::Target(Position::whole(target.nearest())), limits)
             }
-            // One that stays selected is overridden, not refused (AMC-SEL-09).
+            // A velocity that remains selected is limited, not refused (AMC-SEL-09).
             Some(Order::Velocity { .. }) if tried.keeps_speed(&before) => self.check_selectable(owner),
             Some(Order::Velocity { velocity, limits }) => {
                 self.check_selectable(owner)?;
@@ -189,7 +189,8 @@ impl Axis {
         }
     }
 
-    /// May a reference that is selected lead this way? Its target and the software limits are checked by themselves.
+    /// Checks whether a selected reference may move this way. Its target and the software limits are checked
+    /// separately.
     fn check_selected_way(&self, cycle: u64, aim: Aim, limits: Limits) -> Result<(), Refusal> {
         let course = self.course(cycle, self.present(), aim, limits);
         self.check_course_forward(&course, self.present())?;
@@ -199,17 +200,17 @@ impl Axis {
         }
     }
 
-    /// May the selector move the axis? Its own homing, which any other reference ends, does not keep it from that.
+    /// Checks whether the selector may move the axis. It may during its own homing, which any other reference ends.
     fn check_selectable(&self, owner: Owner) -> Result<(), Refusal> {
         if self.homes_for(owner) { self.check_zero() } else { self.check_free() }
     }
 
-    /// Is it the homing of this vocabulary that is under way?
+    /// Whether the active homing belongs to this vocabulary.
     fn homes_for(&self, owner: Owner) -> bool {
         self.owner == owner && self.homing.is_running()
     }
 
-    /// Does an order that no command waits for; what the axis refuses is told.
+    /// Executes an order for which no command waits, and reports a refusal of the axis.
     fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
         let refusal = self.obey(cx, owner, order?).err()?;
         self.warn_of(cx, refusal);
@@ -221,7 +222,7 @@ impl Axis {
         cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
     }
 
-    /// The signals of the vocabularies, in the order in which the directory has them behind those of the axis.
+    /// Writes the signals of the vocabularies, in the order of the directory, after those of the axis.
     pub(super) fn publish_vocabularies(&mut self, board: &mut Board, leads: &Leads) {
         let Some(shown) = self.vocabularies.begin_publishing() else { return };
         let view = self.view(0, Owner::VOCABULARIES[0], leads, &[]);

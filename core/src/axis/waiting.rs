@@ -1,7 +1,7 @@
-//! Who waits for an axis to have done what a command asked of it.
+//! Commands that wait for their end on an axis.
 //!
-//! Law      each command that waits is ended once, with the event `done`; those that end together end in the order in which they
-//!          came
+//! Law      each waiting command ends once, with the event `done`. Commands that end together end in the order in which
+//!          they came
 //! Refuses  more than [`MAX_WAITING`] for one axis
 
 use super::alarm::Numbers;
@@ -11,24 +11,24 @@ use crate::object::Object;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Most commands that wait for one axis at a time: ten clients with 25 requests each, and a few.
+/// Largest number of commands that wait for one axis at a time: ten clients with 25 requests each, and a few more.
 pub const MAX_WAITING: usize = 256;
 
-/// What a waiting command waits for.
+/// The condition for which a command waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Until {
     /// The axis can be moved.
     Enabled,
     /// The axis is off.
     Disabled,
-    /// The axis stands still.
+    /// The axis is at rest.
     Standstill,
     /// The axis has no error and no lock.
     Healthy,
 }
 
-/// Commands that wait for the end of what they asked for, the oldest first. Its room is its own, so that an axis is copied
-/// without taking memory.
+/// Commands that wait for their end, the oldest first. It has fixed memory, so that an axis is copied without
+/// allocation.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(try_from = "Vec<(u64, Until)>", into = "Vec<(u64, Until)>")]
 pub(super) struct Waiting {
@@ -79,7 +79,7 @@ impl Waiting {
         self.all().iter().any(|(_, waits)| *waits == until)
     }
 
-    /// False where there is no room.
+    /// Adds a command. Returns false without room.
     pub(super) fn add(&mut self, sequence: u64, until: Until) -> bool {
         let Some(place) = self.places.get_mut(self.count) else { return false };
         *place = (sequence, until);
@@ -87,12 +87,12 @@ impl Waiting {
         true
     }
 
-    /// Ends all that wait for `until`, with `code`.
+    /// Ends all commands that wait for `until`, with `code`.
     pub(super) fn end(&mut self, events: &mut EventQueue, axis: u16, until: Until, code: Code, position: Position) {
         self.end_with(events, until, Event::done(Object::Axis(axis), 0, code, position));
     }
 
-    /// The same with an event, which lacks only the command.
+    /// Ends them with an event to which only the command is added.
     pub(super) fn end_with(&mut self, events: &mut EventQueue, until: Until, done: Event) {
         let mut kept = 0;
         for from in 0..self.count {
@@ -107,7 +107,7 @@ impl Waiting {
         self.count = kept;
     }
 
-    /// As [`fail`](Self::fail), with what was found and what is allowed.
+    /// As [`fail`](Self::fail), with found value and allowed value.
     pub(super) fn fail_with(
         &mut self,
         events: &mut EventQueue,
@@ -120,7 +120,7 @@ impl Waiting {
         self.end_with(events, until, done.with(found, allowed));
     }
 
-    /// Ends all that wait for `until` without success.
+    /// Ends all commands that wait for `until` without success.
     pub(super) fn fail(&mut self, events: &mut EventQueue, axis: u16, code: Code, until: Until) {
         self.end(events, axis, until, code, Position::ZERO);
     }

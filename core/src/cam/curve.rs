@@ -1,4 +1,4 @@
-//! A table as a curve: straight between its points, at equal distances of the master or at places of its own.
+//! A table as a curve: straight lines between points at equal distances of the master or at given positions.
 //!
 //! Law      y: i = floor(x * (N - 1) / L), y(x) = y[i] + (y[i+1] - y[i]) * (x * (N - 1) - i * L) / L;
 //!          xy: X[i] <= x < X[i+1], y(x) = y[i] + (y[i+1] - y[i]) * (x - X[i]) / (X[i+1] - X[i]), L = X[N-1]
@@ -6,16 +6,16 @@
 
 use crate::table::{Table, interval};
 
-/// Where a curve is: `y + rise * part / whole`.
+/// Point on a curve: `y + rise * part / whole`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Point {
-    /// Value of the point before.
+    /// Value of the table point before.
     pub y: i64,
-    /// From there to the next point.
+    /// Difference from there to the next table point.
     pub rise: i64,
-    /// How far, 0 <= part < whole.
+    /// Position in the interval, 0 <= part < whole.
     pub part: i64,
-    /// Of so much.
+    /// Length of the interval, in the units of `part`.
     pub whole: i64,
 }
 
@@ -30,7 +30,8 @@ pub struct Curve<'a> {
 }
 
 impl<'a> Curve<'a> {
-    /// A table as a curve; without one it is 0 everywhere. At equal distances it is `length` long, 1 at least; a place of its own is `parts` of the master's units.
+    /// Returns a table as a curve; without table it is 0 everywhere. With equal distances it is `length` long, at least
+    /// 1; a unit of given positions is `parts` units of the master.
     #[inline]
     pub fn new(table: Option<&'a Table>, length: i64, parts: i64) -> Self {
         let (x, y) = table.map_or((&[][..], &[][..]), |table| (table.x(), table.y()));
@@ -38,19 +39,20 @@ impl<'a> Curve<'a> {
         Self { x, y, length: length.max(1), parts }
     }
 
-    /// How long it is (master).
+    /// Returns its length (units of the master).
     #[inline]
     pub fn length(&self) -> i64 {
         self.length
     }
 
-    /// The value at its end.
+    /// Returns the value at its end.
     #[inline]
     pub fn end(&self) -> i64 {
         self.y.last().copied().unwrap_or(0)
     }
 
-    /// Where it is at `x`, 0 <= x < length. `near` is the point before it, or near it: from there it is looked for.
+    /// Returns the point at `x`, 0 <= x < length. `near` is the index of the point before it, or near it, from which
+    /// the search starts.
     #[inline]
     pub fn at(&self, x: i64, near: &mut u32) -> Point {
         let last = self.y.len().saturating_sub(2);
@@ -61,12 +63,13 @@ impl<'a> Curve<'a> {
         Point { y, rise: value(i + 1).wrapping_sub(y), part, whole }
     }
 
-    /// The interval, and how far into it: lengths are below 2^31 and points fewer than 2^20, so the products are below 2^51.
+    /// Returns the interval and the position in it. Lengths are below 2^31 and points fewer than 2^20, so the products
+    /// are below 2^51.
     #[inline]
     fn even(&self, x: i64, near: u32, last: usize) -> (usize, i64, i64) {
         let scaled = x.wrapping_mul(last as i64 + 1);
         let part = scaled.wrapping_sub(i64::from(near).wrapping_mul(self.length));
-        // Most calls stay in their interval: a division takes as long as all the rest.
+        // Most calls stay in their interval: a division takes as long as everything else.
         if (0..self.length).contains(&part) && near as usize <= last {
             return (near as usize, part, self.length);
         }
@@ -97,7 +100,7 @@ mod tests {
         Table::new(Form::Xy, &x, &y).expect("points")
     }
 
-    /// The value, rounded down.
+    /// Returns the value, rounded down.
     fn floor(point: Point) -> i64 {
         point.y + (point.rise * point.part).div_euclid(point.whole)
     }
@@ -137,7 +140,7 @@ mod tests {
         assert_eq!([0, 1, 2].map(|x| floor(curve.at(x, &mut 0))), [0, 4, 3]);
     }
 
-    /// The largest table at the longest master: nothing wraps.
+    /// The largest table with the longest master: no overflow.
     #[test]
     fn a_million_points_are_read_to_their_end() {
         const LENGTH: i64 = i32::MAX as i64;
@@ -162,7 +165,7 @@ mod tests {
     }
 
     proptest! {
-        /// Wherever the search begins, the same point is found, and it is the one of the law.
+        /// With any hint the same point is found, and it is that of the law.
         #[test]
         fn a_hint_changes_nothing(
             steps in proptest::collection::vec((1_i64..400, -32_767_i64..=32_767), 1..40),

@@ -1,6 +1,7 @@
-//! What a cam has given since it began, scaled, exact.
+//! The exact scaled output of a cam since its start.
 //!
-//! Law      total = floor((sum of the ends + y(x)) * K / 2^n), rounded once: what a scaled end leaves below an increment is kept
+//! Law      total = floor((sum of the ends + y(x)) * K / 2^n), rounded once: the fraction of an increment in a scaled
+//!          end is kept
 //! Source   AMK-FIPW-04 to -06, AMK-XFIPW-07, -13, A-04, A-05, A-21
 
 use super::curve::Point;
@@ -31,27 +32,27 @@ impl Scale {
     }
 }
 
-/// The scaled sum of all ends that were passed. It runs round at 64 bits, as every sink does.
+/// The scaled sum of all ends that were passed. It wraps at 64 bits, as every sink does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Total {
     whole: i64,
-    /// Of 2^n.
+    /// Remainder, in units of 1 / 2^n.
     rest: i64,
 }
 
 impl Total {
-    /// The end of a table, passed so many times; back, where that is negative.
+    /// Adds the end of a table, passed `times` times; negative: backward.
     #[inline]
     pub fn pass(&mut self, end: i64, times: i64, scale: Scale) {
-        // An end has 32 bits, K has 16: with any number of times the product has no more than 111.
+        // An end has 32 bits, K has 16: with any number of times the product has at most 111.
         let sum = i128::from(end) * i128::from(scale.mult) * i128::from(times) + i128::from(self.rest);
         self.whole = self.whole.wrapping_add((sum >> scale.shift()) as i64);
         self.rest = sum as i64 & scale.mask();
     }
 
-    /// The total at a point of the present table.
+    /// Returns the total at a point of the present table.
     ///
-    /// Values have 32 bits, rises and K 16, a part fewer than 31, n is 15 at most: all of it fits 63 bits.
+    /// Values have 32 bits, rises and K 16, a part fewer than 31, n is at most 15: the result fits 63 bits.
     #[inline]
     pub fn at(self, point: Point, scale: Scale) -> i64 {
         let Point { y, rise, part, whole } = point;
@@ -66,13 +67,13 @@ impl Total {
         self.whole.wrapping_add(scaled >> scale.shift()).wrapping_add(between)
     }
 
-    /// The total between two tables.
+    /// Returns the total between two tables.
     #[inline]
     pub fn at_end(self) -> i64 {
         self.whole
     }
 
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(self) -> bool {
         (0..1 << 15).contains(&self.rest)
     }
@@ -105,7 +106,7 @@ mod tests {
     }
 
     proptest! {
-        /// One rounding of the exact sum, whatever came before.
+        /// One rounding of the exact sum, after any history.
         #[test]
         fn a_total_is_the_exact_sum_rounded_down(
             passes in proptest::collection::vec((any::<i32>(), -1_000_i64..1_000), 0..8),

@@ -1,24 +1,24 @@
-//! Words of absolute encoders.
+//! Code words of absolute encoders.
 //!
 //! Law      count = value of the word - omitted, 0 <= count < steps * turns; one step is one increment
 //! Reads    words in binary or reflected Gray code
 //! Writes   a count
-//! Refuses  a word that is none of the encoder's; a step beyond what is allowed
+//! Refuses  an invalid word; a step beyond the allowed one
 //! Source   MACS-ENC-01, -08, A-11; WF-ABS-01, -04, WF-MD-04, -05, -16, W14
 
 use serde::{Deserialize, Serialize};
 
-/// How a word is coded.
+/// Code of the words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WordCode {
-    /// As a binary number.
+    /// Binary number.
     #[default]
     Binary,
-    /// In reflected Gray code: one bit changes from step to step.
+    /// Reflected Gray code: one bit changes from step to step.
     Gray,
 }
 
-/// What a track of parity makes of the number of ones of a word, itself included.
+/// Parity of the number of ones of a word, including the parity track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parity {
     /// The number of ones is even.
@@ -27,38 +27,38 @@ pub enum Parity {
     Odd,
 }
 
-/// What an absolute encoder is.
+/// Properties of an absolute encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Absolute {
-    /// Steps of one turn, from 2 on.
+    /// Steps per turn, from 2 on.
     pub steps: u32,
-    /// Turns that it tells apart, from 1 on.
+    /// Number of turns, from 1 on.
     pub turns: u32,
-    /// How its words are coded.
+    /// Code of its words.
     pub code: WordCode,
-    /// A track more than the value needs, on top of it (WF-ABS-04).
+    /// Parity track in addition to the tracks of the value, as the highest bit (WF-ABS-04).
     pub parity: Option<Parity>,
-    /// The value of its first word: words below are left out, as those of an excess code.
+    /// Value of its first word: lower values do not occur, as in an excess code.
     pub omitted: u32,
-    /// Behind its last word comes the first one; else its travel ends there.
+    /// Whether its first word follows its last one. Otherwise its travel ends there.
     pub overflow: bool,
-    /// Bad words are replaced by extrapolated ones, at most 100 in a row.
+    /// Whether bad words are replaced by extrapolated ones, at most 100 in succession.
     pub corrects: bool,
     /// Largest step from cycle to cycle (inc).
     pub max_step: Option<i64>,
 }
 
-/// Why a word is bad.
+/// Reason why a word is bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bad {
-    /// The word could not be read, or is none of the encoder's.
+    /// The word could not be read, or is invalid.
     NoWord,
-    /// The word lies further from the last one than the encoder can have moved.
+    /// The difference from the last word exceeds the possible motion of the encoder.
     Step,
 }
 
 impl Absolute {
-    /// A single-turn encoder in binary code that begins anew.
+    /// Returns a single-turn encoder in binary code that wraps.
     pub const fn single_turn(steps: u32) -> Self {
         Self {
             steps,
@@ -72,39 +72,39 @@ impl Absolute {
         }
     }
 
-    /// How many words it has, 2 to 2^62.
+    /// Returns the number of its words, 2 to 2^62.
     pub fn words(&self) -> i64 {
-        // Below 2^64; clamped to what a circle takes.
+        // Below 2^64; clamped to the largest range.
         let words = u64::from(self.steps.max(2)) * u64::from(self.turns.max(1));
         words.min(1 << 62).cast_signed()
     }
 
-    /// Is it one?
+    /// Whether its properties are valid.
     pub fn is_sound(&self) -> bool {
         let words = u64::from(self.steps) * u64::from(self.turns);
         let last = words.saturating_add(self.omitted.into());
         self.steps >= 2 && self.turns >= 1 && last <= 1 << 62 && self.max_step.is_none_or(|step| step > 0)
     }
 
-    /// The tracks of its values (bits), 1 to 62.
+    /// Returns the number of tracks of its values (bits), 1 to 62.
     fn tracks(&self) -> u32 {
-        // Below 2^63, as `words` and what is omitted are at most 2^62 each.
+        // Below 2^63, as `words` and `omitted` are at most 2^62 each.
         let last = self.words().cast_unsigned() + u64::from(self.omitted) - 1;
         u64::BITS - last.leading_zeros()
     }
 
-    /// The track of parity of a word without it, where there is one.
+    /// Returns the parity track of a word without it, if there is one.
     fn parity_track(&self, word: u64) -> u64 {
         let is_set = match self.parity {
             None => false,
             Some(Parity::Even) => !word.count_ones().is_multiple_of(2),
             Some(Parity::Odd) => word.count_ones().is_multiple_of(2),
         };
-        // Sound encoders have 62 tracks at most; others must not overflow either.
+        // Valid encoders have at most 62 tracks; others must not overflow either.
         u64::from(is_set) << self.tracks().min(62)
     }
 
-    /// The count of a word; none for a word that it does not have.
+    /// Returns the count of a word; none for an invalid word.
     pub fn decode(&self, word: i64) -> Option<i64> {
         let word = u64::try_from(word).ok()?;
         let tracks = (1_u64 << self.tracks().min(62)) - 1;
@@ -121,7 +121,7 @@ impl Absolute {
         (count < self.words()).then_some(count)
     }
 
-    /// The word of a count, which is taken around as the encoder is.
+    /// Returns the word of a count, which wraps at the range of the encoder.
     pub fn encode(&self, count: i64) -> i64 {
         let value = count.rem_euclid(self.words()).cast_unsigned() + u64::from(self.omitted);
         let word = match self.code {
@@ -131,7 +131,8 @@ impl Absolute {
         (word | self.parity_track(word)).cast_signed()
     }
 
-    /// The largest step that is believed (inc): half a turn where bad words are corrected (MACS-ENC-08), and what is asked for.
+    /// Returns the largest accepted step (inc): half a turn if bad words are corrected (MACS-ENC-08), and the
+    /// configured one.
     pub fn largest_step(&self) -> Option<i64> {
         let half = self.corrects.then_some(i64::from(self.steps / 2));
         match (half, self.max_step) {
@@ -141,7 +142,7 @@ impl Absolute {
     }
 }
 
-/// Reflected Gray code as a number.
+/// Converts reflected Gray code to a number.
 fn from_gray(mut word: u64) -> u64 {
     for shift in [1, 2, 4, 8, 16, 32] {
         word ^= word >> shift;
@@ -165,7 +166,7 @@ mod tests {
         max_step: None,
     };
 
-    /// The table of reflected Gray code, as every textbook has it; 15 to 16 changes track 5 only.
+    /// The table of reflected Gray code from textbooks; from 15 to 16 only track 5 changes.
     ///
     /// Proves: WF-ABS-01, WF-ABS-05
     #[test]
@@ -184,7 +185,8 @@ mod tests {
         assert_eq!(Absolute { steps: 4096, ..GRAY }.decode(0b1001), Some(14));
     }
 
-    /// 360 steps in the middle of 512: the excess code leaves 76 words out at each end, and one bit changes at its seam too.
+    /// 360 steps in the middle of 512: the excess code omits 76 words at each end, and one bit changes from its last to
+    /// its first word, too.
     #[test]
     fn an_excess_code_leaves_words_out() {
         let excess = Absolute { steps: 360, omitted: 76, ..GRAY };
@@ -201,7 +203,7 @@ mod tests {
         assert_eq!(binary.decode(i64::MIN), None);
     }
 
-    /// 15 steps need 4 tracks; the fifth is that of parity. Any one track that is wrong is seen.
+    /// 15 steps need 4 tracks; the fifth one is that of parity. Any single wrong track is detected.
     ///
     /// Proves: WF-ABS-04
     #[test]

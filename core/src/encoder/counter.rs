@@ -1,31 +1,31 @@
-//! Unwrapping of counts: no width, no number of steps and no number of turns leaves a trace.
+//! Unwraps counts of any width, number of steps and number of turns.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the counts of a source begin anew.
+/// Range at which the counts of a source wrap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Circle {
-    /// After 2^bits counts, 1 to 64 bits.
+    /// At 2^bits counts, 1 to 64 bits.
     Bits(u32),
-    /// After that many counts, 1 to 2^62.
+    /// At that number of counts, 1 to 2^62.
     Steps(i64),
-    /// Nowhere: the counts are a line.
+    /// Never.
     Line,
 }
 
 impl Circle {
-    /// The shortest way from `last` to `count` (inc); of two that are as short, the negative one of bits and the positive one of
-    /// steps.
+    /// Returns the shortest distance from `last` to `count` (inc). If both directions are equal: the negative one for
+    /// bits and the positive one for steps.
     pub fn way(self, last: i64, count: i64) -> i64 {
         match self {
-            // Shifting the difference to the top and back extends its sign; wrapping is the point.
+            // Shifting the difference to the top and back extends its sign; wrapping is intended.
             Self::Bits(bits) => {
                 let spare = 64 - bits.clamp(1, 64);
                 count.wrapping_sub(last).wrapping_shl(spare).wrapping_shr(spare)
             }
             Self::Steps(steps) => {
                 let steps = steps.clamp(1, 1 << 62);
-                // Both below 2^62, so that their difference is exact.
+                // Both are below 2^62, so that their difference is exact.
                 let ahead = (count.rem_euclid(steps) - last.rem_euclid(steps)).rem_euclid(steps);
                 if ahead > steps - ahead { ahead - steps } else { ahead }
             }
@@ -43,22 +43,22 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// A source of counts of 1 to 64 bits.
+    /// Returns a counter for a source of 1 to 64 bits.
     pub fn new(bits: u32) -> Self {
         Self::on(Circle::Bits(bits.clamp(1, 64)))
     }
 
-    /// A source whose counts begin anew there.
+    /// Returns a counter for a source with that range.
     pub fn on(circle: Circle) -> Self {
         Self { circle, last: None, position: 0 }
     }
 
-    /// Where the counts of its source begin anew.
+    /// Returns the range of its source.
     pub fn circle(&self) -> Circle {
         self.circle
     }
 
-    /// Takes the counts of this cycle and returns their change (inc); the first counts are the position itself.
+    /// Adds the counts of this cycle and returns their change (inc); the first counts are the position itself.
     #[inline]
     pub fn take(&mut self, count: i64, epoch: u32) -> i64 {
         let change = match self.last {
@@ -75,28 +75,28 @@ impl Counter {
         change
     }
 
-    /// The counts of the last cycle and their epoch; none before the first ones.
+    /// Returns the counts of the last cycle and their epoch; none before the first ones.
     pub fn last(&self) -> Option<(i64, u32)> {
         self.last
     }
 
-    /// The position of raw counts near the last ones (inc).
+    /// Returns the position of raw counts near the last ones (inc).
     pub fn locate(&self, count: i64) -> i64 {
         let (last, _) = self.last.unwrap_or((count, 0));
         self.position.wrapping_add(self.circle.way(last, count))
     }
 
-    /// Sets the coordinate anew: what it counts is `by` more from now on (inc). That is no motion.
+    /// Increases the position by `by` (inc), for a new coordinate. This is no motion.
     pub fn shift(&mut self, by: i64) {
         self.position = self.position.wrapping_add(by);
     }
 
-    /// Moved by so much (inc), as someone else has counted.
+    /// Adds a change (inc) that was counted elsewhere.
     pub fn advance(&mut self, change: i64) {
         self.position = self.position.wrapping_add(change);
     }
 
-    /// The position so far (inc).
+    /// Returns the position (inc).
     pub fn position(&self) -> i64 {
         self.position
     }

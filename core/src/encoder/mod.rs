@@ -1,10 +1,11 @@
-//! Counts to positions.
+//! Converts counts to positions.
 //!
-//! Law      position(k) = position(k-1) + change, change = count(k) - count(k-1), the shortest way around the source's circle
-//! Reads    raw words of a source, their epoch and validity
+//! Law      position(k) = position(k-1) + change, change = count(k) - count(k-1), the shortest distance in the range of
+//!          the source
+//! Reads    raw values of a source, their epoch and validity
 //! Writes   a position that does not wrap (inc), its change and its velocity
-//! Refuses  a value that is none: the last position stays, the change is 0, and it is reported; a source that corrects puts an
-//!          extrapolated one in its place, at most 100 times in a row
+//! Refuses  an invalid value: the last position stays, the change is 0, and it is reported. A source with correction
+//!          replaces it by an extrapolated value, at most 100 times in succession
 //! Source   MACS-ENC-01, -07, -08, A-11; a new epoch is no motion (contract section 8)
 
 mod absolute;
@@ -23,36 +24,36 @@ use crate::drive::EncoderInput;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// By how much counts are uneven (inc).
+/// Unevenness of counts (inc).
 pub const COUNT: f64 = 1.0;
 
-/// What an axis can follow, as it stands in this cycle.
+/// Values of a leader in this cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lead {
-    /// (inc)
+    /// Position (inc).
     pub position: Position,
     /// Change since the last cycle (inc).
     pub change: Position,
-    /// (inc/s)
+    /// Velocity (inc/s).
     pub velocity: f64,
-    /// By how much a change may differ from another one at the same speed (inc): 0 of what is generated, one count of what is counted.
+    /// Difference between changes at the same speed (inc): 0 for a generated leader, one count for a counted one.
     pub uneven: f64,
-    /// False: the encoder is lost, and who follows it must stop.
+    /// Whether the values are valid. Otherwise the encoder is lost, and its followers must stop.
     pub valid: bool,
 }
 
-/// What an encoder tells once, when it begins.
+/// Event of an encoder, reported once at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Told {
-    /// The encoder gives no value that can be used.
+    /// The encoder has no usable value.
     Invalid,
-    /// A bad value was replaced by an extrapolated one, the first of a row.
+    /// A bad value was replaced by an extrapolated one, the first of a series.
     Substituted,
-    /// Pulses are missing or too many (inc).
+    /// Pulses are missing or surplus.
     Pulses {
-        /// By so many.
+        /// Their number (inc).
         by: i64,
-        /// So many are allowed.
+        /// Allowed number (inc).
         tolerance: i64,
     },
 }
@@ -64,33 +65,33 @@ pub struct Encoder {
     check: Option<PulseCheck>,
     pulses: Pulses,
     lead: Lead,
-    /// Its counts began anew in this cycle.
+    /// Whether its counts started again in this cycle.
     anew: bool,
 }
 
 impl Encoder {
-    /// An encoder whose words have that form.
+    /// Returns an encoder with values of that form.
     pub fn new(form: Form, check: Option<PulseCheck>) -> Self {
         let lead = Lead { uneven: COUNT, ..Lead::default() };
         Self { reader: Reader::new(form), check, pulses: Pulses::default(), lead, anew: false }
     }
 
-    /// Are its words those of an absolute encoder?
+    /// Whether it is an absolute encoder.
     pub fn is_absolute(&self) -> bool {
         matches!(self.reader.form(), Form::Absolute(_))
     }
 
-    /// Is it the same encoder, wherever it stands?
+    /// Whether it is the same encoder, at any position.
     pub fn is_set_up_as(&self, other: &Self) -> bool {
         self.reader.form() == other.reader.form() && self.check == other.check
     }
 
-    /// Could its state have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         self.reader.is_sound() && self.lead.velocity.is_finite()
     }
 
-    /// One cycle; what begins in it is told.
+    /// Advances by one cycle and returns an event that begins in it.
     pub fn step(&mut self, input: &EncoderInput, cycle_s: f64) -> Option<Told> {
         let was_valid = self.lead.valid;
         let epoch = self.reader.epoch();
@@ -117,29 +118,29 @@ impl Encoder {
         }
     }
 
-    /// Did its counts begin anew in this cycle? That was no motion, but what was known of their zero does not hold any more.
+    /// Whether its counts started again in this cycle. This is no motion, but its zero is no longer valid.
     pub fn is_anew(&self) -> bool {
         self.anew
     }
 
-    /// Its value is `by` (inc) more from now on, for whoever reads it. That is no motion.
+    /// Increases its value by `by` (inc) for all its users. This is no motion.
     pub fn shift(&mut self, by: i64) {
         self.reader.shift(by);
         self.pulses.shift(by);
         self.lead.position += Position::whole(by);
     }
 
-    /// The position of raw counts near those of this cycle (inc).
+    /// Returns the position of raw counts near those of this cycle (inc).
     pub fn locate(&self, count: i64) -> i64 {
         self.reader.locate(count)
     }
 
-    /// Bad values so far.
+    /// Returns the number of bad values so far.
     pub fn errors(&self) -> u64 {
         self.reader.errors()
     }
 
-    /// As of this cycle.
+    /// Returns its lead of this cycle.
     pub fn lead(&self) -> Lead {
         self.lead
     }

@@ -1,20 +1,20 @@
-//! Supervision of the pulses of an incremental encoder by its index.
+//! Supervises the pulses of an incremental encoder by its index.
 //!
-//! Law      at each index pulse the count since the last one is one turn; where the encoder has turned back in between
-//!          it is a turn either way or 0, whichever is nearest: what is more or less adds up, and beyond the tolerance
-//!          pulses are lost or too many. An index that is overdue is judged as if it came now: nobody waits for one that
-//!          stays away. An index that comes again without one count has lost them
+//! Law      at each index pulse the count since the last one must be one turn. If the encoder has reversed in between,
+//!          it must be a turn in either direction or 0, whichever is nearest. Deviations add up, and beyond the
+//!          tolerance pulses are missing or surplus. An overdue index is checked as if it came now, so that a missing
+//!          one is detected. An index that comes again without any count means that counts are missing
 //! Reads    position and change of the cycle, the position of its index pulse
 //! Source   WF-MON-02, WF-MON-07, W12
 
 use serde::{Deserialize, Serialize};
 
-/// What is supervised.
+/// Settings of the supervision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PulseCheck {
     /// Increments between two index pulses, above 0.
     pub every: i64,
-    /// Most that may add up (inc), from 0 on.
+    /// Largest sum of deviations (inc), from 0 on.
     pub tolerance: i64,
 }
 
@@ -22,13 +22,13 @@ pub struct PulseCheck {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Mark {
     position: i64,
-    /// Direction in which it was passed.
+    /// Whether it was passed in positive direction.
     forward: bool,
-    /// The encoder has moved against that direction since: the next pulse may be the same one.
+    /// Whether the encoder has moved against that direction since: the next pulse may be the same one.
     turned: bool,
 }
 
-/// How an encoder moved in a cycle.
+/// Motion of an encoder in a cycle.
 #[derive(Clone, Copy)]
 struct Way {
     position: i64,
@@ -36,17 +36,17 @@ struct Way {
 }
 
 impl Way {
-    /// Did it go that way? Without a net change it went neither.
+    /// Whether it moved in that direction. Without a net change it moved in neither.
     fn goes(self, forward: bool) -> bool {
         if forward { self.change > 0 } else { self.change < 0 }
     }
 
-    /// Was a mark in the cycle passed once, on a straight way? One that lies elsewhere was passed before the encoder
-    /// turned back, all within the cycle. One that it stood on was not reached by leaving it.
+    /// Whether a mark of the cycle was passed once, by motion in one direction. Any other mark was passed before the
+    /// encoder reversed within the cycle. A mark from which the motion started was not reached by leaving it.
     fn passes(self, mark: i64) -> bool {
         let (ahead, before) =
             (self.position.wrapping_sub(mark), self.change.wrapping_sub(self.position.wrapping_sub(mark)));
-        // `ahead` is what it moved behind the mark, `before` what it moved up to it.
+        // `ahead` is the distance moved after the mark, `before` that up to it.
         match self.change {
             0 => ahead == 0,
             1.. => ahead >= 0 && before > 0,
@@ -55,16 +55,17 @@ impl Way {
     }
 }
 
-/// What the index has shown so far.
+/// State of the supervision.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Pulses {
-    /// Nothing is known before the first one.
+    /// None before the first index pulse.
     last: Option<Mark>,
     deviation: i64,
 }
 
 impl Pulses {
-    /// One cycle; too much of a deviation (inc) is told once, and the supervision begins anew with the next index pulse.
+    /// Advances by one cycle. Too large a deviation (inc) is reported once, and the supervision starts again with the
+    /// next index pulse.
     pub fn step(&mut self, check: &PulseCheck, position: i64, change: i64, mark: Option<i64>) -> Option<i64> {
         let PulseCheck { every, tolerance } = *check;
         let every = every.max(1);
@@ -86,36 +87,36 @@ impl Pulses {
         }
         if let Some(mark) = mark {
             let forward = if change == 0 { self.last.is_none_or(|last| last.forward) } else { change > 0 };
-            // Passed and left again within the cycle, it may come again whichever way the encoder goes on.
+            // A mark that was passed and left again within the cycle may come again in either direction.
             self.last = Some(Mark { position: mark, forward, turned: !way.passes(mark) });
         }
         None
     }
 
-    /// Every position is `by` (inc) more from now on.
+    /// Increases all positions by `by` (inc).
     pub fn shift(&mut self, by: i64) {
         if let Some(last) = &mut self.last {
             last.position = last.position.wrapping_add(by);
         }
     }
 
-    /// What has added up so far (inc).
+    /// Returns the sum of deviations so far (inc).
     pub fn deviation(&self) -> i64 {
         self.deviation
     }
 }
 
 impl Mark {
-    /// How far `position` lies behind it, in its direction.
+    /// Returns the distance of `position` after it, in its direction.
     fn ahead(&self, position: i64) -> i64 {
         let way = position.wrapping_sub(self.position);
         if self.forward { way } else { 0_i64.wrapping_sub(way) }
     }
 
-    /// What the way to the next index pulse has too much.
+    /// Returns the surplus distance to the next index pulse.
     fn deviation(&self, mark: i64, change: i64, every: i64) -> i64 {
         let way = mark.wrapping_sub(self.position);
-        // In a cycle of several turns only the last pulse of them is told.
+        // In a cycle of several turns only the last pulse is reported.
         let expected = if self.turned || change.saturating_abs() >= every {
             let turns = way.saturating_add(every / 2).div_euclid(every);
             turns.saturating_mul(every)
@@ -127,10 +128,10 @@ impl Mark {
         way.saturating_sub(expected)
     }
 
-    /// What the way to an index pulse that came now would have too much; 0 before one is due.
+    /// Returns the surplus distance to an index pulse that came now; 0 before one is due.
     fn overdue(&self, position: i64, every: i64) -> i64 {
         let ahead = self.ahead(position);
-        // Behind it lies the same index, and the one before it where the encoder turned on it.
+        // After a reversal the next mark is the same index, or the one before it if the encoder reversed on it.
         let late = if ahead >= 0 { ahead - every } else { (0_i64.saturating_sub(ahead)).saturating_sub(every) };
         let along = if ahead >= 0 { late } else { -late };
         match late {

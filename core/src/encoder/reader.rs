@@ -1,29 +1,30 @@
-//! One source of counts, whatever its words are.
+//! Reads one source of counts, with values of any form.
 //!
-//! Law      a good word moves the position by the shortest way from the one before. Where bad words are corrected, the position
-//!          goes on with the last change instead, at most 100 times in a row; from then on words are taken as they are, which a
-//!          supervision of the motion sees as a jump, until one follows from the one before (MACS-ENC-08)
-//! Refuses  a bad word where nothing corrects it: no value, no motion. A step that is too large is believed once the next
-//!          word confirms it: an absolute encoder cannot lose its place
+//! Law      a good value moves the position by the shortest distance from the one before. If bad values are corrected,
+//!          the position continues with the last change instead, at most 100 times in succession. After that, values
+//!          are used as they are, which the supervision of the motion detects as a jump, until one follows from the one
+//!          before (MACS-ENC-08)
+//! Refuses  a bad value without correction: neither value nor motion. Too large a step is accepted once the next value
+//!          confirms it: an absolute encoder cannot lose its position
 //! Source   MACS-ENC-01, -07, -08, A-11, WF-ABS-04
 
 use super::{Absolute, Bad, Circle, Counter};
 use serde::{Deserialize, Serialize};
 
-/// Most bad words in a row that are replaced.
+/// Largest number of successive bad values that are replaced.
 pub const MOST_SUBSTITUTED: u32 = 100;
 
-/// What the words of a source are.
+/// Form of the values of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Form {
-    /// Counts of so many bits, 1 to 64.
+    /// Counts of that number of bits, 1 to 64.
     Incremental(u32),
-    /// Words of an absolute encoder.
+    /// Code words of an absolute encoder.
     Absolute(Absolute),
 }
 
 impl Form {
-    /// Where its counts begin anew.
+    /// Returns the range at which its counts wrap.
     pub fn circle(self) -> Circle {
         match self {
             Self::Incremental(bits) => Circle::Bits(bits),
@@ -32,7 +33,7 @@ impl Form {
         }
     }
 
-    /// The count of a word.
+    /// Returns the count of a value.
     fn decode(self, word: i64) -> Option<i64> {
         match self {
             Self::Incremental(_) => Some(word),
@@ -40,7 +41,7 @@ impl Form {
         }
     }
 
-    /// The largest step from word to word that is believed (inc).
+    /// Returns the largest accepted step between two values (inc).
     fn largest_step(self) -> Option<i64> {
         match self {
             Self::Incremental(_) => None,
@@ -48,57 +49,57 @@ impl Form {
         }
     }
 
-    /// Are bad words replaced?
+    /// Whether bad values are replaced.
     fn corrects(self) -> bool {
         matches!(self, Self::Absolute(encoder) if encoder.corrects)
     }
 }
 
-/// What a cycle has read.
+/// Result of a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
-    /// (inc)
+    /// Change of the position (inc).
     pub change: i64,
-    /// There is a value that may be used.
+    /// Whether there is a usable value.
     pub valid: bool,
-    /// The value was made up for one that could not be used.
+    /// Whether the value replaces an unusable one.
     pub substituted: bool,
-    /// The coordinate began anew: the first value, or a new epoch.
+    /// Whether the coordinate started again: the first value, or a new epoch.
     pub restarted: bool,
 }
 
-/// Reads one source.
+/// State of the reader of one source.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Reader {
     form: Form,
     counter: Counter,
-    /// Change of the last two good words in a row (inc).
+    /// Change between the last two successive good values (inc).
     pace: i64,
-    /// Count of a step that was not believed.
+    /// Count of a step that was not accepted yet.
     doubted: Option<i64>,
     bad: u32,
     errors: u64,
 }
 
 impl Reader {
-    /// Before the first word.
+    /// Returns the state before the first value.
     pub fn new(form: Form) -> Self {
         Self { form, counter: Counter::on(form.circle()), pace: 0, doubted: None, bad: 0, errors: 0 }
     }
 
-    /// What its words are.
+    /// Returns the form of its values.
     pub fn form(&self) -> Form {
         self.form
     }
 
-    /// Its words are judged by this form from now on; what they stand for stays.
+    /// Checks values by this form from now on; the conversion to counts stays the same.
     pub fn judge_by(&mut self, form: Form) {
         if form.circle() == self.form.circle() {
             self.form = form;
         }
     }
 
-    /// Could its state have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         let form = match self.form {
             Form::Incremental(bits) => (1..=64).contains(&bits),
@@ -107,15 +108,15 @@ impl Reader {
         form && self.counter.circle() == self.form.circle()
     }
 
-    /// The epoch of the last word that was taken; none before the first one.
+    /// Returns the epoch of the last accepted value; none before the first one.
     pub fn epoch(&self) -> Option<u32> {
         self.counter.last().map(|(_, epoch)| epoch)
     }
 
-    /// Takes the word of this cycle.
+    /// Reads the value of this cycle.
     #[inline]
     pub fn take(&mut self, word: i64, epoch: u32, valid: bool) -> Reading {
-        // Any count follows from the one before.
+        // Every count of an incremental encoder is valid.
         if matches!(self.form, Form::Incremental(_)) && valid && self.epoch() == Some(epoch) {
             return self.follow(word, epoch);
         }
@@ -129,7 +130,7 @@ impl Reader {
                 Ok(count) => self.follow(count, epoch),
                 Err(bad) => self.survive(bad, last, count, epoch),
             },
-            // The first word of a coordinate: there is nothing to compare it with.
+            // The first value of a coordinate: there is nothing for a comparison.
             (_, Some(count)) => {
                 self.counter.take(count, epoch);
                 (self.pace, self.bad, self.doubted) = (0, 0, None);
@@ -142,7 +143,7 @@ impl Reader {
         }
     }
 
-    /// Is it a count that the encoder can have come to?
+    /// Checks whether the encoder can have reached a count.
     fn judge(&self, last: i64, count: Option<i64>) -> Result<i64, Bad> {
         let count = count.ok_or(Bad::NoWord)?;
         let circle = self.form.circle();
@@ -157,7 +158,7 @@ impl Reader {
     #[inline]
     fn follow(&mut self, count: i64, epoch: u32) -> Reading {
         let change = self.counter.take(count, epoch);
-        // The first good word behind bad ones also makes up for what was guessed.
+        // The first good value after bad ones also corrects the error of the extrapolation.
         self.pace = if self.bad == 0 { change } else { self.pace };
         (self.bad, self.doubted) = (0, None);
         Reading { change, valid: true, ..Reading::default() }
@@ -174,14 +175,14 @@ impl Reader {
             let change = self.counter.take(guess, epoch);
             return Reading { change, valid: true, substituted: true, ..Reading::default() };
         }
-        // No more guessing: it counts what stands there, if anything does.
+        // No more extrapolation: the value is used as it is, if there is one.
         let Some(count) = count else { return Reading::default() };
         let change = self.counter.take(count, epoch);
         self.pace = 0;
         Reading { change, valid: true, ..Reading::default() }
     }
 
-    /// A count as the encoder would tell it.
+    /// Returns a count wrapped at the range of the encoder.
     fn around(&self, count: i64) -> i64 {
         match self.form.circle() {
             Circle::Steps(steps) => count.rem_euclid(steps),
@@ -194,47 +195,47 @@ impl Reader {
         self.errors = self.errors.saturating_add(1);
     }
 
-    /// Would the same word again change nothing?
+    /// Whether the same value again would change nothing.
     pub fn is_settled(&self) -> bool {
         self.is_good() && self.pace == 0
     }
 
-    /// Was the last word a good one, like all that it could be mistaken for?
+    /// Whether the last value was good, and no step is waiting for confirmation.
     pub fn is_good(&self) -> bool {
         self.bad == 0 && self.doubted.is_none()
     }
 
-    /// Bad words in a row up to this cycle.
+    /// Returns the number of successive bad values up to this cycle.
     pub fn bad_in_a_row(&self) -> u32 {
         self.bad
     }
 
-    /// Bad words so far (SYSVAR 16).
+    /// Returns the number of bad values so far (SYSVAR 16).
     pub fn errors(&self) -> u64 {
         self.errors
     }
 
-    /// The position so far (inc).
+    /// Returns the position (inc).
     pub fn position(&self) -> i64 {
         self.counter.position()
     }
 
-    /// The count that the position stands for; none before the first one.
+    /// Returns the count of the present position; none before the first one.
     pub fn count(&self) -> Option<i64> {
         self.counter.last().map(|(count, _)| count)
     }
 
-    /// The position of a word near the last one (inc).
+    /// Returns the position of a value near the last one (inc).
     pub fn locate(&self, word: i64) -> i64 {
         self.form.decode(word).map_or(self.counter.position(), |count| self.counter.locate(count))
     }
 
-    /// Every position is `by` (inc) more from now on.
+    /// Increases all positions by `by` (inc).
     pub fn shift(&mut self, by: i64) {
         self.counter.shift(by);
     }
 
-    /// Moved by so much (inc), as someone else has counted.
+    /// Adds a change (inc) that was counted elsewhere.
     pub fn advance(&mut self, change: i64) {
         self.counter.advance(change);
     }

@@ -1,8 +1,8 @@
-//! The numbers by which MACS chooses where a position comes from: ENCODERTYPE and MENCODERTYPE.
+//! Numbers with which MACS selects the source of a position: ENCODERTYPE and MENCODERTYPE.
 //!
-//! Law      bus: v = guard * (bus + device * 1000 + id), guard 1 with and -1 without node guarding; EtherCAT: 200000 + 51 * 1000 +
-//!          100 pdo + offset, without a sign
-//! Refuses  numbers that the table does not have
+//! Law      bus: v = guard * (bus + device * 1000 + id), guard 1 with and -1 without node guarding; EtherCAT:
+//!          200000 + 51 * 1000 + 100 pdo + offset, without a sign
+//! Refuses  numbers that are not in the table
 //! Source   MACS-ENC-04, -05, -06, -14, -15, A-10, A-13
 
 use serde::{Deserialize, Serialize};
@@ -15,13 +15,13 @@ const CANOPEN_ENCODER: u8 = 50;
 pub enum Bus {
     /// A CAN node.
     Can {
-        /// Its node guarding is on.
+        /// Whether node guarding is on.
         guarded: bool,
-        /// On the slave bus, else on the master bus.
+        /// Whether it is on the slave bus; otherwise it is on the master bus.
         slave: bool,
-        /// Kind of device, as the numbers of DRIVETYPE have it: 1 to 49; 50 a CANopen encoder.
+        /// Kind of device by the numbers of DRIVETYPE: 1 to 49; 50 is a CANopen encoder.
         device: u8,
-        /// 1 to 127.
+        /// Node, 1 to 127.
         node: u8,
         /// PDO of the position: 2 or 3.
         pdo: u8,
@@ -30,12 +30,12 @@ pub enum Bus {
     EtherCat {
         /// Number of the PDO.
         pdo: u8,
-        /// First word of 32 bits: the position; behind it stands that of the index.
+        /// First word of 32 bits: the position, followed by that of the index.
         offset: u8,
     },
 }
 
-/// Where the position of an axis comes from (ENCODERTYPE).
+/// Source of the position of an axis (ENCODERTYPE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feedback {
     /// 0: the encoder of its drive.
@@ -44,7 +44,7 @@ pub enum Feedback {
     Absolute {
         /// Clock rate (Hz): 262 000 or 105 000.
         rate: u32,
-        /// 3 and 4: without overflow, bad values are corrected.
+        /// 3 and 4: without overflow, with correction of bad values.
         corrects: bool,
     },
     /// 5: sine and cosine, counted as an incremental one.
@@ -53,16 +53,16 @@ pub enum Feedback {
     Simulated,
     /// 10, 20, 30: encoder terminal 1, 2, 3.
     Terminal(u8),
-    /// Beyond 1000.
+    /// Above 1000.
     Bus(Bus),
 }
 
-/// Where the position of the master of an axis comes from (MENCODERTYPE).
+/// Source of the position of the master of an axis (MENCODERTYPE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Master {
     /// 0, 5: the incremental master encoder.
     Incremental,
-    /// 1, 2: an absolute one; clock rate (Hz).
+    /// 1, 2: an absolute encoder, with its clock rate (Hz).
     Absolute(u32),
     /// 6: the master simulation.
     Simulation,
@@ -70,7 +70,7 @@ pub enum Master {
     Terminal(u8),
     /// -1 to -999: the command of that axis, from 1 on.
     Axis(u16),
-    /// Beyond 1000.
+    /// Above 1000.
     Bus(Bus),
 }
 
@@ -92,7 +92,7 @@ impl Bus {
 }
 
 impl Feedback {
-    /// Decodes ENCODERTYPE; none for a number that it does not have.
+    /// Decodes ENCODERTYPE; none for a number that does not exist.
     pub fn decode(value: i64) -> Option<Self> {
         Some(match value {
             0 => Self::Incremental,
@@ -106,24 +106,24 @@ impl Feedback {
 }
 
 impl Bus {
-    /// Are its values those of an absolute encoder (MACS-ENC-07)?
+    /// Whether its values are those of an absolute encoder (MACS-ENC-07).
     fn is_absolute(self) -> bool {
         matches!(self, Self::Can { device: CANOPEN_ENCODER, .. })
     }
 }
 
-/// Which of the sources that an axis may read tell words of an absolute encoder, as the cell has them.
+/// Which of the possible sources of an axis are absolute encoders, as configured in the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AbsoluteSources {
-    /// What it reads with ENCODERTYPE 0 and 5.
+    /// Source with ENCODERTYPE 0 and 5.
     pub own: bool,
     /// Encoder terminals 1 to 3.
     pub terminals: [bool; 3],
 }
 
 impl AbsoluteSources {
-    /// Does ENCODERTYPE choose an absolute one of them? The values of such are taken 1:1, those of others count four
-    /// edges (MACS-ENC-01); a sine has four, too.
+    /// Whether ENCODERTYPE selects an absolute one of them. Absolute values are used 1:1, others count four edges
+    /// (MACS-ENC-01); a sine has four, too.
     pub fn chosen_by(self, encodertype: i64) -> bool {
         match Feedback::decode(encodertype) {
             Some(Feedback::Absolute { .. }) => true,
@@ -138,7 +138,7 @@ impl AbsoluteSources {
 }
 
 impl Master {
-    /// Decodes MENCODERTYPE; none for a number that it does not have.
+    /// Decodes MENCODERTYPE; none for a number that does not exist.
     pub fn decode(value: i64) -> Option<Self> {
         Some(match value {
             0 | 5 => Self::Incremental,
@@ -151,7 +151,7 @@ impl Master {
     }
 }
 
-/// Clock rate of an absolute encoder (Hz): odd types are fast.
+/// Returns the clock rate of an absolute encoder (Hz): odd types are fast.
 fn rate(kind: i64) -> u32 {
     if kind % 2 == 1 { 262_000 } else { 105_000 }
 }
@@ -183,7 +183,8 @@ mod tests {
         }
     }
 
-    /// What the tables do not have: nodes and devices out of range, PDO 3 of others, EtherCAT with a sign.
+    /// Numbers that are not in the tables: nodes and devices out of range, PDO 3 of other devices, EtherCAT with a sign
+    ///
     #[test]
     fn other_numbers_are_none() {
         for value in [

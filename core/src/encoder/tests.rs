@@ -1,4 +1,4 @@
-//! Unwrapping, substitution, supervision: laws over any way.
+//! Unwrapping, replacement and supervision with any motion.
 
 use super::*;
 use proptest::prelude::*;
@@ -68,13 +68,13 @@ proptest! {
 const TYPE_3: Absolute =
     Absolute { steps: 1000, turns: 100, corrects: true, overflow: false, ..Absolute::single_turn(1000) };
 
-/// Each step of the scan and how the reader answers: change, valid, substituted.
+/// Returns the result for each value: change, valid, substituted.
 fn scan(reader: &mut Reader, words: &[i64]) -> Vec<(i64, bool, bool)> {
     let take = |word: &i64| reader.take(*word, 0, true);
     words.iter().map(take).map(|reading| (reading.change, reading.valid, reading.substituted)).collect()
 }
 
-/// Values 1:1, around the seam by the shortest way; half a turn, which is as short both ways, goes forward.
+/// Values 1:1, over the wrap by the shortest distance; half a turn, equal in both directions, goes forward.
 ///
 /// Proves: MACS-ENC-01, MACS-ENC-07
 #[test]
@@ -86,7 +86,7 @@ fn an_absolute_encoder_with_overflow_counts_on_over_its_seam() {
     assert_eq!(reader.position(), 998 + 3 - 6 + 500 - 499);
 }
 
-/// A jump of more than half a resolution is a read error: the way goes on with the last velocity.
+/// A jump of more than half a resolution is a read error: the position continues with the last velocity.
 ///
 /// Proves: MACS-ENC-08
 #[test]
@@ -97,11 +97,11 @@ fn a_bad_word_is_replaced_by_one_of_the_last_velocity() {
     let guessed = (10, true, true);
     assert_eq!(seen, [(0, true, false), moved, moved, guessed, moved, moved, guessed, guessed, moved]);
     assert_eq!((reader.errors(), reader.position()), (3, 5080));
-    // Half a resolution exactly is believed.
+    // Exactly half a resolution is accepted.
     assert_eq!(scan(&mut reader, &[5580]), [(500, true, false)]);
 }
 
-/// The hundred-and-first bad word in a row is taken as it is: the position jumps, which its axis sees.
+/// The hundred-and-first successive bad value is used as it is: the position jumps, which its axis detects.
 ///
 /// Proves: MACS-ENC-08
 #[test]
@@ -112,7 +112,7 @@ fn after_a_hundred_bad_words_none_is_replaced() {
     assert!(seen[..100].iter().all(|reading| *reading == (3, true, true)));
     assert_eq!(seen[100], (90_000 - 5303, true, false));
     assert_eq!((reader.errors(), reader.position()), (101, 90_000));
-    // The true words come back: at once it is where they say.
+    // The true values come back: the position is correct at once.
     let back = scan(&mut reader, &[5_306, 5_309, 5_312, 90_001, 5_318]);
     let moved = (3, true, false);
     assert_eq!(
@@ -120,7 +120,7 @@ fn after_a_hundred_bad_words_none_is_replaced() {
         [(5_306 - 90_000, true, false), moved, moved, (3, true, true), moved],
         "bad ones are replaced again"
     );
-    // Without any word there is nothing that could be taken.
+    // Without any value there is nothing to use.
     for _ in 0..100 {
         assert!(reader.take(0, 0, false).substituted);
     }
@@ -128,7 +128,7 @@ fn after_a_hundred_bad_words_none_is_replaced() {
     assert_eq!(reader.errors(), 101 + 2 + 101);
 }
 
-/// What is no word is no value at once where nothing corrects; a step that is too large is believed when it is confirmed.
+/// Without correction an invalid word is no value at once; too large a step is accepted when it is confirmed.
 ///
 /// Proves: WF-ABS-04
 #[test]
@@ -150,7 +150,7 @@ fn a_new_epoch_of_an_absolute_encoder_is_no_motion_and_no_error() {
     assert_eq!(reader.take(90_001, 1, true).change, 1);
 }
 
-/// The marks of one turn of 100: passed, turned back, lost.
+/// Returns the results for marks with one turn of 100.
 fn pulses(ways: &[(i64, Option<i64>)]) -> Vec<Option<i64>> {
     let mut pulses = Pulses::default();
     let check = PulseCheck { every: 100, tolerance: 5 };
@@ -165,13 +165,13 @@ fn pulses(ways: &[(i64, Option<i64>)]) -> Vec<Option<i64>> {
 /// Proves: WF-MON-02, WF-MON-07
 #[test]
 fn a_turn_is_as_long_as_it_should_be_or_deviations_add_up() {
-    // Two pulses too many in each turn: the third turn is one too much.
+    // Two pulses too many in each turn: in the third turn the sum is too large.
     let slow = [(50, None), (105, Some(102)), (204, Some(204)), (306, Some(306)), (408, Some(408))];
     assert_eq!(pulses(&slow), [None, None, None, None, Some(6)]);
-    // More and less make up for each other.
+    // Missing and surplus pulses cancel out.
     let both = [(103, Some(103)), (200, Some(200)), (303, Some(303)), (400, Some(400)), (504, Some(504))];
     assert!(pulses(&both).iter().all(Option::is_none));
-    // Turned back: the same mark at the same place, or at a place that is off.
+    // Reversed: the same mark at the same position, or at a wrong one.
     let back = |second| [(120, Some(100)), (150, None), (90, Some(second)), (50, None), (-1, Some(0))];
     assert!(pulses(&back(100)).iter().all(Option::is_none));
     assert_eq!(pulses(&back(93)), [None, None, Some(-7), None, None]);
@@ -182,13 +182,13 @@ fn a_turn_is_as_long_as_it_should_be_or_deviations_add_up() {
 fn a_mark_that_stays_away_is_missed_as_soon_as_it_is_overdue() {
     assert_eq!(pulses(&[(100, Some(100)), (205, None), (206, None)]), [None, None, Some(6)]);
     assert_eq!(pulses(&[(-1, None), (-100, Some(-100)), (-205, None), (-206, None)]), [None, None, None, Some(-6)]);
-    // Turned on the mark itself, it does not come again, and the one before it is due.
+    // After a reversal on the mark itself it does not come again, and the one before it is due.
     assert_eq!(pulses(&[(100, Some(100)), (99, None), (0, Some(0))]), [None; 3]);
     assert_eq!(pulses(&[(100, Some(100)), (99, None), (-5, None), (-6, None)]), [None, None, None, Some(-6)]);
 }
 
-/// At rest on its mark, back by less than a turn and forward again: the same mark, with nothing missing. A count that
-/// is missing on the way is one.
+/// At rest on its mark, back by less than a turn and forward again: the same mark, without deviation. A missing count
+/// in between is a deviation.
 ///
 /// Proves: WF-MON-02
 #[test]
@@ -199,13 +199,13 @@ fn a_rest_on_the_mark_is_no_turn() {
     };
     fine(&[(100, Some(100)), (40, None), (100, Some(100)), (150, None), (200, Some(200))]);
     fine(&[(100, Some(100)), (99, None), (100, Some(100)), (99, None), (100, Some(100)), (101, None), (99, Some(100))]);
-    // The same from above, where it was reached on the way back.
+    // The same from above, where the mark was reached in backward motion.
     fine(&[(150, None), (100, Some(100)), (160, None), (100, Some(100)), (101, None), (100, Some(100)), (0, Some(0))]);
     // Through it from one side, to rest on it from the other.
     fine(&[(130, Some(100)), (100, Some(100)), (120, None), (90, Some(100)), (100, Some(100)), (200, Some(200))]);
-    // Off it to the next one on either side, whose pulse comes first.
+    // From it to the next mark on either side, whose pulse comes first.
     fine(&[(100, Some(100)), (60, None), (0, Some(0)), (50, None), (100, Some(100)), (200, Some(200))]);
-    // The pulse in the very cycle in which it turns back, ending before the mark, behind it and where it began.
+    // The pulse in the very cycle of the reversal, which ends before the mark, after it, and at the start.
     fine(&[
         (95, None),
         (97, Some(100)),
@@ -216,16 +216,16 @@ fn a_rest_on_the_mark_is_no_turn() {
         (300, Some(300)),
     ]);
     fine(&[(101, Some(100)), (101, Some(100)), (200, Some(200)), (201, Some(200)), (100, Some(100)), (0, Some(0))]);
-    // Many counts are not seen on the second way.
+    // Many counts are missing in the second motion.
     assert_eq!(pulses(&[(100, Some(100)), (40, None), (93, Some(93))])[2], Some(-7));
     assert_eq!(pulses(&[(100, Some(100)), (40, None), (96, Some(96)), (200, None), (202, Some(202))]), [None; 5]);
-    // Its counts are gone and the index goes on.
+    // Its counts are missing while the index continues.
     assert_eq!(pulses(&[(100, Some(100)), (100, Some(100))])[1], Some(-100));
     assert_eq!(pulses(&[(-100, Some(-100)), (-100, None), (-100, Some(-100))])[2], Some(100));
 }
 
-/// An encoder with an index at multiples of `every`, that is told in the cycle in which it is reached, from whichever
-/// side, and of several in a cycle the last one.
+/// An encoder with an index at multiples of `every`, which is reported in the cycle in which it is reached, from either
+/// side; of several in a cycle the last one.
 struct Plant {
     every: i64,
     place: i64,
@@ -233,7 +233,7 @@ struct Plant {
 }
 
 impl Plant {
-    /// Moves by these ways within one cycle; gives what supervision reads of it.
+    /// Moves by these distances within one cycle and returns the inputs of the supervision.
     fn cycle(&mut self, ways: &[i64]) -> (i64, i64, Option<i64>) {
         let before = self.place;
         let mut mark = None;
@@ -249,7 +249,7 @@ impl Plant {
     }
 }
 
-/// Ways of a cycle: small ones around the marks, any, several turns, and those that turn back within the cycle.
+/// Motions of a cycle: small ones around the marks, any, several turns, and reversals within the cycle.
 fn ways() -> impl Strategy<Value = Vec<Vec<i64>>> {
     let half = prop::sample::select(&[50_i64, -50, 100, -100][..]);
     let way = prop_oneof![4 => -2_i64..=2, 2 => -60_i64..=60, 1 => -400_i64..=400, 4 => half];
@@ -259,7 +259,7 @@ fn ways() -> impl Strategy<Value = Vec<Vec<i64>>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
-    /// With exact pulses nothing is ever told, however it moves, and nothing adds up.
+    /// With exact pulses no motion is reported, and no deviation adds up.
     ///
     /// Proves: WF-MON-02
     #[test]
@@ -269,7 +269,7 @@ proptest! {
         let mut pulses = Pulses::default();
         for way in ways {
             let (position, change, mark) = plant.cycle(&way);
-            // Off the mark and on it again between two looks is what an encoder without counts looks like.
+            // A mark that is left and reached again between two readings looks like an encoder without counts.
             if change == 0 && mark == Some(position) {
                 plant.cycle(&[1]);
                 pulses.step(&check, position + 1, 1, None);
@@ -280,7 +280,7 @@ proptest! {
         }
     }
 
-    /// One missing count is told by the next mark, or by the one that stays away, wherever it was lost and however the
+    /// One missing count is reported at the next mark, or when that is overdue, wherever it was lost and however the
     /// encoder moved.
     ///
     /// Proves: WF-MON-02
@@ -320,7 +320,7 @@ fn several_turns_in_a_cycle_tell_the_last_mark_only() {
     assert_eq!(pulses(&[(100, Some(100)), (430, Some(400)), (760, Some(700)), (1090, Some(1007))])[3], Some(7));
 }
 
-/// Any speed that fits a word per turn, for as long as a machine runs.
+/// Any speed below half of the range per cycle, for the operating time of a machine.
 fn long_way(encoder: Absolute, steps: &[i64]) -> Result<(), TestCaseError> {
     let mut reader = Reader::new(Form::Absolute(encoder));
     let mut real = 0_i64;
@@ -348,7 +348,7 @@ proptest! {
         long_way(encoder, &ways)?;
     }
 
-    /// From anywhere up to beyond 10^12 counts, which take years: no count is lost.
+    /// From any start, beyond 10^12 counts, which take years: no count is lost.
     #[test]
     fn years_of_turning_leave_no_trace(
         bits in 8_u32..=40, start in -(1_i64 << 61)..1 << 61, turns in 1_i64..1000, way in 1_i64..100,
@@ -358,7 +358,7 @@ proptest! {
         let mut counter = Counter::new(bits);
         counter.take(start.rem_euclid(circle), 0);
         let first = counter.position();
-        // Jumps of whole circles are seen by nobody: what counts is where the source stands.
+        // Jumps of whole ranges cannot be detected: only the value of the source counts.
         let mut real = start;
         let mut counted = 0_i64;
         for turn in 0..turns {
@@ -369,7 +369,7 @@ proptest! {
         prop_assert_eq!(counter.position() - first, real - start);
     }
 
-    /// Whatever words come, a reader neither panics nor shows more than half a turn of a step while it corrects.
+    /// With any values a reader neither panics nor shows a step of more than half a turn while it corrects.
     #[test]
     fn anything_may_be_read(
         words in prop::collection::vec((any::<i64>(), any::<bool>(), 0_u32..3), 1..400), corrects in any::<bool>(),
@@ -388,7 +388,7 @@ proptest! {
     }
 }
 
-/// 10^12 counts of a 16-bit source, cycle by cycle of the fastest motion: 31 million cycles, nearly nine hours of 1 ms.
+/// 10^12 counts of a 16-bit source, in cycles of the fastest motion: 31 million cycles, nearly nine hours of 1 ms.
 #[test]
 fn a_million_million_counts_are_counted_exactly() {
     let mut counter = Counter::new(16);

@@ -1,16 +1,16 @@
-//! The words of two drives as those of one.
+//! Joins the process data of two drives to those of one drive.
 //!
-//! Law      motion of the first; the state further from operation enabled, a fault of either; there, fresh and well as both are;
-//!          limit switches of either; the effort of both
+//! Law      motion: of the first drive. State: the one further from operation enabled, a fault of either. Online, fresh
+//!          and valid: if both are. Limit switches: of either. Effort: the sum
 
 use crate::drive::{BusState, DriveInput, DriveState, MODE_CSP, STATUS_WARNING};
 
-/// What a drive shows; one that is not there is not ready.
+/// Returns the state of a drive; an offline drive is not ready to switch on.
 pub(super) fn state(input: &DriveInput) -> DriveState {
     if input.online { DriveState::from_status(input.status) } else { DriveState::NotReady }
 }
 
-/// How far a state is from operation enabled; both are to be as the one that is further.
+/// Returns the distance of a state from operation enabled. The joined state is that of the drive with the larger one.
 fn rank(state: DriveState) -> u8 {
     match state {
         DriveState::Enabled => 0,
@@ -18,7 +18,7 @@ fn rank(state: DriveState) -> u8 {
         DriveState::Ready => 2,
         DriveState::SwitchOnDisabled => 3,
         DriveState::NotReady => 4,
-        // It may still run.
+        // The drive may still run.
         DriveState::QuickStop => 5,
         DriveState::Fault => 6,
         DriveState::FaultReaction => 7,
@@ -33,7 +33,7 @@ fn worse(one: BusState, other: BusState) -> BusState {
     }
 }
 
-/// Both as one. Its reference switch is that of neither yet.
+/// Returns the joined inputs. The reference switch is set by the gantry.
 pub(super) fn joined([first, second]: [&DriveInput; 2]) -> DriveInput {
     let is_in_fault = |input: &DriveInput| matches!(state(input), DriveState::Fault | DriveState::FaultReaction);
     let further = if rank(state(second)) > rank(state(first)) { second } else { first };
@@ -65,7 +65,7 @@ mod tests {
         DriveInput { online: true, fresh: true, status: state.status(), mode: MODE_CSP, ..DriveInput::default() }
     }
 
-    /// Each state with each other one, either way round.
+    /// Each state with every other one, in both orders.
     #[test]
     fn both_are_enabled_where_each_is_and_in_fault_where_either_is() {
         for one in ALL {
@@ -82,7 +82,7 @@ mod tests {
         }
     }
 
-    /// From any pair of states that no fault holds up, the words for the joined state bring both to operation enabled.
+    /// From any pair of states without fault, the control words for the joined state bring both to operation enabled.
     #[test]
     fn the_words_for_the_joined_state_bring_both_on() {
         let word = |state| match state {

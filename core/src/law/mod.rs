@@ -1,6 +1,7 @@
-//! What tables are made of: laws of motion, plans of them, splines through points.
+//! Sources of tables: laws of motion, motion plans, splines through points.
 //!
-//! Law      in floating point, outside the cycle, but for [`Spline::rise`] and [`Spline::slope`]; the same bits on every machine
+//! Law      floating point, outside the cycle except [`Spline::rise`] and [`Spline::slope`]; identical bits on every
+//!          machine
 //! Refuses  segments and points that make no curve, by their number
 //! Source   VDI 2143
 

@@ -1,97 +1,98 @@
-//! Plans of motion of VDI 2143: segments of a master, each with a way of the slave and a law.
+//! Motion plans of VDI 2143: segments of a master, each with a travel of the slave and a law.
 //!
-//! Law      segment i, from place X to X + h with way d: y(x) = y(X) + d f((x - X) / h). A polynomial beside a moving straight line begins or
-//!          ends with its velocity, and with acceleration 0 (of degree 7: and jerk 0): its coefficients are the solution of its boundary
-//!          values. A cyclic plan goes round, its end is beside its start; before and after any other the slave stands
-//! Reads    segments; outside the cycle, where a table is made: its numbers become whole ones before a cam sees them
-//! Refuses  places that do not rise, ways that are not those of a law, velocities that jump between two segments
+//! Law      segment i, from position X to X + h with travel d: y(x) = y(X) + d f((x - X) / h). A polynomial next to a
+//!          moving straight line begins or ends with its velocity, and with acceleration 0 (degree 7: also jerk 0): its
+//!          coefficients are the solution of its boundary values. In a cyclic plan the end is next to the start; before
+//!          and after any other plan the slave is at rest
+//! Reads    segments; outside the cycle, when a table is made: its numbers are rounded to whole ones for a cam
+//! Refuses  positions that do not ascend, travels that do not match a law, steps of velocity between two segments
 //! Source   VDI 2143 part 1
 
 use super::polynomial::Polynomial;
 use super::transfer::{Derivatives, Law, Peaks};
 use nalgebra::{Const, DimMin, SMatrix, SVector, U1};
 
-/// Velocities that differ by no more than this share of them are the same: what rounding makes of one slope.
+/// Share by which equal velocities may differ, because of the rounding of a slope.
 const SAME: f64 = 1e-9;
 
-/// A part of the master with one law. It begins where the one before ends, the first one at 0.
+/// A section of the master with one law. It begins at the end of the one before, the first one at 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Place of the master where it ends.
+    /// End position of the master.
     pub to: f64,
-    /// Way of the slave.
+    /// Travel of the slave.
     pub travel: f64,
-    /// How it gets there.
+    /// Law of motion.
     pub law: Law,
 }
 
-/// Why segments are no plan. Segments count from 1.
+/// Error in segments. Segments count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// Nothing in it.
+    /// There are no segments.
     #[error("a plan has 0 segments; 1 at least is needed")]
     Empty,
-    /// A place or a way that is no number.
+    /// A position or a travel is not finite.
     #[error("segment {segment}: {name} is {value}; a finite number is needed")]
     NotFinite {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
-        /// `to` or `travel`.
+        /// Field: `to` or `travel`.
         name: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// It ends where it begins, or before.
+    /// The segment ends at or before its start.
     #[error("segment {segment}: to is {to}; more than {from}, where the segment begins, is needed")]
     Order {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
-        /// Where it begins.
+        /// Start position.
         from: f64,
-        /// Where it ends.
+        /// End position.
         to: f64,
     },
-    /// The slave stands in a dwell.
+    /// A dwell has a travel.
     #[error("segment {segment}: travel is {travel}; 0 is needed for law dwell")]
     DwellTravel {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
-        /// Its way.
+        /// Its travel.
         travel: f64,
     },
-    /// A law that only moves.
+    /// A law of motion without travel.
     #[error("segment {segment}: travel is 0; another value is needed for law {}, or law dwell", law.name())]
     NoTravel {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
         /// Its law.
         law: Law,
     },
-    /// Derivatives that have no place in a number.
+    /// The derivatives exceed the range of numbers.
     #[error("segment {segment}: travel is {travel:e} within {length:e} of the master; that cannot be computed with")]
     Size {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
-        /// Its way.
+        /// Its travel.
         travel: f64,
-        /// How long it is.
+        /// Its length.
         length: f64,
     },
-    /// The velocity jumps where a segment begins.
+    /// The velocity jumps at the start of a segment.
     #[error(
         "segment {segment} ({}): it begins at {at} with velocity {after}, segment {before_segment} ({}) ends with {before}; the same is \
          needed: put polynomial_5 or polynomial_7 between", law.name(), before_law.name()
     )]
     VelocityJump {
-        /// Which.
+        /// Number of the segment.
         segment: usize,
         /// Its law.
         law: Law,
-        /// The one before it; of the first segment of a cyclic plan the last.
+        /// Number of the segment before; for the first one of a cyclic plan that of the last.
         before_segment: usize,
-        /// The law of that one.
+        /// Law of the segment before.
         before_law: Law,
-        /// Where they meet.
+        /// Position of the master.
         at: f64,
         /// Velocity before (slave per master).
         before: f64,
@@ -100,10 +101,11 @@ pub enum PlanError {
     },
 }
 
-/// A derivative that jumps between two segments, or at an end of a plan that is not cyclic: there the slave stands before and after.
+/// A jump of a derivative between two segments, or at an end of a plan that is not cyclic, before and after which the
+/// slave is at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// Place of the master.
+    /// Position of the master.
     pub at: f64,
     /// 1: velocity, 2: acceleration.
     pub derivative: u32,
@@ -113,34 +115,34 @@ pub struct Jump {
     pub after: f64,
 }
 
-/// Segments that fit together.
+/// A valid motion plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pieces: Vec<Piece>,
     is_cyclic: bool,
 }
 
-/// A segment with what it begins with.
+/// A segment with its start values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
     from: f64,
     to: f64,
-    /// From there to there.
+    /// Difference of both positions.
     length: f64,
     y: f64,
     travel: f64,
     law: Law,
-    /// Velocity at its start, at its end.
+    /// Velocities at its start and at its end.
     ends: [f64; 2],
-    /// The way over u, 0 <= u <= 1, of a polynomial that does not go from rest to rest.
+    /// Travel over u, 0 <= u <= 1, of a polynomial that does not move from rest to rest.
     solved: Option<Polynomial>,
 }
 
 impl Plan {
-    /// Segments as a plan.
+    /// Returns segments as a plan.
     ///
     /// # Errors
-    /// What keeps them from being one.
+    /// The error in the segments.
     pub fn new(segments: &[Segment], is_cyclic: bool) -> Result<Self, PlanError> {
         if segments.is_empty() {
             return Err(PlanError::Empty);
@@ -157,7 +159,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Polynomials beside a moving straight line take its velocity over.
+    /// Gives polynomials next to a moving straight line its velocity.
     fn solve(&mut self) {
         let slope =
             |piece: Option<&Piece>| piece.filter(|piece| piece.law == Law::Straight).map_or(0.0, |line| line.ends[0]);
@@ -169,7 +171,7 @@ impl Plan {
         }
     }
 
-    /// Numbers that can be computed with, and velocities that go on.
+    /// Checks that all numbers are finite and the velocity is continuous.
     fn check(&self) -> Result<(), PlanError> {
         for (i, piece) in self.pieces.iter().enumerate() {
             let Peaks { v, a, j } = piece.peaks();
@@ -190,7 +192,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The neighbour of a piece at its start.
+    /// Returns the neighbour of a piece at its start.
     fn before(&self, i: usize) -> Option<&Piece> {
         match i.checked_sub(1) {
             Some(before) => self.pieces.get(before),
@@ -198,40 +200,42 @@ impl Plan {
         }
     }
 
-    /// The neighbour of a piece at its end.
+    /// Returns the neighbour of a piece at its end.
     fn after(&self, i: usize) -> Option<&Piece> {
         let around = || self.pieces.first().filter(|_| self.is_cyclic);
         self.pieces.get(i + 1).or_else(around)
     }
 
-    /// How long it is (master).
+    /// Returns its length (master).
     pub fn length(&self) -> f64 {
         self.pieces.last().map_or(0.0, |last| last.to)
     }
 
-    /// The way from its start to its end (slave).
+    /// Returns its travel from start to end (slave).
     pub fn end(&self) -> f64 {
         self.pieces.last().map_or(0.0, |last| last.y + last.travel)
     }
 
-    /// Does it go round?
+    /// Whether it is cyclic.
     pub fn is_cyclic(&self) -> bool {
         self.is_cyclic
     }
 
-    /// Slave and derivatives at a place of the master, 0 <= x <= length; where two segments meet, those of the second. A place beyond counts as
-    /// the end that it has passed.
+    /// Returns slave and derivatives at a position of the master, 0 <= x <= length; between two segments those of the
+    /// second. A position out of range counts as the nearest end.
     pub fn at(&self, x: f64) -> Derivatives {
         let i = self.pieces.partition_point(|piece| piece.from <= x).saturating_sub(1);
         self.pieces.get(i).map_or(Derivatives::default(), |piece| piece.at(x))
     }
 
-    /// The largest velocity, acceleration and jerk, and where: in closed form, or at a root of the next derivative.
+    /// Returns the largest velocity, acceleration and jerk with their positions: in closed form, or at a root of the
+    /// next derivative.
     pub fn peaks(&self) -> Peaks {
         self.pieces.iter().map(Piece::peaks).fold(Peaks::default(), Peaks::or)
     }
 
-    /// Where velocity or acceleration jumps; of a derivative only where no lower one does. Jerk may jump wherever two segments meet.
+    /// Returns the jumps of velocity or acceleration; those of a derivative only without jump of a lower one. The jerk
+    /// may jump between any two segments.
     pub fn jumps(&self) -> Vec<Jump> {
         let start =
             self.pieces.iter().enumerate().map(|(i, piece)| {
@@ -276,7 +280,7 @@ impl Piece {
         Ok(Self { from, to, length, y, travel, law, ends: [velocity; 2], solved: None })
     }
 
-    /// Takes velocities at its ends, if it can have any.
+    /// Sets the velocities at its ends, if its law allows them.
     fn solve(&mut self, ends: [f64; 2]) {
         let [before, after] = ends.map(|velocity| velocity * self.length);
         self.solved = match self.law {
@@ -287,13 +291,13 @@ impl Piece {
         self.ends = ends;
     }
 
-    /// Velocity and acceleration at its start. Polynomials begin and end with acceleration 0, moving or not.
+    /// Returns velocity and acceleration at its start. Polynomials always begin and end with acceleration 0.
     fn first_rates(&self) -> [f64; 2] {
         let [velocity, _] = self.ends;
         [velocity, self.law.at(0.0).over(self.y, self.length, self.travel).a]
     }
 
-    /// Velocity and acceleration at its end.
+    /// Returns velocity and acceleration at its end.
     fn last_rates(&self) -> [f64; 2] {
         let [_, velocity] = self.ends;
         [velocity, self.law.at(1.0).over(self.y, self.length, self.travel).a]
@@ -315,12 +319,13 @@ impl Piece {
     }
 }
 
-/// The polynomial of degree 2 N - 1 through 0 and `travel`, with these velocities there and with all higher derivatives that it can have there 0.
+/// Returns the polynomial of degree 2 N - 1 from 0 to `travel`, with these velocities at its ends, and with higher
+/// derivatives 0 there as far as possible.
 fn solved<const N: usize>(travel: f64, before: f64, after: f64) -> Option<Polynomial>
 where
     Const<N>: DimMin<Const<N>, Output = Const<N>>,
 {
-    // Of the coefficients from u^N on each row has a derivative at u = 1: k (k - 1) .. of u^k.
+    // Coefficients from u^N on: each row is a derivative at u = 1, with k (k - 1) .. for u^k.
     let rows = SMatrix::<f64, N, N>::from_fn(|row, column| {
         (0..row).map(|factor| (N + column) as f64 - factor as f64).product()
     });

@@ -1,4 +1,4 @@
-//! Polynomials up to degree 7 over 0 <= u <= 1: values, derivatives, and where a derivative is largest.
+//! Polynomials up to degree 7 over 0 <= u <= 1: values, derivatives, and maxima of derivatives.
 
 use super::transfer::{Derivatives, Peak, Peaks};
 
@@ -7,12 +7,12 @@ use super::transfer::{Derivatives, Peak, Peaks};
 pub(super) struct Polynomial(pub [f64; 8]);
 
 impl Polynomial {
-    /// The value at `u`.
+    /// Returns the value at `u`.
     fn value(&self, u: f64) -> f64 {
         self.0.iter().rfold(0.0, |sum, coefficient| sum * u + coefficient)
     }
 
-    /// The polynomial that is its derivative.
+    /// Returns the derivative.
     fn derived(&self) -> Self {
         let mut derived = [0.0; 8];
         for (k, (to, from)) in derived.iter_mut().zip(self.0.iter().skip(1)).enumerate() {
@@ -21,21 +21,21 @@ impl Polynomial {
         Self(derived)
     }
 
-    /// The value and three derivatives by u.
+    /// Returns the value and three derivatives by u.
     pub(super) fn at(&self, u: f64) -> Derivatives {
         let v = self.derived();
         let a = v.derived();
         Derivatives { s: self.value(u), v: v.value(u), a: a.value(u), j: a.derived().value(u) }
     }
 
-    /// The largest amounts of its derivatives in 0..=1.
+    /// Returns the largest magnitudes of its derivatives in 0..=1.
     pub(super) fn peaks(&self) -> Peaks {
         let v = self.derived();
         let a = v.derived();
         Peaks { v: v.peak(), a: a.peak(), j: a.derived().peak() }
     }
 
-    /// Its largest amount in 0..=1.
+    /// Returns its largest magnitude in 0..=1.
     fn peak(&self) -> Peak {
         let mut peak = Peak { value: self.value(0.0).abs(), at: 0.0 };
         for at in self.turns() {
@@ -47,17 +47,17 @@ impl Polynomial {
         peak
     }
 
-    /// Where it may turn, rising, and the end: between two of them it is monotonous.
+    /// Returns its possible extrema, ascending, and the end: between two of them it is monotonic.
     fn turns(&self) -> Vec<f64> {
         let derived = self.derived();
-        // The derivative of a derivative ends at a constant after at most seven of them.
+        // The recursion ends at a constant after at most seven derivatives.
         if derived.0.iter().all(|coefficient| *coefficient == 0.0) {
             return vec![1.0];
         }
         let mut turns = Vec::new();
         let mut from = 0.0;
         for to in derived.turns() {
-            // Between two turns of the derivative there is one root at most.
+            // Between two extrema of the derivative there is at most one root.
             if (derived.value(from) < 0.0) != (derived.value(to) < 0.0) {
                 turns.push(derived.root(from, to));
             }
@@ -67,7 +67,7 @@ impl Polynomial {
         turns
     }
 
-    /// The root between two places where the signs differ, by halves: 60 of them leave less than 2^-60.
+    /// Returns the root between two positions with different signs, by bisection: 60 steps leave less than 2^-60.
     fn root(&self, mut from: f64, mut to: f64) -> f64 {
         let is_negative = self.value(from) < 0.0;
         for _ in 0..60 {

@@ -1,10 +1,12 @@
-//! Splines through the points of a table: cubic ones of one curvature, quintic ones of one fourth derivative.
+//! Splines through the points of a table: cubic splines with continuous curvature, quintic splines with continuous
+//! fourth derivative.
 //!
-//! Law      X[i] <= x < X[i+1], u = (x - X[i]) / (X[i+1] - X[i]): y(x) = y[i] + c1 u + .. + c5 u^5. Of all curves through the points a cubic
-//!          spline has the least integral of y''^2, a quintic one of y'''^2: the equations for the derivatives at the points are
-//!          block tridiagonal, symmetric and positive definite, and are solved in one pass there and one back
-//! Reads    points; outside the cycle, but for [`Spline::rise`] and [`Spline::slope`]
-//! Refuses  fewer points than its ends need, numbers that are not finite, places that do not rise
+//! Law      X[i] <= x < X[i+1], u = (x - X[i]) / (X[i+1] - X[i]): y(x) = y[i] + c1 u + .. + c5 u^5. Of all curves
+//!          through the points a cubic spline has the least integral of y''^2, a quintic one of y'''^2: the equations
+//!          for the derivatives at the points are block tridiagonal, symmetric and positive definite, and are solved in
+//!          one pass forward and one backward
+//! Reads    points; outside the cycle, except [`Spline::rise`] and [`Spline::slope`]
+//! Refuses  fewer points than its ends need, numbers that are not finite, positions that do not ascend
 
 mod equations;
 
@@ -12,24 +14,25 @@ use super::polynomial::Polynomial;
 use super::transfer::{Derivatives, Peaks};
 use equations::{Interval, Kind};
 
-/// What holds at the ends of a spline; N is 1 of a cubic one, 2 of a quintic one.
+/// Conditions at the ends of a spline; N is 1 for a cubic one, 2 for a quintic one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ends<const N: usize> {
     /// The N derivatives from y^(N+1) on are 0: y'' of a cubic spline, y''' and y'''' of a quintic one.
     Natural,
-    /// The first N derivatives are these.
+    /// The first N derivatives are given.
     Clamped {
-        /// At the first point.
+        /// Derivatives at the first point.
         first: [f64; N],
-        /// At the last point.
+        /// Derivatives at the last point.
         last: [f64; N],
     },
-    /// All derivatives are the same at both ends. The value may differ, by the way of a period.
+    /// All derivatives are the same at both ends. The values may differ, by the travel of a period.
     Periodic,
 }
 
 impl<const N: usize> Ends<N> {
-    /// Fewest points. Two leave a natural quintic spline its curvature: any parabola through them has a third derivative of 0.
+    /// Returns the smallest number of points. With two points the curvature of a natural quintic spline is undefined:
+    /// any parabola through them has a third derivative of 0.
     fn fewest(&self) -> usize {
         match self {
             Self::Natural => N + 1,
@@ -39,64 +42,64 @@ impl<const N: usize> Ends<N> {
     }
 }
 
-/// Why there is no spline through points. Points count from 0.
+/// Error in the points of a spline. Points count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SplineError {
-    /// Two lists that do not belong together.
+    /// The two lists have different lengths.
     #[error("a spline has {x} places and {y} values; as many of both are needed")]
     Lengths {
-        /// Places.
+        /// Number of positions.
         x: usize,
-        /// Values.
+        /// Number of values.
         y: usize,
     },
-    /// Too few points.
+    /// There are too few points.
     #[error("a spline has {count} points; {fewest} at least are needed with its ends")]
     Count {
-        /// How many there are.
+        /// Number of points.
         count: usize,
-        /// How many there are at least.
+        /// Smallest number of points.
         fewest: usize,
     },
-    /// A coordinate that is no number.
+    /// A coordinate is not finite.
     #[error("point {point}: {name} is {value}; a finite number is needed")]
     NotFinite {
-        /// Which.
+        /// Index of the point.
         point: usize,
-        /// `x` or `y`.
+        /// Coordinate: `x` or `y`.
         name: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// It does not lie behind the one before it.
+    /// The position of a point is not above that of the one before.
     #[error("point {point}: x is {x}; more than {before}, where the point before it is, is needed")]
     Order {
-        /// Which.
+        /// Index of the point.
         point: usize,
-        /// Place of the one before.
+        /// Position of the point before.
         before: f64,
-        /// Its place.
+        /// Its position.
         x: f64,
     },
-    /// A derivative of an end that is no number.
+    /// A derivative at an end is not finite.
     #[error("derivative {derivative} at the {end} point is {value}; a finite number is needed")]
     End {
-        /// `first` or `last`.
+        /// End: `first` or `last`.
         end: &'static str,
-        /// Which.
+        /// Order of the derivative.
         derivative: usize,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// Numbers that no double has room for, or distances so uneven that its digits do not suffice.
+    /// The numbers exceed the range of f64, or the distances are too uneven for its accuracy.
     #[error("point {point}: it is too near to, or too far from, its neighbours for double precision")]
     Size {
-        /// Which.
+        /// Index of the point.
         point: usize,
     },
 }
 
-/// A spline, without the points that it goes through: what it adds to the value of the point before.
+/// A spline without its points: it returns the difference from the value of the point before.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
     /// Coefficients of u^1 to u^5 of each interval.
@@ -104,18 +107,18 @@ pub struct Spline {
 }
 
 impl Spline {
-    /// The cubic spline through points.
+    /// Returns the cubic spline through points.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The error in the points.
     pub fn cubic(x: &[f64], y: &[f64], ends: &Ends<1>) -> Result<Self, SplineError> {
         Self::through(x, y, ends, Kind::CUBIC)
     }
 
-    /// The quintic spline through points.
+    /// Returns the quintic spline through points.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The error in the points.
     pub fn quintic(x: &[f64], y: &[f64], ends: &Ends<2>) -> Result<Self, SplineError> {
         Self::through(x, y, ends, Kind::QUINTIC)
     }
@@ -130,20 +133,21 @@ impl Spline {
         }
     }
 
-    /// Coefficients of u^1 to u^5 of each interval.
+    /// Returns the coefficients of u^1 to u^5 of each interval.
     pub fn coefficients(&self) -> &[[f64; 5]] {
         &self.coefficients
     }
 
-    /// From the value of point `i` to that at `u`, 0 <= u < 1, of the interval behind it; 0 where there is none.
+    /// Returns the difference from the value of point `i` to that at `u`, 0 <= u < 1, of the interval after it; 0 if
+    /// there is none.
     ///
-    /// Products and sums in one order, none of them fused: the same bits on every machine.
+    /// Products and sums have a fixed order, none of them fused: identical bits on every machine.
     #[inline]
     pub fn rise(&self, i: usize, u: f64) -> f64 {
         self.coefficients.get(i).map_or(0.0, |[c1, c2, c3, c4, c5]| (c1 + (c2 + (c3 + (c4 + c5 * u) * u) * u) * u) * u)
     }
 
-    /// Change of that value by `u` there; 0 where there is no interval.
+    /// Returns the derivative of that value by `u`; 0 if there is no interval.
     #[inline]
     pub fn slope(&self, i: usize, u: f64) -> f64 {
         let slope =
@@ -151,13 +155,13 @@ impl Spline {
         self.coefficients.get(i).map_or(0.0, slope)
     }
 
-    /// The rise and the derivatives at `u` of interval `i`, which is `length` long.
+    /// Returns the rise and the derivatives at `u` of interval `i` with the given length.
     pub fn at(&self, i: usize, u: f64, length: f64) -> Derivatives {
         let polynomial = self.coefficients.get(i).map_or(Polynomial([0.0; 8]), polynomial);
         polynomial.at(u).over(0.0, length, 1.0)
     }
 
-    /// The largest velocity, acceleration and jerk, and where, if it goes through points with these places.
+    /// Returns the largest velocity, acceleration and jerk with their positions, for points with these positions.
     pub fn peaks(&self, x: &[f64]) -> Peaks {
         let intervals = x.windows(2).zip(&self.coefficients).filter_map(|(x, interval)| match x {
             [from, to] => Some(polynomial(interval).peaks().over(*from, to - from, 1.0)),

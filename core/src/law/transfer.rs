@@ -1,8 +1,9 @@
-//! Laws of motion of VDI 2143: how a slave gets along a segment of its master, both from 0 to 1.
+//! Laws of motion of VDI 2143: the motion of a slave over a segment of its master, both from 0 to 1.
 //!
-//! Law      s = f(z), 0 <= z <= 1; v, a, j are its first three derivatives by z. Of each law but the dwell f(1 - z) = 1 - f(z)
-//! Reads    z; outside the cycle, where a table is made: its numbers become whole ones before a cam sees them
-//! Refuses  nothing: z beyond its range counts as the end that it has passed
+//! Law      s = f(z), 0 <= z <= 1; v, a, j are its first three derivatives by z. For each law except the dwell
+//!          f(1 - z) = 1 - f(z)
+//! Reads    z; outside the cycle, when a table is made: its numbers are rounded to whole ones for a cam
+//! Refuses  nothing: a z out of range counts as the nearest end
 //! Source   VDI 2143 part 1
 
 use libm::{cos, sin, sqrt};
@@ -11,28 +12,28 @@ use std::f64::consts::PI;
 /// A law of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
-    /// f = 0: the slave stands.
+    /// f = 0: the slave is at rest.
     Dwell,
-    /// f = z. Velocity 1 throughout: beside a rest it jumps.
+    /// f = z. Velocity 1 throughout: next to a rest it jumps.
     Straight,
-    /// f = (1 - cos(pi z)) / 2. Acceleration is pi^2/2 at the start and -pi^2/2 at the end: beside a rest it jumps.
+    /// f = (1 - cos(pi z)) / 2. Acceleration is pi^2/2 at the start and -pi^2/2 at the end: next to a rest it jumps.
     SimpleSine,
-    /// a = A sin(4 pi z) up to z = 1/8, A sin(4 pi z / 3 + pi / 3) up to 7/8, then A sin(4 pi z) again; A = 4 pi^2 / (4 + pi). Jerk jumps at
-    /// the ends alone.
+    /// a = A sin(4 pi z) up to z = 1/8, A sin(4 pi z / 3 + pi / 3) up to 7/8, then A sin(4 pi z) again; A = 4 pi^2
+    /// / (4 + pi). The jerk jumps only at the ends.
     ModifiedSine,
     /// a = A sin(4 pi z) up to z = 1/8, A up to 3/8, -A sin(4 pi z) up to 5/8, -A up to 7/8, then A sin(4 pi z) again;
-    /// A = 8 pi / (2 + pi). Jerk jumps at the ends alone.
+    /// A = 8 pi / (2 + pi). The jerk jumps only at the ends.
     ModifiedTrapezoid,
-    /// f = 10 z^3 - 15 z^4 + 6 z^5. Jerk jumps at the ends alone.
+    /// f = 10 z^3 - 15 z^4 + 6 z^5. The jerk jumps only at the ends.
     Polynomial5,
-    /// f = 35 z^4 - 84 z^5 + 70 z^6 - 20 z^7. Jerk is 0 at the ends.
+    /// f = 35 z^4 - 84 z^5 + 70 z^6 - 20 z^7. The jerk is 0 at the ends.
     Polynomial7,
 }
 
-/// A way and its derivatives by the place of the master.
+/// A position and its derivatives by the position of the master.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Derivatives {
-    /// Way.
+    /// Position.
     pub s: f64,
     /// Velocity, ds/dz.
     pub v: f64,
@@ -42,34 +43,35 @@ pub struct Derivatives {
     pub j: f64,
 }
 
-/// The largest amount of a derivative.
+/// Largest magnitude of a derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
-    /// Without its sign.
+    /// Magnitude.
     pub value: f64,
-    /// Place of the master where it is reached first.
+    /// First position of the master with this value.
     pub at: f64,
 }
 
-/// The largest amounts of velocity, acceleration and jerk. A jump has none: it counts with what is on either side of it.
+/// Largest magnitudes of velocity, acceleration and jerk. A jump counts with the values on either side of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peaks {
-    /// Of the velocity; of a law Cv.
+    /// Peak of the velocity; for a law Cv.
     pub v: Peak,
-    /// Of the acceleration; of a law Ca.
+    /// Peak of the acceleration; for a law Ca.
     pub a: Peak,
-    /// Of the jerk; of a law Cj.
+    /// Peak of the jerk; for a law Cj.
     pub j: Peak,
 }
 
 impl Peaks {
-    /// The larger of each, or this one.
+    /// Returns the larger peak of each, or this one if equal.
     pub(super) fn or(self, other: Self) -> Self {
         let larger = |one: Peak, other: Peak| if other.value > one.value { other } else { one };
         Self { v: larger(self.v, other.v), a: larger(self.a, other.a), j: larger(self.j, other.j) }
     }
 
-    /// Those of z over a part of a master: it begins at `from`, `length` long, and the way is `travel` times that of z.
+    /// Converts peaks by z to those over a section of a master that begins at `from` with the given length, with
+    /// `travel` times the position.
     pub(super) fn over(self, from: f64, length: f64, travel: f64) -> Self {
         let [v, a, j] = rates(length, [self.v, self.a, self.j].map(|peak| peak.value * travel.abs()));
         let place = |value: f64, peak: Peak| Peak { value, at: from + length * peak.at };
@@ -78,20 +80,21 @@ impl Peaks {
 }
 
 impl Derivatives {
-    /// Those of z over a part of a master: the way begins at `y` and is `travel` times that of z, `length` long.
+    /// Converts values by z to those over a section of a master with the given length, with a position from `y` and
+    /// `travel` times that of z.
     pub(super) fn over(self, y: f64, length: f64, travel: f64) -> Self {
         let [v, a, j] = rates(length, [self.v, self.a, self.j].map(|rate| rate * travel));
         Self { s: y + self.s * travel, v, a, j }
     }
 }
 
-/// Derivatives by z as those by the place of a master, `length` for z = 1.
+/// Converts derivatives by z to those by the position of a master, with `length` for z = 1.
 fn rates(length: f64, [v, a, j]: [f64; 3]) -> [f64; 3] {
     [v / length, a / length / length, j / length / length / length]
 }
 
 impl Law {
-    /// Every law with its name.
+    /// All laws with their names.
     pub const ALL: [(Law, &'static str); 7] = [
         (Law::Dwell, "dwell"),
         (Law::Straight, "straight"),
@@ -102,12 +105,12 @@ impl Law {
         (Law::Polynomial7, "polynomial_7"),
     ];
 
-    /// The name in descriptions of tables.
+    /// Returns the name in descriptions of tables.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(law, _)| *law == self).map_or("", |(_, name)| name)
     }
 
-    /// The law at `z`.
+    /// Returns position and derivatives at `z`.
     pub fn at(self, z: f64) -> Derivatives {
         let z = z.clamp(0.0, 1.0);
         if self == Self::Dwell {
@@ -116,7 +119,7 @@ impl Law {
         if z <= 0.5 {
             return self.first_half(z);
         }
-        // Mirrored, so that a way ends at its end to the last bit.
+        // Mirrored, so that the position at the end is exact, bit by bit.
         let Derivatives { s, v, a, j } = self.first_half(1.0 - z);
         Derivatives { s: 1.0 - s, v, a: -a, j }
     }
@@ -150,7 +153,7 @@ impl Law {
         }
     }
 
-    /// Cv, Ca and Cj in closed form.
+    /// Returns Cv, Ca and Cj in closed form.
     pub fn peaks(self) -> Peaks {
         let of = |v, a, j| {
             let [v, a, j] = [v, a, j].map(|(value, at)| Peak { value, at });
@@ -174,7 +177,7 @@ impl Law {
     }
 }
 
-/// The first half, integrated from its acceleration; with k = 1 / (4 + pi) the way at 1/2 is 1/2.
+/// Returns the first half, integrated from its acceleration; with k = 1 / (4 + pi) the position at 1/2 is 1/2.
 fn modified_sine(z: f64) -> Derivatives {
     let k = 1.0 / (4.0 + PI);
     if z <= 0.125 {
@@ -196,7 +199,7 @@ fn modified_sine(z: f64) -> Derivatives {
     }
 }
 
-/// The first half, integrated from its acceleration; with k = 1 / (2 + pi) the way at 1/2 is 1/2.
+/// Returns the first half, integrated from its acceleration; with k = 1 / (2 + pi) the position at 1/2 is 1/2.
 fn modified_trapezoid(z: f64) -> Derivatives {
     let k = 1.0 / (2.0 + PI);
     let (sin, cos) = (sin(4.0 * PI * z), cos(4.0 * PI * z));
@@ -244,7 +247,7 @@ mod tests {
         assert_eq!(names, expected.map(|name| (true, name)));
     }
 
-    /// As VDI 2143 lists them, to its digits.
+    /// Values of VDI 2143, to its digits.
     #[test]
     fn peaks_are_those_of_the_source() {
         for (law, cv, ca, cj) in [
@@ -267,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Velocity, acceleration and jerk at z = 0; at z = 1 the acceleration has the other sign.
+    /// Velocity, acceleration and jerk at z = 0; at z = 1 the acceleration has the opposite sign.
     #[test]
     fn ends_are_as_each_law_promises() {
         let pi = PI;
@@ -288,7 +291,7 @@ mod tests {
         assert_eq!([0.0, 0.3, 1.0].map(|z| Law::Dwell.at(z)), [Derivatives::default(); 3]);
     }
 
-    /// Where pieces of a law meet, its acceleration goes on, and its jerk too.
+    /// Between the pieces of a law its acceleration is continuous, and its jerk, too.
     #[test]
     fn pieces_meet() {
         for law in MOVING {
@@ -320,7 +323,8 @@ mod tests {
             }
         }
 
-        /// Each is the derivative of the one before, by the difference over 2e-5: what that leaves out is its square times a third derivative.
+        /// Each is the derivative of the one before, compared with the difference over 2e-5, whose error is its square
+        /// times a third derivative.
         #[test]
         fn derivatives_belong_together(z in 1e-5_f64..=1.0 - 1e-5) {
             for law in MOVING {

@@ -1,8 +1,8 @@
-//! Profiles: how a command position gets to a target or a velocity in time.
+//! Profiles: plans of the command position to a target or a velocity.
 //!
-//! A profile is planned once, from the motion at t_k, as a few phases in continuous time, and then read at each cycle; it
-//! is not stretched to the grid. The phases up to the fastest place count from the start of the plan, those after it from
-//! its end, so that the target is met exactly however far it is.
+//! A profile is planned once, from the motion at t_k, as a few phases in continuous time, and then read in each cycle;
+//! it is not rounded to cycles. The phases up to the highest velocity are evaluated from the start of the plan, those
+//! after it from its end, so that the target is reached exactly at any distance.
 
 mod jerk;
 mod plan;
@@ -15,71 +15,71 @@ pub use trapezoid::stop_at;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Position, velocity and acceleration at one instant.
+/// Position, velocity, acceleration and jerk at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// (inc)
+    /// Position (inc).
     pub position: Position,
-    /// (inc/s)
+    /// Velocity (inc/s).
     pub velocity: f64,
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     pub acceleration: f64,
-    /// (inc/s^3)
+    /// Jerk (inc/s^3).
     pub jerk: f64,
 }
 
 impl Motion {
-    /// At rest.
+    /// Returns a motion at rest.
     pub fn at_rest(position: Position) -> Self {
         Self { position, ..Self::default() }
     }
 
-    /// Numbers that can be computed with?
+    /// Whether all rates are finite.
     pub fn is_sound(&self) -> bool {
         [self.velocity, self.acceleration, self.jerk].iter().all(|rate| rate.is_finite())
     }
 }
 
-/// Shape of the ramps (MACS-PROF-07).
+/// Ramp type (MACS-PROF-07).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
     /// Constant acceleration.
     #[default]
     Trapezoid,
-    /// Sinusoidal velocity, its peak acceleration within the limit (MACS-PROF-09).
+    /// Sinusoidal velocity with peak acceleration within the limit (MACS-PROF-09).
     SRamp,
-    /// Acceleration that changes no faster than these jerks (MACS-PROF-10).
+    /// Acceleration with these jerk limits (MACS-PROF-10).
     Jerk(Jerks),
 }
 
-/// The four jerks of a limited profile (inc/s^3), all above 0 (MACS-PROF-11).
+/// The four jerks of a jerk-limited profile (inc/s^3), all above 0 (MACS-PROF-11).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Jerks {
-    /// Acceleration 0 to max (JERKMIN).
+    /// Jerk from acceleration 0 to its limit (JERKMIN).
     pub rise: f64,
-    /// Acceleration max to 0 (JERKMIN2).
+    /// Jerk from the acceleration limit to 0 (JERKMIN2).
     pub fall: f64,
-    /// Deceleration 0 to max (JERKMIN3).
+    /// Jerk from deceleration 0 to its limit (JERKMIN3).
     pub brake_rise: f64,
-    /// Deceleration max to 0 (JERKMIN4).
+    /// Jerk from the deceleration limit to 0 (JERKMIN4).
     pub brake_fall: f64,
 }
 
 /// Limits of one profile, all above 0.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
-    /// (inc/s)
+    /// Largest velocity (inc/s).
     pub velocity: f64,
-    /// While |velocity| grows (inc/s^2).
+    /// Largest acceleration while |velocity| increases (inc/s^2).
     pub acceleration: f64,
-    /// While |velocity| falls (inc/s^2).
+    /// Largest deceleration while |velocity| decreases (inc/s^2).
     pub deceleration: f64,
-    /// How the acceleration may change.
+    /// Ramp type.
     pub shape: Shape,
 }
 
 impl Limits {
-    /// Rates that a profile can be made with?
+    /// Whether a profile exists for these limits.
     pub fn is_sound(&self) -> bool {
         let jerks = match self.shape {
             Shape::Jerk(jerks) => [jerks.rise, jerks.fall, jerks.brake_rise, jerks.brake_fall],
@@ -89,7 +89,7 @@ impl Limits {
         rates.into_iter().chain(jerks).all(|rate| rate > 0.0 && rate.is_finite())
     }
 
-    /// The same, but with no less acceleration, deceleration and jerk than `other` has.
+    /// Returns these limits with acceleration, deceleration and jerk not below those of `other`.
     #[must_use]
     pub fn at_least(self, other: &Self) -> Self {
         let shape = match (self.shape, other.shape) {
@@ -99,7 +99,8 @@ impl Limits {
                 brake_rise: mine.brake_rise.max(other.brake_rise),
                 brake_fall: mine.brake_fall.max(other.brake_fall),
             }),
-            // What has no limit of jerk must not get one in its ramp: there its acceleration would never end.
+            // A motion without jerk limit must not get one during its ramp: its acceleration would take too long to
+            // end.
             (Shape::Jerk(_), other) => other,
             (shape, _) => shape,
         };
@@ -112,13 +113,14 @@ impl Limits {
     }
 }
 
-/// A plan from `start` to rest at `target`. What is beyond its limit at the start goes back monotonically; where the target
-/// lies behind the stopping point the plan stops and comes back.
+/// Returns a plan from `start` to rest at `target`. A start beyond a limit returns to the limit monotonically. If the
+/// target is before the stopping point, the plan stops and comes back.
 pub fn to_rest(start: Motion, target: Position, limits: &Limits, cycle_ns: u64) -> Plan {
     to_pass(start, target, 0.0, limits, cycle_ns)
 }
 
-/// A plan from `start` that reaches `target` with `end_velocity` (inc/s) and without acceleration, and then goes on so.
+/// Returns a plan from `start` that reaches `target` with `end_velocity` (inc/s) and without acceleration, and then
+/// continues so.
 /// |`end_velocity`| is within the limit.
 pub fn to_pass(start: Motion, target: Position, end_velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
     match limits.shape {
@@ -128,7 +130,7 @@ pub fn to_pass(start: Motion, target: Position, end_velocity: f64, limits: &Limi
     }
 }
 
-/// A plan from `start` to `velocity` (inc/s), which then goes on for ever.
+/// Returns a plan from `start` to `velocity` (inc/s), which then continues without end.
 pub fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_ns: u64) -> Plan {
     match limits.shape {
         Shape::Trapezoid => trapezoid::to_velocity(start, velocity, limits, cycle_ns),
@@ -137,12 +139,12 @@ pub fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_ns: u64)
     }
 }
 
-/// A plan from `start` to rest with the deceleration and the shape of `limits`, wherever that is.
+/// Returns a plan from `start` to rest with the deceleration and the ramp type of `limits`, at any position.
 pub fn stop(start: Motion, limits: &Limits, cycle_ns: u64) -> Plan {
     to_velocity(start, 0.0, limits, cycle_ns)
 }
 
-/// The way that [`stop`] takes from `start` to rest (inc, with its sign).
+/// Returns the distance of [`stop`] from `start` to rest (inc, signed).
 pub fn stopping_way(start: Motion, limits: &Limits) -> f64 {
     match limits.shape {
         Shape::Trapezoid => trapezoid::stopping_way(start, limits),
@@ -151,16 +153,16 @@ pub fn stopping_way(start: Motion, limits: &Limits) -> f64 {
     }
 }
 
-/// Is a target that lies `distance` away met by a plan whose way is `way` (inc)? A millionth of an increment is rounding,
-/// and so are the last digits of long ways.
+/// Whether a plan with distance `way` reaches a target at `distance` (inc). A millionth of an increment is rounding,
+/// and so are the last digits of long distances.
 fn is_met(distance: f64, way: f64) -> bool {
     (distance - way).abs() <= 1e-6 + 1e-15 * (distance.abs() + way.abs())
 }
 
-/// The difference of two positions (inc).
+/// Returns the difference of two positions (inc).
 fn distance(from: Position, to: Position) -> f64 {
     let raw = (to - from).raw();
-    // The narrow conversion is several times faster, and gives the same.
+    // The conversion of 64 bits is several times faster, with the same result.
     i64::try_from(raw).map_or_else(|_| Position::from_raw(raw).to_f64(), |raw| raw as f64 / plan::ONE)
 }
 

@@ -1,11 +1,11 @@
-//! A planned profile: how it is put together, and how it is read.
+//! A planned profile: its construction and evaluation.
 
 use super::Motion;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Most phases of a plan: a limited jerk, from a zero crossing that cannot be avoided over a turn to the passing of its
-/// target in the other direction.
+/// Largest number of phases of a plan: with jerk limit, from an unavoidable zero crossing over a reversal to passing
+/// the target in the other direction.
 const MAX_PHASES: usize = 16;
 
 const SIXTH: f64 = 1.0 / 6.0;
@@ -13,23 +13,23 @@ const SIXTH: f64 = 1.0 / 6.0;
 /// One increment in units of 2^-32.
 pub(super) const ONE: f64 = (1_u64 << 32) as f64;
 
-/// The law of a phase around a moment of reference: a polynomial of third degree, or half a wave of cosine.
+/// A phase, relative to a reference time: a polynomial of third degree, or half a wave of cosine.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Phase {
-    /// The moment of reference (s), from the start or the end of the plan.
+    /// Reference time (s), from the start or the end of the plan.
     moment: f64,
-    /// Way to the position at that moment (inc), from the start or the end of the plan.
+    /// Distance of the position at that time (inc), from the start or the end of the plan.
     way: f64,
-    /// Velocity then (inc/s); of a wave its mean.
+    /// Velocity at that time (inc/s); for a wave its mean.
     velocity: f64,
-    /// Acceleration then (inc/s^2); of a wave its amplitude of velocity (inc/s).
+    /// Acceleration at that time (inc/s^2); for a wave its amplitude of velocity (inc/s).
     acceleration: f64,
-    /// Jerk (inc/s^3); of a wave its angular frequency (1/s).
+    /// Jerk (inc/s^3); for a wave its angular frequency (1/s).
     jerk: f64,
 }
 
 impl Phase {
-    /// Way (inc) and motion without position at `time` (s) on the clock of its moment.
+    /// Returns distance (inc) and motion without position at `time` (s), on the time scale of the reference time.
     #[inline]
     fn at(&self, time: f64) -> (f64, Motion) {
         let past = time - self.moment;
@@ -43,7 +43,7 @@ impl Phase {
         (self.way + past * (self.velocity + past * (0.5 * self.acceleration + half * (1.0 / 3.0))), motion)
     }
 
-    /// As [`at`](Self::at), of a wave.
+    /// As [`at`](Self::at), for a wave.
     #[inline(never)]
     fn wave_at(&self, time: f64) -> (f64, Motion) {
         let Self { velocity: mean, acceleration: amplitude, jerk: frequency, .. } = *self;
@@ -59,7 +59,7 @@ impl Phase {
     }
 }
 
-/// The first cycle at or after `time` (s). A millionth of a cycle is rounding, not time.
+/// Returns the first cycle at or after `time` (s). A millionth of a cycle is rounding.
 fn cycles(time: f64, cycle_ns: u64) -> u64 {
     let exact = time * 1e9 / cycle_ns as f64;
     // The cast saturates, below at 0.
@@ -67,7 +67,7 @@ fn cycles(time: f64, cycle_ns: u64) -> u64 {
     if exact - (whole as f64) < 1e-6 { whole } else { whole.saturating_add(1) }
 }
 
-/// The nearest position to a way from `base`; as with `Position::from_f64`, but fast where the way is not huge.
+/// Returns the nearest position at a distance from `base`, as `Position::from_f64` but faster for usual distances.
 #[inline]
 fn position(base: Position, way: f64) -> Position {
     let raw = way * ONE;
@@ -75,7 +75,7 @@ fn position(base: Position, way: f64) -> Position {
     if size < (1_u64 << 62) as f64 {
         // From 2^52 on an f64 is whole.
         let half = if size < (1_u64 << 52) as f64 { 0.5_f64.copysign(raw) } else { 0.0 };
-        // Only a base that was made up is so large that the sum wraps.
+        // The sum can wrap only with an invalid base.
         Position::from_raw(base.raw().wrapping_add(i128::from((raw + half) as i64)))
     } else {
         far(base, way)
@@ -87,36 +87,36 @@ fn far(base: Position, way: f64) -> Position {
     base + Position::from_f64(way)
 }
 
-/// Way of a phase that is rounding (inc).
+/// Distance of a phase that is rounding (inc).
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// A planned profile, read by elapsed cycles.
+/// A planned profile, evaluated at elapsed cycles.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// When each phase begins (s), from the start; without end for places that are free.
+    /// Start time of each phase (s), from the start of the plan; the largest number for unused ones.
     begins: [f64; MAX_PHASES],
-    /// Phases that count from the start fill the first places, phases that count from the end the last.
+    /// Phases evaluated from the start come first in the array, phases evaluated from the end come last.
     phases: [Phase; MAX_PHASES],
     start: Position,
-    /// Where it ends, and with which velocity it goes on.
+    /// End position, and velocity with which it continues.
     end: Position,
     end_velocity: f64,
-    /// (s)
+    /// Duration (s).
     duration: f64,
-    /// How long it began before the cycle that is its start (s).
+    /// Time by which it began before its start cycle (s).
     lead: f64,
     cycles: u64,
     cycle_ns: u64,
-    /// How many phases count from the start.
+    /// Number of phases evaluated from the start.
     count: u8,
-    /// Place of the first phase that counts from the end.
+    /// Index of the first phase evaluated from the end.
     turn: u8,
     /// Bit i: phase i is a wave.
     waves: u16,
 }
 
 impl Plan {
-    /// A plan that stays where it is.
+    /// Returns a plan that stays at its position.
     #[inline]
     pub(super) fn new(start: Position, cycle_ns: u64) -> Self {
         Self {
@@ -135,22 +135,22 @@ impl Plan {
         }
     }
 
-    /// Where it ends.
+    /// Returns the end position.
     pub fn end(&self) -> Position {
         self.end
     }
 
-    /// The velocity with which it ends (inc/s); 0 for a plan to rest.
+    /// Returns the velocity at the end (inc/s); 0 for a plan to rest.
     pub fn end_velocity(&self) -> f64 {
         self.end_velocity
     }
 
-    /// Its duration (s).
+    /// Returns the duration (s).
     pub fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Could it have been planned? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
         let numbers = |phase: &Phase| {
             let Phase { moment, way, velocity, acceleration, jerk } = *phase;
@@ -162,12 +162,12 @@ impl Plan {
             && [self.duration, self.end_velocity, self.lead].iter().all(|number| number.is_finite())
     }
 
-    /// Number of the first cycle at or after its end.
+    /// Returns the number of the first cycle at or after its end.
     pub fn cycles(&self) -> u64 {
         self.cycles
     }
 
-    /// The same plan, begun `seconds` before the cycle that is its start; less than a cycle.
+    /// Returns the same plan, begun `seconds` before its start cycle; less than a cycle.
     #[must_use]
     pub fn with_lead(mut self, seconds: f64) -> Self {
         self.lead = seconds;
@@ -175,19 +175,19 @@ impl Plan {
         self
     }
 
-    /// How long before cycle `elapsed` it ended (s); 0 where it has not.
+    /// Returns the time from the end of the plan to cycle `elapsed` (s); 0 before the end.
     pub fn overshoot(&self, elapsed: u64) -> f64 {
         (self.time(elapsed) - self.duration).max(0.0)
     }
 
     #[inline]
     fn time(&self, elapsed: u64) -> f64 {
-        // Exact below 2^53 ns, and correctly rounded by the one division; the narrow conversion is faster.
+        // Exact below 2^53 ns, and correctly rounded by the single division; the conversion of 64 bits is faster.
         let ns = elapsed.saturating_mul(self.cycle_ns).min(i64::MAX as u64) as i64;
         ns as f64 / 1e9 + self.lead
     }
 
-    /// The motion `elapsed` cycles after the start.
+    /// Returns the motion `elapsed` cycles after the start.
     #[inline]
     pub fn at(&self, elapsed: u64) -> Motion {
         let time = self.time(elapsed);
@@ -207,7 +207,7 @@ impl Plan {
         Motion { position: position(base, way), ..motion }
     }
 
-    /// Phase `index` at `time` (s) from the start.
+    /// Evaluates phase `index` at `time` (s) from the start.
     #[inline]
     fn read(&self, index: usize, time: f64) -> (f64, Motion) {
         let Some(phase) = self.phases.get(index) else { return Default::default() };
@@ -215,11 +215,11 @@ impl Plan {
         if self.waves >> (index % MAX_PHASES) & 1 == 0 { phase.at(clock) } else { phase.wave_at(clock) }
     }
 
-    /// Lowest and highest position from `now` to its end, which is `now`, the end or where it turns.
+    /// Returns lowest and highest position from `now` to the end: these are `now`, the end or a reversal.
     pub fn extent_from(&self, now: Position) -> (Position, Position) {
         let (low, high) = self.extent();
-        // Places between its start and now it will not see again, but for those to which it turns back; of the turns those that
-        // lie behind it are kept too, which errs on the safe side.
+        // Positions between the start and now are not reached again, except by a reversal. Past reversals are included,
+        // which errs on the safe side.
         let (mut least, mut most) = (now.min(self.end), now.max(self.end));
         self.places(|place, is_turn| {
             if is_turn {
@@ -229,14 +229,14 @@ impl Plan {
         (if low == self.start { least } else { low }, if high == self.start { most } else { high })
     }
 
-    /// Lowest and highest position on the way; for a plan to rest.
+    /// Returns lowest and highest position of a plan to rest.
     pub fn extent(&self) -> (Position, Position) {
         let (mut low, mut high) = (self.start.min(self.end), self.start.max(self.end));
         self.places(|place, _| (low, high) = (low.min(place), high.max(place)));
         (low, high)
     }
 
-    /// Where its phases meet, and where it turns: within a phase, or from one to the next.
+    /// Calls `see` with the positions between its phases and its reversals, within a phase or between two phases.
     fn places(&self, mut see: impl FnMut(Position, bool)) {
         let turn = usize::from(self.turn).min(MAX_PHASES);
         let places = (0..usize::from(self.count).min(turn)).chain(turn..MAX_PHASES);
@@ -247,7 +247,7 @@ impl Plan {
             let end = next.copied().unwrap_or(self.duration);
             let (before, after) = (self.read(index, begin), self.read(index, end));
             let base = if index >= turn { self.end } else { self.start };
-            // Within a phase the acceleration has one sign.
+            // Within a phase the sign of the acceleration is constant.
             let turns = before.1.velocity * after.1.velocity < 0.0;
             let way = after.0 - before.0;
             let moves = way.abs() > NEGLIGIBLE;
@@ -256,7 +256,7 @@ impl Plan {
                 (false, true) => (way, way),
                 (false, false) => (direction, direction),
             };
-            // What counts from the start is exact where it begins, what counts from the end where it ends.
+            // Phases evaluated from the start are exact at their start, phases evaluated from the end at their end.
             let turned = first * direction < 0.0;
             if index < turn || turned {
                 see(position(base, before.0), turned);
@@ -272,7 +272,7 @@ impl Plan {
         }
     }
 
-    /// When the velocity of a phase passes through zero between `begin` and `end` (s).
+    /// Returns the time at which the velocity of a phase passes through zero between `begin` and `end` (s).
     fn turning_time(&self, index: usize, begin: f64, end: f64) -> f64 {
         let phase = self.phases.get(index).copied().unwrap_or_default();
         let Phase { velocity, acceleration, jerk, .. } = phase;
@@ -292,13 +292,13 @@ impl Plan {
     }
 }
 
-/// A plan under construction: phases are added at its start and, the last one first, at its end.
+/// A plan under construction: phases are appended at its start and, the last one first, prepended at its end.
 pub(super) struct Draft<'a> {
     plan: &'a mut Plan,
-    /// Time (s) and way (inc) of the phases at the start.
+    /// Time (s) and distance (inc) of the phases at the start.
     time: f64,
     pub(super) way: f64,
-    /// Time (s) and way (inc) of the phases at the end.
+    /// Time (s) and distance (inc) of the phases at the end.
     left: f64,
     rest: f64,
 }
@@ -333,8 +333,8 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Adds a phase after those at the start: `time` (s), its first velocity and acceleration, its jerk. One without time
-    /// is left out.
+    /// Appends a phase to those at the start: `time` (s), its initial velocity and acceleration, its jerk. A phase
+    /// without time is omitted.
     #[inline]
     pub(super) fn forward(&mut self, time: f64, velocity: f64, acceleration: f64, jerk: f64) {
         if time > 0.0 {
@@ -348,7 +348,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Adds a phase before those at the end: `time` (s), its last velocity and acceleration, its jerk.
+    /// Prepends a phase to those at the end: `time` (s), its final velocity and acceleration, its jerk.
     #[inline]
     pub(super) fn backward(&mut self, time: f64, velocity: f64, acceleration: f64, jerk: f64) {
         if time > 0.0 {
@@ -358,7 +358,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Adds half a wave of cosine after those at the start.
+    /// Appends half a wave of cosine to the phases at the start.
     pub(super) fn wave_forward(&mut self, time: f64, from: f64, to: f64) {
         if time > 0.0 {
             let (velocity, acceleration, jerk) = (0.5 * (from + to), 0.5 * (to - from), std::f64::consts::PI / time);
@@ -368,7 +368,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Adds half a wave of cosine before those at the end.
+    /// Prepends half a wave of cosine to the phases at the end.
     pub(super) fn wave_backward(&mut self, time: f64, from: f64, to: f64) {
         if time > 0.0 {
             let (velocity, acceleration, jerk) = (0.5 * (from + to), 0.5 * (from - to), std::f64::consts::PI / time);
@@ -378,7 +378,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Adds a quarter of a wave in which `acceleration` ends, with an angular `frequency` (1/s).
+    /// Appends a quarter of a wave in which `acceleration` ends, with an angular `frequency` (1/s).
     pub(super) fn fade(&mut self, velocity: f64, acceleration: f64, frequency: f64) {
         let time = std::f64::consts::FRAC_PI_2 / frequency;
         if time > 0.0 {
@@ -393,13 +393,14 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Cruises for `time` (s): its first half counts from the start, its second half from the end.
+    /// Adds a phase of constant velocity for `time` (s): its first half is evaluated from the start, its second half
+    /// from the end.
     pub(super) fn cruise(&mut self, time: f64, velocity: f64) {
         self.forward(0.5 * time, velocity, 0.0, 0.0);
         self.backward(0.5 * time, velocity, 0.0, 0.0);
     }
 
-    /// Ends the plan at `target` or, without one, wherever its way leads; it goes on with `end_velocity`.
+    /// Ends the plan at `target` or, without one, at its distance; it continues with `end_velocity`.
     pub(super) fn finish(self, target: Option<Position>, end_velocity: f64) {
         let plan = self.plan;
         plan.duration = self.time + self.left;
@@ -410,7 +411,7 @@ impl<'a> Draft<'a> {
         let turn = usize::from(plan.turn).min(MAX_PHASES);
         for (begins, phase) in plan.begins[turn..].iter_mut().zip(&plan.phases[turn..]) {
             *begins = begin;
-            // A phase at the end counts from where the next one begins.
+            // The reference time of a phase at the end is the start of the next one.
             begin = plan.duration + phase.moment;
         }
     }

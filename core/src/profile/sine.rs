@@ -1,11 +1,11 @@
-//! The S-ramp: velocity changes along half a wave of cosine.
+//! The S-ramp: the velocity follows half a wave of cosine.
 //!
-//! Law      v(t) = v0 + (v1 - v0) (1 - cos(pi t / T)) / 2, T = pi / 2 |v1 - v0| / A: the peak of acceleration is A. An
+//! Law      v(t) = v0 + (v1 - v0) (1 - cos(pi t / T)) / 2, T = pi / 2 |v1 - v0| / A: the peak acceleration is A. An
 //!          acceleration at the start first ends along a quarter of a wave, a(t) = a0 cos(w t)
 //! Reads    the motion at the start
-//! Writes   a plan that ends exactly at the target, or at a velocity for ever
+//! Writes   a plan that ends exactly at the target, or continues at a velocity without end
 //! Refuses  nothing: the caller has checked that all limits are finite and above 0
-//! Source   MACS-PROF-09, with the reading of A-20
+//! Source   MACS-PROF-09, as interpreted in A-20
 
 use super::plan::{Draft, Plan};
 use super::trapezoid::{Leg, Rates, over};
@@ -13,33 +13,33 @@ use super::{Limits, Motion, distance};
 use crate::position::Position;
 use std::f64::consts::FRAC_PI_2;
 
-/// Mean rates of the ramps: their ways are those of a trapezoid with 2 / pi of the acceleration.
+/// Mean rates of the ramps: their distances are those of a trapezoid with 2 / pi of the acceleration.
 fn rates(limits: &Limits) -> Rates {
     Rates { up: limits.acceleration / FRAC_PI_2, down: limits.deceleration / FRAC_PI_2 }
 }
 
-/// How the acceleration at the start ends.
+/// The quarter wave in which the acceleration at the start ends.
 struct Fade {
-    /// (1/s); infinite where there is none to end, or no room for it.
+    /// Angular frequency (1/s); infinite if there is no acceleration to end, or no room for it.
     frequency: f64,
     /// Velocity after it (inc/s).
     velocity: f64,
-    /// (inc)
+    /// Distance (inc).
     way: f64,
 }
 
 impl Fade {
-    /// Over what is left up to the limit, as at the end of a whole ramp.
+    /// Uses the whole range up to the velocity limit, as at the end of a full ramp.
     fn whole(start: Motion, limits: &Limits) -> Self {
         Self::new(start, limits, f64::INFINITY)
     }
 
-    /// Within a tenth of the velocity: what has to slow down does not speed up for long.
+    /// Uses a tenth of the velocity: an axis that has to slow down must not accelerate for long.
     fn short(start: Motion, limits: &Limits) -> Self {
         Self::new(start, limits, 0.1)
     }
 
-    /// The one for a way that ends with `end_velocity` after `distance`.
+    /// Returns the fade for a motion that ends with `end_velocity` after `distance`.
     fn towards(start: Motion, distance: f64, end_velocity: f64, limits: &Limits) -> Self {
         let fade = Self::whole(start, limits);
         let needed = fade.way + rates(limits).way(fade.velocity, end_velocity);
@@ -67,7 +67,7 @@ impl Fade {
     }
 }
 
-/// Both legs as one wave where nothing makes them differ.
+/// Returns both legs as one wave if their rates are equal.
 fn waves(legs: [Leg; 2]) -> [Leg; 2] {
     let [first, second] = legs;
     if first.rate == second.rate { [Leg { to: first.from, ..first }, Leg { from: first.from, ..second }] } else { legs }

@@ -1,8 +1,8 @@
-//! The trapezoid: constant acceleration, cruise, constant deceleration.
+//! The trapezoid: constant acceleration, constant velocity, constant deceleration.
 //!
 //! Law      v to V with acceleration a: time |V - v| / a, distance (V^2 - v^2) / (2 a)
-//! Reads    the motion at the start (its acceleration is free to jump)
-//! Writes   a plan that ends exactly at the target, or at a velocity for ever
+//! Reads    the motion at the start (its acceleration may jump)
+//! Writes   a plan that ends exactly at the target, or continues at a velocity without end
 //! Refuses  nothing: the caller has checked that all limits are finite and above 0
 //! Source   MACS-PROF-08
 
@@ -10,12 +10,12 @@ use super::plan::{Draft, Plan};
 use super::{Limits, Motion, distance, is_met};
 use crate::position::Position;
 
-/// A change of velocity that does not change the sign of velocity.
+/// A change of velocity without change of sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Leg {
     pub(super) from: f64,
     pub(super) to: f64,
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     pub(super) rate: f64,
 }
 
@@ -29,7 +29,7 @@ impl Leg {
     }
 }
 
-/// The rates while |velocity| grows and falls (inc/s^2).
+/// Rates while |velocity| increases and decreases (inc/s^2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rates {
     pub(super) up: f64,
@@ -41,39 +41,39 @@ impl Rates {
         Self { up: limits.acceleration, down: limits.deceleration }
     }
 
-    /// From one velocity to another; through zero in two legs.
+    /// Returns the legs from one velocity to another; through zero in two legs.
     pub(super) fn legs(&self, from: f64, to: f64) -> [Leg; 2] {
         let middle = if from * to < 0.0 { 0.0 } else { from };
         let rate = if to.abs() > middle.abs() { self.up } else { self.down };
         [Leg { from, to: middle, rate: self.down }, Leg { from: middle, to, rate }]
     }
 
-    /// (inc)
+    /// Returns the distance (inc).
     pub(super) fn way(&self, from: f64, to: f64) -> f64 {
         self.legs(from, to).iter().map(Leg::way).sum()
     }
 }
 
-/// How a target is reached: over a velocity, at which the plan may cruise for a time (s).
+/// Intermediate velocity on the way to a target, and the time for which the plan keeps it (s).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Over {
     pub(super) velocity: f64,
     pub(super) time: f64,
 }
 
-/// The velocity over which a way of `distance` leads from velocity `from` to velocity `to`; none where the direct change of
-/// velocity takes this way.
+/// Returns the intermediate velocity for a motion of `distance` from velocity `from` to velocity `to`; none if the
+/// direct change of velocity covers this distance.
 pub(super) fn over(distance: f64, from: f64, to: f64, top: f64, rates: Rates) -> Option<Over> {
     let direct = rates.way(from, to);
     if is_met(distance, direct) {
         return None;
     }
-    // From here on the target lies beyond what the direct change reaches, upwards.
+    // From here on the target is above the end of the direct change.
     let sign = if distance > direct { 1.0 } else { -1.0 };
     let (distance, from, to) = (sign * distance, sign * from, sign * to);
     let top = top.max(to);
     let Rates { up, down } = rates;
-    // The way from a velocity to zero, backwards in time on the way up and forwards on the way down.
+    // Distances from a velocity to zero, backward in time for the acceleration and forward for the deceleration.
     let climb = from * from / (2.0 * if from < 0.0 { down } else { up });
     let descent = to * to / (2.0 * if to < 0.0 { up } else { down });
     let square = 2.0 * up * down * (distance + climb + descent) / (up + down);
@@ -133,7 +133,7 @@ pub(super) fn stopping_way(start: Motion, limits: &Limits) -> f64 {
     start.velocity * start.velocity.abs() / (2.0 * limits.deceleration)
 }
 
-/// A plan from `start` to rest exactly at `target`, which lies ahead, with the constant deceleration that this takes.
+/// Returns a plan from `start` to rest exactly at `target` ahead, with the constant deceleration necessary for that.
 pub fn stop_at(start: Motion, target: Position, cycle_ns: u64) -> Plan {
     let way = distance(start.position, target).abs();
     let mut plan = Plan::new(start.position, cycle_ns);

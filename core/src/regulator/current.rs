@@ -1,39 +1,39 @@
 //! The current loop of an amplifier, and its design for a winding.
 //!
-//! Law      voltage = U kc ku (CURKPROP e + 4 CURKINT SUM e), within +-U; e in A, summed per sample. |SUM e| <= CURKILIM, and it
-//!          does not grow while the voltage is at its limit in that direction.
+//! Law      voltage = U kc ku (CURKPROP e + 4 CURKINT SUM e), within +-U; e in A, summed per sample.
+//!          |SUM e| <= CURKILIM, and the sum does not grow while the voltage is at its limit in that direction.
 //!          Design: w = Beta pi / (2 Ts); CURKPROP = (2 w - R/L) L / (U kc ku); CURKINT = w^2 L / (kc ku U) Ts / 4
 //! Reads    the error, setpoint minus actual current (A); the setpoint within [`capped`]
 //! Writes   the voltage at the winding (V)
-//! Refuses  a design beyond the ranges of the source, or with gains that no parameter holds. The loop refuses nothing: the
-//!          rows of its parameters do
+//! Refuses  a design beyond the ranges of the source, or with gains beyond the range of the parameters. The loop
+//!          refuses nothing: the rows of its parameters do
 //! Source   MACS-AMP-05, MACS-AMP-07, MACS-AMP-08, A-27, A-28
 //!
-//! The design is the double pole at -w of a loop in continuous time, where the voltage answers the error at once. A sample
-//! is Ts, 125 us in the source; an axis calls the loop once a cycle, which is its Ts then.
+//! The design is the double pole at -w of a loop in continuous time without delay of the voltage. A sample is Ts, 125
+//! us in the source; an axis calls the loop once a cycle, which then is its Ts.
 //!
-//! A change of gains moves nothing in its sample: the integral part is carried over by a new sum, as far as CURKILIM allows; what is
-//! left fades within 64 samples.
+//! A change of gains does not change the output of its sample: the integral part is converted to a new sum, as far as
+//! CURKILIM allows; the rest fades within 64 samples.
 
 use super::fade::Fade;
 use super::sum::{Room, grown, measured, within};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Counts of current for one A of a DC6 amplifier.
+/// Counts of current per A of a DC6 amplifier.
 pub const DC6: f64 = 6554.0;
-/// Counts of current for one A of a DC3 amplifier.
+/// Counts of current per A of a DC3 amplifier.
 pub const DC3: f64 = 3495.0;
 /// Time between two samples of the source (s).
 pub const CURRENT_SAMPLE: f64 = 0.000_125;
 
-/// Full voltage per count of current and one of gain: 2^-12 of the gain, 2^-15 of the output.
+/// Full voltage per count of current and unit of gain: 2^-12 for the gain, 2^-15 for the output.
 const KU: f64 = 1.0 / (1_u32 << 27) as f64;
-/// Samples of the sum that one of CURKINT is meant for.
+/// Factor of CURKINT in the law.
 const INTEGRAL: f64 = 4.0;
 /// Largest magnitude of a parameter.
 const MOST: f64 = 32_767.0;
-/// An error beyond this saturates (A).
+/// Error at which it saturates (A).
 const MOST_ERROR: f64 = 1e6;
 
 /// Parameters of the law.
@@ -47,12 +47,12 @@ pub struct CurrentGains {
     pub limit: f64,
     /// U: supply of the power stage (V), above 0 up to 1000.
     pub voltage: f64,
-    /// kc: counts for one A ([`DC6`], [`DC3`]), above 0 up to 1000000.
+    /// kc: counts per A ([`DC6`], [`DC3`]), above 0 up to 1000000.
     pub scale: f64,
 }
 
 impl CurrentGains {
-    /// Is each value within its range?
+    /// Whether each value is within its range.
     pub fn is_sound(&self) -> bool {
         let gains =
             self.proportional.abs() <= MOST && self.integral.abs() <= MOST && (0.0..=MOST).contains(&self.limit);
@@ -60,35 +60,35 @@ impl CurrentGains {
         gains && above(self.voltage, 1000.0) && above(self.scale, 1e6)
     }
 
-    /// V per A and one of gain.
+    /// Returns V per A and unit of gain.
     fn unit(&self) -> f64 {
         self.voltage * self.scale * KU
     }
 
-    /// V per A.
+    /// Returns V per A.
     fn factor(&self) -> f64 {
         self.unit() * self.proportional
     }
 
-    /// V per A and sample.
+    /// Returns V per A and sample.
     fn worth(&self) -> f64 {
         self.unit() * INTEGRAL * self.integral
     }
 }
 
-/// The loop between two samples.
+/// State of the loop between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurrentLoop {
-    /// Of the errors (A samples).
+    /// Sum of the errors (A samples).
     sum: f64,
-    /// Of the last sample; none before the first.
+    /// Gains of the last sample; none before the first.
     gains: Option<CurrentGains>,
-    /// What a change of gains has left, in parts of U.
+    /// Rest of a change of gains, as a fraction of U.
     fade: Fade,
 }
 
 impl CurrentLoop {
-    /// One sample: the voltage (V) within +-U. `error` is in A; no number is 0.
+    /// Advances by one sample and returns the voltage (V) within +-U. `error` is in A; NaN counts as 0.
     pub fn step(&mut self, gains: &CurrentGains, error: f64) -> f64 {
         let error = measured(error, MOST_ERROR);
         match self.gains.replace(*gains) {
@@ -101,13 +101,13 @@ impl CurrentLoop {
         let rest = self.fade.step() * gains.voltage;
         self.sum = within(self.sum, gains.limit);
         let law = self.law(gains, error);
-        // What fades must not hide from the sum that its own part is too large already.
+        // The fading rest must not hide that the law itself already saturates.
         let room = Room::around(law.min(law + rest), law.max(law + rest), gains.voltage);
         self.sum = grown(self.sum, error, gains.limit, gains.worth(), room);
         within(within(self.law(gains, error), gains.voltage) + rest, gains.voltage)
     }
 
-    /// A sample with other gains than the last one.
+    /// Advances by a sample with other gains than the last one.
     fn exchange(&mut self, before: &CurrentGains, gains: &CurrentGains, error: f64) -> f64 {
         let voltage = self.advance(before, error);
         let part = |loops: &Self, gains: &CurrentGains| within(loops.law(gains, error), gains.voltage) / gains.voltage;
@@ -122,25 +122,25 @@ impl CurrentLoop {
         gains.factor() * error + gains.worth() * self.sum
     }
 
-    /// The loop goes off: no sum.
+    /// Resets the loop: the sum is 0.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Is it a state that the loop can be in?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         self.sum.abs() <= MOST && self.fade.is_sound() && self.gains.is_none_or(|gains| gains.is_sound())
     }
 }
 
-/// The setpoint of the current (mA) within AMPMAXCUR (mA), either way; no number is 0.
+/// Returns the setpoint of the current (mA) limited to +-AMPMAXCUR (mA); NaN counts as 0.
 ///
-/// For the modes that have a current loop, 0 and 2; the others limit no current.
+/// For the modes with a current loop, 0 and 2; the others limit no current.
 pub fn capped(setpoint: f64, most: f64) -> f64 {
     measured(setpoint, most.max(0.0))
 }
 
-/// A winding and how fast its current is to follow.
+/// A winding and the speed of its current loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Winding {
     /// Speed of the loop: 0.1 slow to 0.3 fast.
@@ -149,7 +149,7 @@ pub struct Winding {
     pub sample: f64,
     /// U: supply of the power stage (V), 12 to 48.
     pub voltage: f64,
-    /// kc: counts for one A, above 0 up to 1000000.
+    /// kc: counts per A, above 0 up to 1000000.
     pub scale: f64,
     /// L (H), above 0 up to 1000.
     pub inductance: f64,
@@ -157,10 +157,10 @@ pub struct Winding {
     pub resistance: f64,
 }
 
-/// What a design gives.
+/// Result of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// w: where the double pole lies (rad/s).
+    /// w: position of the double pole (rad/s).
     pub bandwidth: f64,
     /// CURKPROP, not rounded.
     pub proportional: f64,
@@ -168,35 +168,35 @@ pub struct Design {
     pub integral: f64,
 }
 
-/// Why there is no design.
+/// Error in a design.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// A value of the winding lies outside its range.
+    /// A value of the winding is outside its range.
     #[error("{name} is {value}{unit}; {range}{unit} is permitted")]
     Range {
-        /// What it is.
+        /// Name of the value.
         name: &'static str,
-        /// What was given.
+        /// Given value.
         value: f64,
-        /// Of both, with the space before it.
+        /// Unit of both, with a space before it.
         unit: &'static str,
-        /// What it may be.
+        /// Allowed range.
         range: &'static str,
     },
-    /// No parameter holds the gain.
+    /// The gain exceeds the range of its parameter.
     #[error("the design needs {name} {value}; -32767 to 32767 is permitted")]
     Gain {
-        /// Which.
+        /// Name of the gain.
         name: &'static str,
-        /// What is needed.
+        /// Necessary value.
         value: f64,
     },
 }
 
 impl Winding {
-    /// The gains with which the loop has its double pole at -w.
+    /// Returns the gains for a double pole of the loop at -w.
     ///
-    /// A winding that is faster than the loop by itself, R/L above 2 w, gets a negative CURKPROP.
+    /// A winding that is faster than the loop, with R/L above 2 w, gets a negative CURKPROP.
     ///
     /// # Errors
     /// A value beyond its range; a gain beyond +-32767.
@@ -225,7 +225,7 @@ impl Winding {
             ("R", self.resistance, " ohm", 0.0, 1e6, "0 to 1000000"),
         ];
         for (name, value, unit, least, most, range) in values {
-            // Not a number lies in no range.
+            // NaN is outside every range.
             if !(least..=most).contains(&value) {
                 return Err(DesignError::Range { name, value, unit, range });
             }

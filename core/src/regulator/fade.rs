@@ -1,16 +1,17 @@
-//! A step of an output that is made up for, and then faded away.
+//! Compensation of a step of an output, which then fades.
 //!
-//! Law      output = what the law says + rest; rest becomes smaller by the same part in each sample, and is 0 after [`SAMPLES`]
-//! Reads    by how much a change of gains would make the output step
+//! Law      output = output of the law + rest; the rest decreases by the same amount in each sample, and is 0 after
+//!          [`SAMPLES`]
+//! Reads    the step that a change of gains would cause at the output
 //! Writes   the rest
-//! Refuses  nothing: what is no number is no rest
+//! Refuses  nothing: NaN adds no rest
 
 use serde::{Deserialize, Serialize};
 
-/// Samples until the new values act alone.
+/// Number of samples until only the new values act.
 pub(super) const SAMPLES: u16 = 64;
 
-/// What is left of steps that were made up for.
+/// Rest of compensated steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Fade {
     rest: f64,
@@ -18,15 +19,15 @@ pub(super) struct Fade {
 }
 
 impl Fade {
-    /// The law would step by this: its output goes on from where it was.
+    /// Compensates a step of the law: the output continues from its old value.
     pub(super) fn make_up_for(&mut self, step: f64) {
         if step.is_finite() && step != 0.0 {
-            // What is left of another change goes on, too.
+            // The rest of an earlier change continues, too.
             (self.rest, self.left) = ((self.rest - step).clamp(-2.0, 2.0), SAMPLES);
         }
     }
 
-    /// What is added to the output in this sample.
+    /// Returns the value added to the output in this sample.
     pub(super) fn step(&mut self) -> f64 {
         let now = self.rest;
         if self.left > 1 {
@@ -38,7 +39,7 @@ impl Fade {
         now
     }
 
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub(super) fn is_sound(&self) -> bool {
         self.left <= SAMPLES && self.rest.abs() <= 2.0 && (self.left > 0 || self.rest == 0.0)
     }

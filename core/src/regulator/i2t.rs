@@ -1,23 +1,24 @@
-//! The I2t supervision of an amplifier, and the current that is shown.
+//! The I2t supervision of an amplifier, and the displayed current.
 //!
-//! Law      each ms: shown += (I - shown) / CURFTIME; value += (shown^2 / 1000 - value) / I2TFTIME. A time of up to 1 ms is no
-//!          filter. A cycle of T ms moves by 1 - (1 - 1/time)^T of the way, which is T steps of a ms under a steady current.
-//!          Too much is a value above I2TLIMIT
+//! Law      each ms: shown += (I - shown) / CURFTIME; value += (shown^2 / 1000 - value) / I2TFTIME. A time of up to 1
+//!          ms means no filter. A cycle of T ms uses the share 1 - (1 - 1/time)^T, which is equal to T steps of a ms at
+//!          constant current. A value above I2TLIMIT is an error
 //! Reads    the measured current (mA)
-//! Writes   AMP_GETCUR (mA), AMP_I2TVALUE (A^2/1000), and what they come to
+//! Writes   AMP_GETCUR (mA), AMP_I2TVALUE (A^2/1000), and the result of the supervision
 //! Refuses  nothing: the rows of its parameters do
 //! Source   MACS-I2T-01..05, A-29
 //!
-//! An indicator: it protects no motor by itself. What it filters is for eyes and for itself, not for the current loop.
+//! This is an indicator: it does not replace a motor protection. Its filters serve display and supervision, not the
+//! current loop.
 
 use super::sum::within;
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
-/// Share of I2TLIMIT beyond which there is a warning.
+/// Share of I2TLIMIT above which there is a warning.
 pub const I2T_WARNING: f64 = 0.9;
 
-/// A current beyond this saturates (mA).
+/// Current at which it saturates (mA).
 const MOST: f64 = 1e9;
 
 /// 2^30 - 1, the largest value of a parameter.
@@ -26,9 +27,9 @@ const MLONG: i32 = 1_073_741_823;
 /// Parameters of the law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct I2tSettings {
-    /// I2TFTIME (ms): 0 to 2^30 - 1; 0 supervises nothing.
+    /// I2TFTIME (ms): 0 to 2^30 - 1; 0 switches the supervision off.
     pub time: i32,
-    /// I2TLIMIT (A^2/1000): 0 to 2^30 - 1. 0 is taken as it stands: any current is too much.
+    /// I2TLIMIT (A^2/1000): 0 to 2^30 - 1. With 0 any current is an error.
     pub limit: i32,
     /// CURFTIME (ms): 0 to 2^30 - 1; 0 is no filter.
     pub shown_time: i32,
@@ -37,36 +38,36 @@ pub struct I2tSettings {
 }
 
 impl I2tSettings {
-    /// Is each value within its range?
+    /// Whether each value is within its range.
     pub fn is_sound(&self) -> bool {
         let range = |value: i32| (0..=MLONG).contains(&value);
         range(self.time) && range(self.limit) && range(self.shown_time) && self.cycle > 0.0 && self.cycle <= 1000.0
     }
 }
 
-/// The law with its parameters, ready for the cycle.
+/// The law with its parameters, prepared for the cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct I2t {
     settings: I2tSettings,
-    /// Part of the way to the squared current that a cycle goes.
+    /// Share of the difference to the squared current that is added per cycle.
     share: f64,
-    /// Part of the way to the measured current that a cycle goes.
+    /// Share of the difference to the measured current that is added per cycle.
     shown_share: f64,
 }
 
 impl I2t {
-    /// With these parameters.
+    /// Returns the law with these parameters.
     pub fn new(settings: I2tSettings) -> Self {
         let of = |time: i32| share(time, settings.cycle);
         Self { settings, share: of(settings.time), shown_share: of(settings.shown_time) }
     }
 
-    /// What the parameters are.
+    /// Returns the parameters.
     pub fn settings(&self) -> I2tSettings {
         self.settings
     }
 
-    /// Are the parameters within their ranges, and the shares theirs?
+    /// Whether the parameters are within their ranges, and the shares match them.
     pub fn is_sound(&self) -> bool {
         self.settings.is_sound() && *self == Self::new(self.settings)
     }
@@ -76,7 +77,7 @@ impl I2t {
     }
 }
 
-/// 1 - (1 - 1/time)^cycle, and as the source prints it at 1 ms.
+/// Returns 1 - (1 - 1/time)^cycle; at 1 ms as printed in the source.
 fn share(time: i32, cycle: f64) -> f64 {
     if time <= 1 {
         return 1.0;
@@ -85,10 +86,10 @@ fn share(time: i32, cycle: f64) -> f64 {
     if cycle == 1.0 { one } else { -libm::expm1(cycle * libm::log1p(-one)) }
 }
 
-/// What a current comes to.
+/// Result of the supervision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heat {
-    /// Nothing is supervised, or all is well.
+    /// The supervision is off, or the value is low.
     Fine,
     /// More than [`I2T_WARNING`] of the limit.
     Warning,
@@ -97,23 +98,23 @@ pub enum Heat {
 }
 
 impl Heat {
-    /// The error that it is, if it is one.
+    /// Returns the code of the error, if it is one.
     pub fn code(self) -> Code {
         if self == Self::TooMuch { Code::I2T_LIMIT } else { Code::NONE }
     }
 }
 
-/// What is filtered.
+/// State of the filters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeatFilter {
-    /// mA.
+    /// Filtered current (mA).
     current: f64,
-    /// A^2/1000.
+    /// Filtered squared current (A^2/1000).
     value: f64,
 }
 
 impl HeatFilter {
-    /// One cycle with the measured current (mA). No number leaves everything as it was.
+    /// Advances by one cycle with the measured current (mA). NaN does not change the filters.
     pub fn step(&mut self, law: &I2t, current: f64) -> Heat {
         if !current.is_nan() {
             self.current += (within(current, MOST) - self.current) * law.shown_share;
@@ -134,19 +135,19 @@ impl HeatFilter {
         }
     }
 
-    /// AMP_GETCUR: the filtered current (mA).
+    /// Returns AMP_GETCUR: the filtered current (mA).
     pub fn current(&self) -> f64 {
         self.current
     }
 
-    /// AMP_I2TVALUE: the filtered squared current (A^2/1000); 0 where nothing is supervised.
+    /// Returns AMP_I2TVALUE: the filtered squared current (A^2/1000); 0 while the supervision is off.
     pub fn value(&self) -> f64 {
         self.value
     }
 
-    /// Is it a state that the filter can be in?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
-        // Rounding may pass the largest squared current by the last bits.
+        // Rounding may exceed the largest squared current by the last bits.
         self.current.abs() <= MOST * 1.001 && (0.0..=MOST * MOST / 1000.0 * 1.01).contains(&self.value)
     }
 }

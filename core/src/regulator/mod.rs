@@ -1,4 +1,4 @@
-//! Regulators that close a loop in the core, for drives that do not close it themselves.
+//! Controllers of the core, for drives that do not close their loops themselves.
 
 mod current;
 mod estimator;
@@ -20,7 +20,7 @@ pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, Veloc
 
 use serde::{Deserialize, Serialize};
 
-/// The law of a position loop that is closed here; fixed by the cell.
+/// Law of a position loop that is closed here; fixed by the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Law {
     /// [`Proportional`]
@@ -28,15 +28,15 @@ pub enum Law {
     Proportional,
     /// [`Pid`]
     Pid,
-    /// The integer PID of a vocabulary, with samples and registers of its own.
+    /// Integer PID controller of a vocabulary, with its own samples and registers.
     Integer,
 }
 
 impl Law {
-    /// All of them.
+    /// All laws.
     pub const ALL: [Self; 3] = [Self::Proportional, Self::Pid, Self::Integer];
 
-    /// Its name in a cell.
+    /// Returns its name in a cell.
     pub fn name(self) -> &'static str {
         match self {
             Self::Proportional => "proportional",

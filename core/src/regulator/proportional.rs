@@ -1,7 +1,7 @@
 //! The purely proportional position loop.
 //!
-//! Law      velocity = kv * (command - actual), within +-max_velocity. At constant speed, within its limit, the difference is
-//!          velocity / kv
+//! Law      velocity = kv * (command - actual), within +-max_velocity. At constant speed within this limit the
+//!          difference is velocity / kv
 //! Reads    command and actual position of the same cycle (inc)
 //! Writes   the velocity for the drive (inc/s)
 //! Refuses  nothing: the rows of its parameters do
@@ -9,23 +9,23 @@
 
 use crate::position::Position;
 
-/// Gain of kv = 1 (mm/min)/um (1/s). Millimetres and micrometres cancel, so it holds for turns as well.
+/// Gain of kv = 1 (mm/min)/um (1/s). Millimetres and micrometres cancel, so it applies to turns as well.
 pub const KV: f64 = 1000.0 / 60.0;
 
-/// The loop.
+/// The position loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proportional {
-    /// (1/s)
+    /// Gain (1/s).
     pub gain: f64,
-    /// (inc/s)
+    /// Largest velocity (inc/s).
     pub max_velocity: f64,
 }
 
 impl Proportional {
-    /// The velocity for the drive (inc/s).
+    /// Returns the velocity for the drive (inc/s).
     pub fn velocity(&self, command: Position, actual: Position) -> f64 {
         let error = (command - actual).to_f64();
-        // A limit that is none limits nothing, and panics nowhere.
+        // With NaN as limit there is neither a limit nor a panic.
         (self.gain * error).min(self.max_velocity).max(-self.max_velocity)
     }
 }
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// 6 m/min is 100 mm/s: with 1000 inc/mm the drive is asked for 100000 inc/s where it is 6 mm behind.
+    /// 6 m/min is 100 mm/s: with 1000 inc/mm the drive is commanded 100000 inc/s when it is 6 mm behind.
     ///
     /// Proves: WF-ORA-06, WF-CLC-03
     #[test]

@@ -1,11 +1,11 @@
-//! The sum of errors of a sampled loop.
+//! The sum of errors of a sampled loop, with anti-windup.
 //!
-//! Law      sum' = sum + growth, within +-most; growth beyond what brings the output to its limit is left out
-//! Reads    the sum, its growth, what one of it is worth at the output, the room that the output has
+//! Law      sum' = sum + growth, within +-most; growth beyond the limit of the output is omitted
+//! Reads    the sum, its growth, the output per unit of the sum, the remaining range of the output
 //! Writes   the new sum
 //! Refuses  nothing: every value saturates
 
-/// What the output may still rise and fall, both from 0 on.
+/// Remaining range of the output upwards and downwards, both from 0 on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
     pub(super) up: f64,
@@ -13,16 +13,16 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// Of an output that lies between `low` and `high` and may be within +-`most`.
+    /// Returns the range of an output that is between `low` and `high` and limited to +-`most`.
     pub(super) fn around(low: f64, high: f64, most: f64) -> Self {
         Self { up: (most - high).max(0.0), down: (most + low).max(0.0) }
     }
 }
 
-/// The sum behind a sample. `worth` is the output that one of the sum makes, of either sign.
+/// Returns the sum after a sample. `worth` is the output per unit of the sum, of either sign.
 ///
-/// A sum that stopped with the last whole sample below the limit would leave a steady output short of it; so the last
-/// growth is cut, not left out.
+/// The last growth is cut, not omitted: a sum that stopped with the last whole sample below the limit would leave a
+/// constant output below the limit.
 pub(super) fn grown(sum: f64, growth: f64, most: f64, worth: f64, room: Room) -> f64 {
     let sum = within(sum, most);
     let next = within(sum + growth, most);
@@ -36,12 +36,12 @@ pub(super) fn grown(sum: f64, growth: f64, most: f64, worth: f64, room: Room) ->
     }
 }
 
-/// Within +-`most`. A bound that is none panics nowhere.
+/// Limits to +-`most`, without panic for an invalid bound.
 pub(super) fn within(value: f64, most: f64) -> f64 {
     value.min(most).max(-most)
 }
 
-/// Within +-`most`; no number is 0, so that a measurement that failed moves nothing.
+/// Limits to +-`most`; NaN becomes 0, so that a failed measurement has no effect.
 pub(super) fn measured(value: f64, most: f64) -> f64 {
     if value.is_nan() { 0.0 } else { within(value, most) }
 }
@@ -68,7 +68,7 @@ mod tests {
         assert_eq!((room.up, room.down), (0.25, 0.5));
         assert_eq!(grown(1.0, 2.0, 10.0, 0.5, room), 1.5);
         assert_eq!(grown(1.0, -2.0, 10.0, 0.5, room), 0.0);
-        // Of a negative worth a falling sum is what raises the output.
+        // With a negative worth a decreasing sum raises the output.
         assert_eq!(grown(1.0, -2.0, 10.0, -0.5, room), 0.5);
         assert_eq!(grown(1.0, 2.0, 10.0, -0.5, room), 2.0);
     }

@@ -1,48 +1,50 @@
-//! Taking up what is between motor and load.
+//! Compensation of pitch errors and backlash between motor and load.
 //!
-//! Law      what is asked for follows a target by a rate at most, in whole increments, and is found from it alone; what counts answer is what
-//!          was asked for 1 + delay cycles ago. The gap is 0 in the sense in which the reference was found, and the backlash against
-//!          it in the other one; a sense is another one once a place is [`REVERSAL`] behind the furthest of it
-//! Reads    places of the command, targets (inc, in the sense of the encoder)
-//! Writes   what is asked for, what is to be taken off the counts
+//! Law      the commanded compensation follows a target at a limited rate, in whole increments, and depends only on it.
+//!          The counts respond to the value of 1 + delay cycles ago. The gap is 0 in the direction in which the
+//!          reference was found, and the backlash against it in the other direction. The direction changes when a
+//!          position is [`REVERSAL`] behind the furthest one in that direction
+//! Reads    positions of the command, targets (inc, in the direction of the encoder)
+//! Writes   the commanded compensation, the compensation to subtract from the counts
 //! Refuses  nothing
 //! Source   WF-INC-04, docs/compensation.md
 
 use serde::{Deserialize, Serialize};
 
-/// Longest ring: as many cycles as a drive may take at most.
+/// Longest ring: one for each cycle of the longest delay, plus one.
 pub(crate) const PAST: usize = 33;
 
-/// A reversal is one once the command is so far behind the furthest place of its sense (inc): a leader that is counted trembles by less.
+/// Distance of the command behind the furthest position in its direction that counts as a reversal (inc): a counted
+/// leader jitters by less.
 const REVERSAL: i64 = 2;
 
-/// Largest of the numbers that make c (inc): an error has 32 bits, a backlash 31.
+/// Largest value of the compensation (inc): an error has 32 bits, a backlash 31.
 const MOST: i64 = 1 << 33;
 
-/// What the motor is beyond the load, in the sense of the encoder (inc).
+/// Compensation of the motor relative to the load, in the direction of the encoder (inc).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct TakeUp {
-    /// There is nothing to compensate, and nothing of it left.
+    /// Whether there is nothing to compensate, and no compensation left.
     is_idle: bool,
-    /// It is where it leads to, and so are the counts.
+    /// Whether the compensation has reached its target, and the counts have followed.
     is_settled: bool,
-    /// What the drive is asked for beside the command.
+    /// Compensation added to the command of the drive.
     asked: i64,
-    /// What the counts of this cycle answer.
+    /// Compensation to which the counts of this cycle respond.
     taken: i64,
-    /// By how much that is more than in the cycle before.
+    /// Change of that value since the cycle before.
     change: i64,
-    /// The part of an increment that it may go beside the next whole ones.
+    /// Fraction of an increment that has accumulated at the limited rate.
     credit: f64,
-    /// The sense of the last motion of the command: 1, -1, 0 before the first one.
+    /// Direction of the last motion of the command: 1, -1, 0 before the first one.
     sense: i8,
-    /// The sense in which the reference was found; 0: none was, and rising counts count as it.
+    /// Direction in which the reference was found; 0: none was found, and rising counts are used.
     reference: i8,
-    /// The furthest place of the command in its sense.
+    /// Furthest position of the command in its direction.
     furthest: i64,
-    /// Length of the ring: one per cycle of the drive's delay and one more.
+    /// Length of the ring: the delay of the drive in cycles, plus one.
     length: usize,
-    /// What was asked for in the last cycles, the oldest first.
+    /// Compensation of the last cycles, the oldest first.
     #[serde(with = "past")]
     past: [i64; PAST],
 }
@@ -64,38 +66,38 @@ impl TakeUp {
         }
     }
 
-    /// What the drive is asked for beside the command (inc).
+    /// Returns the compensation added to the command of the drive (inc).
     pub(crate) fn asked(&self) -> i64 {
         self.asked
     }
 
-    /// Is there nothing to compensate?
+    /// Whether there is nothing to compensate.
     pub(crate) fn is_idle(&self) -> bool {
         self.is_idle
     }
 
-    /// Does it change nothing while nothing moves?
+    /// Whether it changes nothing while nothing moves.
     pub(crate) fn is_settled(&self) -> bool {
         self.is_settled
     }
 
-    /// What the drive is asked for beside what its counts answer already.
+    /// Returns the compensation to which the counts have not responded yet.
     #[inline]
     pub(crate) fn ahead(&self) -> i64 {
         self.asked.saturating_sub(self.taken)
     }
 
-    /// What of the change of counts in this cycle was none of the load.
+    /// Returns the part of the change of counts in this cycle that is no motion of the load.
     pub(crate) fn change(&self) -> i64 {
         self.change
     }
 
-    /// Is its ring as long as another one's?
+    /// Whether its ring has the same length as that of `other`.
     pub(crate) fn has_ring_of(&self, other: &Self) -> bool {
         self.length == other.length
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub(crate) fn is_sound(&self) -> bool {
         let is_small = |value: &i64| value.saturating_abs() <= MOST;
         (1..=PAST).contains(&self.length)
@@ -110,14 +112,14 @@ impl TakeUp {
         self.past.get(..self.length).unwrap_or_default()
     }
 
-    /// The counts of the next cycle are here; by how much less than they the load has moved.
+    /// Advances to the counts of the next cycle, and returns by how much more than the load they have changed.
     pub(crate) fn answer(&mut self) -> i64 {
         let answered = self.past.first().copied().unwrap_or_default();
         self.change = answered.saturating_sub(std::mem::replace(&mut self.taken, answered));
         self.change
     }
 
-    /// Notes the place of the command; one that is not the axis' own has no sense.
+    /// Notes the position of the command; a position that is not the command of the axis has no direction.
     pub(crate) fn note_place(&mut self, place: i64, is_own: bool) {
         if !is_own {
             self.furthest = place;
@@ -133,13 +135,13 @@ impl TakeUp {
         }
     }
 
-    /// What is between motor and load in the present sense, with that backlash.
+    /// Returns the gap between motor and load in the present direction with that backlash.
     pub(crate) fn gap(&self, backlash: i64) -> i64 {
         let reference = if self.reference < 0 { -1 } else { 1 };
         if self.sense == -reference { backlash.saturating_mul(-i64::from(reference)) } else { 0 }
     }
 
-    /// One cycle towards `target` (inc), by `most` at most (inc, above 0).
+    /// Advances by one cycle towards `target` (inc), by at most `most` (inc, above 0).
     pub(crate) fn step(&mut self, target: i64, most: f64, is_wanted: bool) {
         let way = target.saturating_sub(self.asked);
         if way == 0 {
@@ -147,7 +149,7 @@ impl TakeUp {
         } else {
             let may = self.credit + most;
             let whole = may.floor();
-            // The cast saturates: beyond 2^63 there is no way.
+            // The cast saturates: no distance exceeds 2^63.
             let step = (whole as i64).min(way.saturating_abs());
             self.credit = if step == way.saturating_abs() { 0.0 } else { may - whole };
             self.asked = self.asked.saturating_add(step.saturating_mul(way.signum()));
@@ -164,20 +166,20 @@ impl TakeUp {
         self.is_idle = !is_wanted && self.is_settled && self.asked == 0;
     }
 
-    /// What is taken off the counts of this cycle is none from now on: the coordinate has it.
+    /// Makes the compensation of the counts of this cycle 0: it has become part of the coordinate.
     fn begin_anew(&mut self) {
         let taken = std::mem::take(&mut self.taken);
         self.asked = self.asked.saturating_sub(taken);
         self.past.iter_mut().for_each(|kept| *kept = kept.saturating_sub(taken));
     }
 
-    /// Nobody has looked at the motion so far: it begins at that place.
+    /// Starts to observe the motion at that position.
     pub(crate) fn begin_at(&mut self, place: i64) {
         (self.sense, self.furthest) = (0, place);
     }
 
-    /// A zero is found with that sense, or, where there was none, with that of the last motion; with it nothing is between motor and load.
-    /// `is_own`: the last motion was one of the command.
+    /// Sets a reference found in that direction or, with 0, in that of the last motion; there the gap is 0. `is_own`:
+    /// whether the last motion was one of the command.
     pub(crate) fn begin_from_zero(&mut self, way: i8, is_own: bool) {
         self.begin_anew();
         self.reference = if way == 0 { self.sense } else { way };
@@ -186,19 +188,19 @@ impl TakeUp {
         }
     }
 
-    /// Other counts are read from now on, which nothing was taken off.
+    /// Resets the compensation for another source of counts.
     pub(crate) fn forget_counts(&mut self) {
         let Self { sense, reference, furthest, length, .. } = *self;
         *self = Self { is_idle: false, is_settled: false, sense, reference, furthest, length, ..Self::new(0) };
     }
 
-    /// Every place is `by` (inc) more from now on.
+    /// Increases all positions by `by` (inc).
     pub(crate) fn shift(&mut self, by: i64) {
         self.furthest = self.furthest.wrapping_add(by);
     }
 }
 
-/// A ring of any length as a list: the derived form ends at 32.
+/// Serializes a ring of any length as a list: derived implementations exist only up to 32.
 pub(crate) mod past {
     use super::PAST;
     use serde::de::Error;
@@ -231,7 +233,7 @@ mod tests {
         (compensation, asked)
     }
 
-    /// 0.4 of an increment a cycle are two in five; 2.5 are five in two.
+    /// 0.4 of an increment per cycle are two in five cycles; 2.5 are five in two.
     #[test]
     fn it_goes_by_its_rate_in_whole_increments() {
         assert_eq!(led(0, &[2; 8], 0.4).1, [0, 0, 1, 1, 2, 2, 2, 2]);
@@ -269,7 +271,7 @@ mod tests {
         assert_eq!((compensation.sense, compensation.furthest), (1, -50));
     }
 
-    /// The gap is against the sense of the reference, and none before anything has moved.
+    /// The gap is against the direction of the reference, and 0 before any motion.
     #[test]
     fn the_gap_lies_in_the_other_sense_than_the_reference() {
         let gap = |reference, sense| TakeUp { reference, sense, ..TakeUp::new(0) }.gap(40);
@@ -297,7 +299,7 @@ mod tests {
     }
 
     proptest! {
-        /// What is asked for never goes by more than its rate, and comes to a target that stays.
+        /// The compensation never exceeds its rate, and reaches a constant target.
         #[test]
         fn it_never_changes_faster_than_its_rate(
             targets in prop::collection::vec(-5_000_i64..5_000, 1..40),

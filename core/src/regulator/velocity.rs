@@ -1,37 +1,37 @@
 //! The velocity loop of an amplifier: proportional and integral.
 //!
-//! Law      output = K (VELKPROP e + VELKINT SUM e), within +-1; e in parts of full speed, summed per ms: a cycle of T ms
-//!          adds e T. |SUM e| <= VELKILIM / 50, and it does not grow while the output is at its limit in that direction.
-//!          K = 1/100
+//! Law      output = K (VELKPROP e + VELKINT SUM e), within +-1; e as a fraction of full speed, summed per ms: a cycle
+//!          of T ms adds e T. |SUM e| <= VELKILIM / 50, and the sum does not grow while the output is at its limit in
+//!          that direction. K = 1/100
 //! Reads    the error, setpoint minus actual velocity (1 = full speed, AMPENCRPM)
-//! Writes   the output (1 = full current or full voltage, whatever stands below the loop)
-//! Refuses  nothing: the rows of its parameters do. Negative gains are taken as they stand
+//! Writes   the output (1 = full current or full voltage, depending on the inner loop)
+//! Refuses  nothing: the rows of its parameters do. Negative gains are used as they are
 //! Source   MACS-AMP-04, MACS-AMP-05, A-27
 //!
-//! A change of gains moves nothing in its sample: the output is what the gains before would have made of it. The integral
-//! part is carried over by a new sum, as far as VELKILIM allows; what is left, the proportional part above all, is an
-//! offset that falls to 0 at a constant rate within [`CARRY_TIME`]. A sum that took the proportional part as well would keep the
-//! error of that one moment in the integral.
+//! A change of gains does not change the output of its sample, which uses the gains before. The integral part is
+//! converted to a new sum, as far as VELKILIM allows; the rest, especially the proportional part, becomes an offset
+//! that decreases to 0 at a constant rate within [`CARRY_TIME`]. If the sum contained the proportional part, the error
+//! of that one moment would remain in the integral.
 
 use super::sum::{Room, grown, measured, within};
 use serde::{Deserialize, Serialize};
 
-/// What one of VELKPROP is worth, and one of VELKINT per ms: output per full speed.
+/// Output per full speed for one unit of VELKPROP, and of VELKINT per ms.
 ///
-/// With VELKPROP 200 an error of half the full speed asks for everything, and one quadcount per ms of the default encoder, of
-/// 33.3 at full speed, for 6 %. With VELKINT 5 the integral part equals the proportional one after 40 ms. Both suit a drive
-/// that is at full speed within 10 to 100 ms of full current.
+/// With VELKPROP 200 an error of half the full speed gives full output, and one quadcount per ms of the default
+/// encoder, of 33.3 at full speed, gives 6 %. With VELKINT 5 the integral part is equal to the proportional one after
+/// 40 ms. Both suit a drive that reaches full speed within 10 to 100 ms at full current.
 pub const VELOCITY_GAIN: f64 = 1.0 / 100.0;
 
-/// What one of VELKILIM allows of the sum (ms at an error of full speed).
+/// Bound of the sum for one unit of VELKILIM (ms at an error of full speed).
 ///
-/// With VELKINT 5 and VELKILIM 1000 the integral part alone can hold the whole output, and no more.
+/// With VELKINT 5 and VELKILIM 1000 the integral part alone can give the full output, and no more.
 pub const VELOCITY_SUM: f64 = 1.0 / 50.0;
 
-/// Time in which the offset of a change of gains falls to 0 (ms).
+/// Time in which the offset of a change of gains decreases to 0 (ms).
 pub const CARRY_TIME: f64 = 100.0;
 
-/// An error beyond this saturates (full speeds).
+/// Error at which it saturates (full speeds).
 const MOST_ERROR: f64 = 1e6;
 
 /// Largest magnitude of a parameter.
@@ -51,49 +51,49 @@ pub struct VelocityGains {
 }
 
 impl VelocityGains {
-    /// Is each value within its range?
+    /// Whether each value is within its range.
     pub fn is_sound(&self) -> bool {
         let gain = |value: i32| (-MOST..=MOST).contains(&value);
         let cycle = self.cycle > 0.0 && self.cycle <= 1000.0;
         gain(self.proportional) && gain(self.integral) && (0..=MOST).contains(&self.limit) && cycle
     }
 
-    /// Output per full speed.
+    /// Returns the output per full speed.
     fn factor(&self) -> f64 {
         f64::from(self.proportional) * VELOCITY_GAIN
     }
 
-    /// Output per ms at full speed.
+    /// Returns the output per ms at full speed.
     fn worth(&self) -> f64 {
         f64::from(self.integral) * VELOCITY_GAIN
     }
 
-    /// Bound of the sum (ms).
+    /// Returns the bound of the sum (ms).
     fn most(&self) -> f64 {
         f64::from(self.limit) * VELOCITY_SUM
     }
 }
 
-/// The loop between two samples.
+/// State of the loop between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct VelocityLoop {
-    /// Of the errors (ms at an error of full speed).
+    /// Sum of the errors (ms at an error of full speed).
     sum: f64,
-    /// Of the last sample; none before the first.
+    /// Gains of the last sample; none before the first.
     gains: Option<VelocityGains>,
-    /// What a change of gains has left at the output.
+    /// Offset of the output after a change of gains.
     offset: f64,
-    /// By which it falls (1/ms).
+    /// Rate at which the offset decreases (1/ms).
     fall: f64,
 }
 
 impl VelocityLoop {
-    /// One sample: the output within +-1. `error` is in parts of full speed; no number is 0.
+    /// Advances by one sample and returns the output within +-1. `error` is a fraction of full speed; NaN counts as 0.
     pub fn step(&mut self, gains: &VelocityGains, error: f64) -> f64 {
         self.step_within(gains, error, 1.0)
     }
 
-    /// The same within +-`most`, 0 to 1: what is beyond does not enter the sum either.
+    /// As [`step`](Self::step), within +-`most`, 0 to 1: the excess does not enter the sum either.
     pub fn step_within(&mut self, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         let error = measured(error, MOST_ERROR);
         let most = measured(most, 1.0).max(0.0);
@@ -109,13 +109,13 @@ impl VelocityLoop {
         self.gains = Some(*gains);
         self.sum = within(self.sum, gains.most());
         let law = self.law(gains, error);
-        // An offset must not hide from the sum that its own part is too large already.
+        // An offset must not hide that the law itself already saturates.
         let room = Room::around(law.min(law + self.offset), law.max(law + self.offset), most);
         self.sum = grown(self.sum, error * gains.cycle, gains.most(), gains.worth(), room);
         self.output(gains, error, most)
     }
 
-    /// A sample with other gains than the last one.
+    /// Advances by a sample with other gains than the last one.
     fn exchange(&mut self, before: &VelocityGains, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         let output = self.advance(before, error, most);
         let part = before.worth() * self.sum;
@@ -135,12 +135,12 @@ impl VelocityLoop {
         within(within(self.law(gains, error), most) + self.offset, most)
     }
 
-    /// The loop goes off: no sum, no offset.
+    /// Resets the loop: no sum, no offset.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Is it a state that the loop can be in?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         let sum = self.sum.abs() <= f64::from(MOST) * VELOCITY_SUM;
         let offset = self.offset.abs() <= 2.0 && (0.0..=2.0 / CARRY_TIME).contains(&self.fall);

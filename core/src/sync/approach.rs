@@ -1,67 +1,69 @@
-//! The way of a follower to the pair of places at which its gear takes it (MC_GearInPos).
+//! The curve of a follower to the pair of positions at which its gear takes over (MC_GearInPos).
 //!
-//! Law      over the leader's way x from its start, 0 to length, the follower goes a polynomial of 5th order: at 0 it has place, slope and bend of
-//!          its present motion, at length the pair, the slope of the gear and no bend. Behind the pair the gear is exact: ratio * (leader -
-//!          its place of the pair) in 2^-32 inc. Before the start the follower holds where the curve begins
-//! Reads    changes of the leader: the curve is one of its place, whatever its speed is and wherever it turns
-//! Writes   the follower's change; behind the pair a gear, with what that keeps
-//! Refuses  a length of 0, or beyond [`Gear::MAX_CHANGE`]; whether its axis bears the curve the axis judges by [`Shape`]
+//! Law      over the travel x of the leader from its start, 0 to length, the follower moves on a polynomial of 5th
+//!          order: at 0 with position, slope and bend of its present motion, at length with the position of the pair,
+//!          the slope of the gear and no bend. After the pair the gear is exact: ratio * (leader - its position of the
+//!          pair) in 2^-32 inc. Before the start the follower holds at the start of the curve
+//! Reads    changes of the leader: the curve is a function of its position, whatever its speed is and wherever it
+//!          reverses
+//! Writes   the change of the follower; after the pair a gear with its remainder
+//! Refuses  a length of 0, or beyond [`Gear::MAX_CHANGE`]; the axis checks by [`Shape`] whether it can follow the curve
 //! Source   contract section 7 (start_distance_increments), PLCopen (MC_GearInPos)
 
 use super::gear::{Gear, Ratio};
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// A polynomial, the constant first.
+/// Coefficients of a polynomial, the constant first.
 type Polynomial = [f64; 6];
 
-/// Halvings of what lies between two lengths of which one is twice the other: a quarter of it is left.
+/// Number of bisections between two lengths of which one is twice the other; a quarter of the range is left.
 const HALVINGS: u32 = 2;
 
-/// Where a follower is as its approach begins.
+/// Motion of a follower at the start of its approach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Begin {
-    /// From its place of the pair.
+    /// Position relative to its position of the pair.
     pub place: Position,
-    /// Its change by that of its leader.
+    /// Slope: change of the follower per change of its leader.
     pub slope: f64,
-    /// The change of that by the leader's way (1/inc).
+    /// Bend: change of the slope per travel of the leader (1/inc).
     pub bend: f64,
 }
 
-/// An approach under way.
+/// An active approach.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Approach {
     ratio: Ratio,
-    /// From the leader to its place of the pair.
+    /// Distance from the leader to its position of the pair.
     left: Position,
-    /// Where the follower was at the start, from its place of the pair.
+    /// Position of the follower at the start, relative to its position of the pair.
     begin: Position,
-    /// Where the curve has it now, likewise.
+    /// Present position on the curve, relative to the same position.
     value: Position,
-    /// The leader's way from the start to the pair (inc), with the sign of its direction.
+    /// Distance of the leader from the start to the pair (inc), with the sign of its direction.
     length: i64,
-    /// At the start.
+    /// Slope at the start.
     slope: f64,
-    /// At the start (1/inc).
+    /// Bend at the start (1/inc).
     bend: f64,
-    /// Sign of the slope where that is the same all the way; 0 where it changes.
+    /// Sign of the slope if it is constant; 0 if it changes.
     sense: i8,
 }
 
-/// What a curve asks of its follower, by the leader's way.
+/// Extreme slopes and bends of a curve, as functions of the travel of the leader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// Least slope, with its sign.
+    /// Smallest slope, signed.
     pub least: f64,
-    /// Largest slope, with its sign.
+    /// Largest slope, signed.
     pub most: f64,
-    /// Largest bend, without its sign (1/inc).
+    /// Largest bend, without sign (1/inc).
     pub bend: f64,
 }
 
 impl Approach {
-    /// An approach that begins now, with its leader at the start, and what it asks for.
+    /// Returns an approach that begins now, with its leader at the start, and its shape.
     pub fn new(ratio: Ratio, length: i64, begin: Begin) -> Option<(Self, Shape)> {
         let Begin { place, slope, bend } = begin;
         let (left, value) = (Position::whole(length), place);
@@ -81,12 +83,12 @@ impl Approach {
         Some((Self { sense, ..new }, shape))
     }
 
-    /// Does it lead into a gear that turns its leader round?
+    /// Whether the gear after it has a negative ratio.
     pub fn is_turned(&self) -> bool {
         self.ratio.numerator() < 0
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
         let length = self.length.unsigned_abs();
         self.ratio.is_sound()
@@ -97,17 +99,17 @@ impl Approach {
             && self.begin.is_legal()
     }
 
-    /// The gear behind the pair.
+    /// Returns the ratio of the gear after the pair.
     pub fn ratio(&self) -> Ratio {
         self.ratio
     }
 
-    /// Has its slope that sign all the way?
+    /// Whether its slope has that sign throughout.
     pub fn keeps_sense(&self, sign: f64) -> bool {
         f64::from(self.sense) * sign > 0.0
     }
 
-    /// The follower's change by that of its leader where it stands.
+    /// Returns the present slope of the follower by its leader.
     pub fn slope(&self) -> f64 {
         match self.share() {
             None => 0.0,
@@ -116,8 +118,8 @@ impl Approach {
         }
     }
 
-    /// What the whole curve asks for, in 8 evaluations: its slopes are extreme where the bend is 0, which it is at the pair, so that a polynomial of 2nd order is
-    /// left of it, and its bends where the third derivative is.
+    /// Returns the shape of the whole curve, in 8 evaluations. The slopes are extreme where the bend is 0, which it is
+    /// at the pair, so that a polynomial of 2nd order remains. The bends are extreme where the third derivative is 0.
     pub fn shape(&self) -> Shape {
         let length = self.length as f64;
         let slope = derivative(&self.curve());
@@ -129,7 +131,8 @@ impl Approach {
         Shape { least: one.min(other), most: one.max(other), bend: low.max(high) }
     }
 
-    /// The largest change of its bends, without its sign (1/inc^2): they are straight but for a parabola, so that ends and apex tell.
+    /// Returns the largest change of its bends, without sign (1/inc^2). The third derivative is a parabola, so both
+    /// ends and the apex suffice.
     pub fn jerk(&self) -> f64 {
         let length = (self.length as f64).abs();
         let third = derivative(&derivative(&derivative(&self.curve())));
@@ -140,7 +143,7 @@ impl Approach {
         largest / length / length / length
     }
 
-    /// The follower's change by one of its leader, and the gear that takes it from here on.
+    /// Returns the change of the follower for a change of its leader, and the gear once that takes over.
     pub fn step(&mut self, change: Position) -> (Position, Option<Gear>) {
         self.left = self.left - change;
         let before = self.value;
@@ -155,7 +158,8 @@ impl Approach {
         (value - before, gear)
     }
 
-    /// The curve there, from the place of the pair: computed from its nearer end, and never against its sense by what rounding leaves.
+    /// Returns the position on the curve relative to the pair, calculated from its nearer end. Rounding never moves the
+    /// follower against the direction of the curve.
     fn rounded(&self, share: f64, geared: Position, change: Position) -> Position {
         let exact = if share < 0.5 {
             self.begin + Position::from_f64(value(&self.curve(), share))
@@ -171,17 +175,17 @@ impl Approach {
         }
     }
 
-    /// How much of the length the leader is past the start; none before it, where it stands on it, too.
+    /// Returns the travel of the leader since the start as a share of the length; none up to the start.
     fn share(&self) -> Option<f64> {
         let past = Position::whole(self.length) - self.left;
         let is_past = past != Position::ZERO && (past > Position::ZERO) == (self.length > 0);
         let is_through = self.left == Position::ZERO || (self.left < Position::ZERO) == (self.length > 0);
-        // Exactly 1 is the pair alone: what rounds to it lies before.
+        // Exactly 1 is reserved for the pair: a value that rounds to it is before the pair.
         let share = || (past.to_f64() / self.length as f64).min(1.0 - f64::EPSILON);
         is_past.then(|| if is_through { 1.0 } else { share() })
     }
 
-    /// The curve from where it begins, over shares of the length.
+    /// Returns the curve relative to its start, over shares of the length.
     fn curve(&self) -> Polynomial {
         let length = self.length as f64;
         let (first, second) = (self.slope * length, self.bend * length * length);
@@ -193,7 +197,7 @@ impl Approach {
         [0.0, first, second / 2.0, c3, c4, c5]
     }
 
-    /// What the curve lies beside the line of the gear, which it touches at the pair.
+    /// Returns the distance of the curve from the line of the gear, which it touches at the pair.
     fn beside(&self, share: f64) -> f64 {
         let length = self.length as f64;
         let line = self.ratio.to_f64() * length;
@@ -205,13 +209,13 @@ impl Approach {
     }
 }
 
-/// What f64 leaves of a slope beside one as large as `other`.
+/// Returns the rounding error of f64 of a slope next to one as large as `other`.
 fn rounding(other: f64) -> f64 {
     other.abs() * 1e-9
 }
 
-/// A length from `asked` on that fits, where any does that is a power of two of it: no more than a quarter above one that does not. It asks at most 34
-/// times.
+/// Returns a length from `asked` on that fits, if `asked` times a power of two fits: at most a quarter above one that
+/// does not fit. It tests at most 34 lengths.
 pub fn enough_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
     let mut low = asked.max(1);
     let mut high = low;
@@ -241,17 +245,17 @@ fn derivative(polynomial: &Polynomial) -> Polynomial {
     [a, 2.0 * b, 3.0 * c, 4.0 * d, 5.0 * e, 0.0]
 }
 
-/// Least and largest value of a polynomial in 0 to 1, where it turns nowhere but at these places.
+/// Returns least and largest value of a polynomial in 0 to 1; `turns`: its extrema.
 fn range(polynomial: &Polynomial, turns: [f64; 2]) -> [f64; 2] {
     let [one, other] = turns;
     let values = [0.0, 1.0, one, other].map(|at| value(polynomial, at));
     values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// The roots of a polynomial of 2nd order, the constant first; 0 for one that does not lie in 0 to 1.
+/// Returns the roots of a polynomial of 2nd order, the constant first; 0 replaces a root outside 0 to 1.
 fn roots([constant, first, second]: [f64; 3]) -> [f64; 2] {
     let half = -(first + (first * first - 4.0 * constant * second).sqrt().copysign(first)) / 2.0;
-    // What is no number lies nowhere.
+    // NaN is outside.
     [half / second, constant / half].map(|root| if (0.0..=1.0).contains(&root) { root } else { 0.0 })
 }
 

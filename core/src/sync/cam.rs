@@ -1,9 +1,11 @@
 //! An electronic cam: a table of the machine between a lead and its follower.
 //!
-//! Law      follower(k) - follower(0) = slave_scale * (periods * way + y(x(k)) - y(x(0))), x = master_scale * (change of the lead) + x(0) within
-//!          the length; between its points y is straight, or a spline, and rounded to 2^-32 inc where it is read, so that nothing adds up
-//! Reads    the table as the cycle finds it: new numbers hold at once, and the follower comes to them within its limits
-//! Refuses  nothing: table and scales were checked when it was coupled; a lead that runs more than a length in a cycle its axis
+//! Law      follower(k) - follower(0) = slave_scale * (periods * way + y(x(k)) - y(x(0))), x = master_scale * (change
+//!          of the lead) + x(0) within the length. Between its points y is a straight line, or a spline, rounded to
+//!          2^-32 inc at each reading, so that no error accumulates
+//! Reads    the table of the present cycle: new numbers act at once, and the follower reaches them within its limits
+//! Refuses  nothing: table and scales were checked when it was coupled. The axis handles a lead that moves more than a
+//!          length in a cycle
 //! Source   contract section 10, PLCopen (MC_CamIn), AMK-FIPW-03 to -06
 
 use super::gear::{Gear, Ratio};
@@ -15,35 +17,35 @@ use std::sync::Arc;
 /// Units of a position in one increment.
 const ONE: i128 = Position::whole(1).raw();
 
-/// A cam under way.
+/// An active cam.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Cam {
-    /// Place among the tables.
+    /// Index among the tables.
     table: u16,
-    /// The point before `place`, or one near it.
+    /// Index of the point before `place`, or of one near it.
     near: u32,
-    /// Change of the slave by that of its lead, where it stands.
+    /// Change of the slave per change of its lead at the present position.
     slope: f64,
     master: Gear,
     slave: Gear,
-    /// Where the scaled master is in the table; of one that is not cyclic also before and behind it.
+    /// Position of the scaled master in the table; outside the table for a cam that is not cyclic.
     place: Position,
-    /// The value there.
+    /// Value of the table at that position.
     value: Position,
-    /// Change of the lead in a cycle (inc), smoothed.
+    /// Smoothed change of the lead in a cycle (inc).
     mean: f64,
-    /// At an end the slave rests.
+    /// Whether the slave rests at an end.
     rests: bool,
-    /// Which way the last step has passed an end of a cyclic table: 1 up, -1 down.
+    /// Direction in which the last step has passed an end of a cyclic table: 1 up, -1 down.
     passed: i8,
 }
 
-/// Periods of a cam: that of the master has the sign of its scale, that of the slave that of its way.
+/// Periods of a cam: that of the master has the sign of its scale, that of the slave the sign of its feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Periods {
-    /// (inc of the master)
+    /// Period of the master (inc of the master).
     pub master: Option<i64>,
-    /// (inc of the slave)
+    /// Period of the slave (inc of the slave).
     pub slave: Option<i64>,
 }
 
@@ -51,7 +53,7 @@ pub struct Periods {
 const MEAN_CYCLES: f64 = 64.0;
 
 impl Cam {
-    /// A cam with the scaled master at `place`; none where the table is no cam.
+    /// Returns a cam with the scaled master at `place`; none if the table is no cam.
     pub fn new(table: u16, (master, slave): (Ratio, Ratio), place: Position, tables: &[Arc<Table>]) -> Option<Self> {
         let (master, slave) = (Gear::new(master), Gear::new(slave));
         let value = Position::ZERO;
@@ -63,11 +65,11 @@ impl Cam {
         Some(cam)
     }
 
-    /// Where a lead at `position` is in a table, behind `offset` of its scaled way.
+    /// Returns the position in a table of a lead at `position`, plus `offset` in scaled units.
     pub fn place_of(position: Position, ratio: Ratio, offset: Position, shape: CamShape) -> Position {
         let (numerator, denominator) = (i128::from(ratio.numerator()), i128::from(ratio.denominator()));
         let scaled = if shape.is_cyclic {
-            // Below 2^63 times 2^62: sums of two such numbers fit.
+            // Below 2^63 times 2^62: the sum of two such numbers fits.
             let period = Position::whole(shape.length).raw() * denominator;
             times_modulo(position.raw().rem_euclid(period), numerator, period).div_euclid(denominator)
         } else {
@@ -79,7 +81,7 @@ impl Cam {
         Position::from_raw(scaled) + offset
     }
 
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         self.slope.is_finite()
             && self.mean.is_finite()
@@ -89,44 +91,44 @@ impl Cam {
             && self.value.is_legal()
     }
 
-    /// Its table, by its place among those of the machine.
+    /// Returns the index of its table among those of the machine.
     pub fn table(&self) -> u16 {
         self.table
     }
 
-    /// Change of the slave by that of its lead where it stands, or where it was before its end.
+    /// Returns the change of the slave per change of its lead at the present position, or before its end.
     #[inline]
     pub fn slope(&self) -> f64 {
         self.slope
     }
 
-    /// Does it run backwards through its table while its lead goes forwards?
+    /// Whether it moves backward through its table while its lead moves forward.
     pub fn is_turned(&self) -> bool {
         self.master.ratio().numerator() < 0
     }
 
-    /// What its table has there, scaled (inc).
+    /// Returns the scaled value of its table at the present position (inc).
     pub fn scaled(&self) -> Position {
         Gear::new(self.slave.ratio()).step(self.value)
     }
 
-    /// The same from the value at the start of the table.
+    /// Returns the scaled value relative to the start of the table.
     pub fn from_start(&self, tables: &[Arc<Table>]) -> Position {
         let first = self.find(tables).and_then(|(table, _)| table.y().first().copied()).unwrap_or_default();
         Gear::new(self.slave.ratio()).step(self.value - Position::whole(first))
     }
 
-    /// Where its master is in a period (inc of the master, not scaled).
+    /// Returns the position of its master in a period (inc of the master, not scaled).
     pub fn master_place(&self) -> f64 {
         self.place.to_f64() / self.master.ratio().to_f64()
     }
 
-    /// Periods of a cyclic cam in increments of master and slave, as far as they are whole.
+    /// Returns the periods of a cyclic cam in increments of master and slave, if they are whole.
     pub fn periods(&self, tables: &[Arc<Table>]) -> Periods {
         self.find(tables).map_or_else(Periods::default, |(_, shape)| self.periods_in(shape))
     }
 
-    /// The same in a table of that shape.
+    /// Returns its periods with a table of that shape.
     pub fn periods_in(&self, shape: CamShape) -> Periods {
         if !shape.is_cyclic {
             return Periods::default();
@@ -143,7 +145,8 @@ impl Cam {
         }
     }
 
-    /// The same, whose master is so far before (inc of the master, along its way through the table).
+    /// Returns the cam with its master moved back by that distance (inc of the master, in its direction through the
+    /// table).
     #[must_use]
     pub fn moved_back(self, way: Position, tables: &[Arc<Table>]) -> Self {
         let ratio = self.master.ratio();
@@ -154,43 +157,44 @@ impl Cam {
             .map_or(self, |cam| Self { rests: self.rests, ..cam })
     }
 
-    /// Has it passed the end of a table that has one?
+    /// Whether it has passed the end of a table that is not cyclic.
     pub fn has_ended(&self, tables: &[Arc<Table>]) -> bool {
         self.find(tables).is_none_or(|(_, shape)| !shape.is_cyclic && self.place >= Position::whole(shape.length))
     }
 
-    /// The same, whose slave goes on at an end.
+    /// Returns the cam with a slave that continues at an end.
     #[must_use]
     pub fn going_on(self) -> Self {
         Self { rests: false, ..self }
     }
 
-    /// The same, whose slave rests at an end.
+    /// Returns the cam with a slave that rests at an end.
     #[must_use]
     pub fn resting(self) -> Self {
         Self { rests: true, ..self }
     }
 
-    /// Has its last step passed an end of its table? One that is cyclic has one on either side.
+    /// Whether its last step has passed an end of its table. A cyclic table has one on either side.
     pub fn passes_end(&self, tables: &[Arc<Table>]) -> bool {
         self.passed != 0 || self.has_ended(tables)
     }
 
-    /// The same with what `old` keeps below the grid, by a scale that is the same, and with what it knows of the lead.
+    /// Returns the cam with the remainders of `old` if the scales are equal, and with the mean of its lead.
     #[must_use]
     pub fn going_on_from(self, old: &Self) -> Self {
         let kept = |mine: Gear, its: Gear| if mine.ratio() == its.ratio() { its } else { its.with_ratio(mine.ratio()) };
         Self { master: kept(self.master, old.master), slave: kept(self.slave, old.slave), mean: old.mean, ..self }
     }
 
-    /// The same with another mean change of its lead in a cycle (inc).
+    /// Returns the cam with another mean change of its lead in a cycle (inc).
     #[must_use]
     pub fn with_mean(self, mean: f64) -> Self {
         Self { mean, ..self }
     }
 
-    /// `next`, which stands at its start, in the place of this one, whose last step has passed an end: as far into its table as this one
-    /// has come behind the end; and what changes for the slave. What either scale keeps below the grid it keeps on.
+    /// Returns `next`, which is at its start, as replacement of this cam, whose last step has passed an end, and the
+    /// change of the slave. `next` is moved as far into its table as this cam has passed the end. Remainders of the
+    /// scales are kept.
     pub fn handed_over(&self, next: Self, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
         let ((table, shape), (next_table, next_shape)) = (self.find(tables)?, next.find(tables)?);
         let is_back = self.passed < 0;
@@ -207,7 +211,7 @@ impl Cam {
             mine if mine == next.master.ratio() => over,
             mine => next.master.step(Gear::new(mine.inverse()?).step(over)),
         };
-        // Backwards its end is where it begins; a scale of the other sign turns it round.
+        // Backward it begins at its end; a scale of the opposite sign reverses it.
         let is_turned = (self.master.ratio().numerator() < 0) != (next.master.ratio().numerator() < 0);
         if is_back != is_turned {
             let end = Position::whole(next_shape.length);
@@ -219,17 +223,18 @@ impl Cam {
         Some((back + way, next))
     }
 
-    /// Change of its lead in a cycle (inc), smoothed.
+    /// Returns the smoothed change of its lead in a cycle (inc).
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// So much of the last change was none of the motion of its lead.
+    /// Removes from the mean the part of the last change that is no motion of its lead.
     pub(super) fn forget(&mut self, added: f64) {
         self.mean -= added / MEAN_CYCLES;
     }
 
-    /// The slave's way to an end at which it is to rest, where the lead comes there within so many cycles.
+    /// Returns the distance of the slave to an end at which it will rest, if the lead reaches the end within that
+    /// number of cycles.
     pub fn way_to_end(&self, change: Position, cycles: f64, tables: &[Arc<Table>]) -> Option<Position> {
         let (table, shape) = self.find(tables)?;
         let left = (Position::whole(shape.length) - self.place).to_f64();
@@ -238,13 +243,13 @@ impl Cam {
         Some(Gear::new(self.slave.ratio()).step(Position::whole(last) - self.value))
     }
 
-    /// Largest change of the lead in a cycle that it bears (inc).
+    /// Returns the largest allowed change of the lead in a cycle (inc).
     pub fn most(&self, tables: &[Arc<Table>]) -> f64 {
         let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
         length as f64 / self.master.ratio().to_f64().abs()
     }
 
-    /// Does it lead its slave by that change of the lead? By more than a length a table says nothing.
+    /// Whether the change of the lead is allowed. A change of more than a length is undefined in a table.
     #[inline]
     pub fn bears(&self, change: Position, tables: &[Arc<Table>]) -> bool {
         let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
@@ -252,7 +257,7 @@ impl Cam {
         scaled <= length as f64
     }
 
-    /// The slave's change.
+    /// Returns the change of the slave.
     #[inline]
     pub fn step(&mut self, change: Position, tables: &[Arc<Table>]) -> Position {
         let Some((table, shape)) = self.find(tables) else { return Position::ZERO };
@@ -261,7 +266,7 @@ impl Cam {
         self.advance(scaled, table, shape)
     }
 
-    /// The slave's change by one of the scaled master.
+    /// Returns the change of the slave for a change of the scaled master.
     #[inline]
     fn advance(&mut self, scaled: Position, table: &Table, shape: CamShape) -> Position {
         let before = self.value;
@@ -270,7 +275,7 @@ impl Cam {
         self.slave.step(way + self.value - before)
     }
 
-    /// The same, and the cam behind it, where nothing is to be looked at: before an end it looks ahead.
+    /// Returns the change of the slave and the cam after it if no check is needed; an end needs a look ahead.
     #[inline]
     pub fn stepped(mut self, change: Position, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
         i64::try_from(change.raw()).ok()?;
@@ -284,7 +289,7 @@ impl Cam {
         table.cam().ok().map(|shape| (&**table, shape))
     }
 
-    /// Finds its place in a period and the value there; the way of the periods that have passed.
+    /// Moves into the present period and looks up the value. Returns the travel of the periods passed.
     #[inline]
     fn go(&mut self, table: &Table, shape: CamShape) -> Position {
         let length = Position::whole(shape.length);
@@ -292,7 +297,8 @@ impl Cam {
         let mut way = Position::ZERO;
         self.passed = 0;
         if !is_inside && shape.is_cyclic {
-            // The master's place is below 2^94, the length at least 2^32: with a way of 31 bits all of it fits.
+            // The position of the master is below 2^94, the length at least 2^32: with a feed of 31 bits the product
+            // fits.
             let periods = self.place.raw().div_euclid(length.raw());
             self.place = Position::from_raw(self.place.raw() - periods * length.raw());
             way = Position::from_raw(periods.saturating_mul(Position::whole(shape.way).raw()));
@@ -302,19 +308,19 @@ impl Cam {
         way
     }
 
-    /// The value at `x`, 0 <= x <= length, in units of 2^-32.
+    /// Looks up the value at `x`, 0 <= x <= length, in units of 2^-32.
     #[inline]
     fn look_up(&mut self, table: &Table, shape: CamShape, x: i128) {
         let (places, values) = (table.x(), table.y());
         let last = values.len().saturating_sub(2);
         let near = (self.near as usize).min(last);
-        // The interval, how far into it in units of `whole`, and the length of an interval (inc).
+        // Index of the interval, position in it in units of `whole`, and length of an interval (inc).
         let (i, part, whole, wide) = if places.is_empty() {
             // Below 2^63 times 2^20.
             let count = last as i128 + 1;
             let (scaled, length) = (x * count, i128::from(shape.length) * ONE);
             let part = scaled - near as i128 * length;
-            // Most cycles stay in their interval: a division takes as long as all the rest.
+            // The master usually stays in its interval: a division takes as long as everything else.
             let (i, part) = if (0..length).contains(&part) {
                 (near, part)
             } else {
@@ -339,7 +345,7 @@ impl Cam {
             }
             Some(spline) => {
                 let u = to_f64(part) / (whole as f64 * ONE as f64);
-                // Where a cam ends it has its last point, to the last bit.
+                // At the end of a cam the value is exactly its last point.
                 let rise =
                     if u < 1.0 { Position::from_f64(spline.rise(i, u)) } else { Position::whole(value(i + 1) - y) };
                 (rise.raw(), spline.slope(i, u) / wide)
@@ -350,7 +356,7 @@ impl Cam {
     }
 }
 
-/// `a * b` modulo `m`, 0 <= a < m < 2^126, by doubling: the product itself may have 190 bits.
+/// Returns `a * b` modulo `m`, 0 <= a < m < 2^126, by doubling: the product itself may have 190 bits.
 fn times_modulo(a: i128, b: i128, m: i128) -> i128 {
     let reduced = |sum: i128| if sum >= m { sum - m } else { sum };
     let mut sum = 0;
@@ -363,16 +369,16 @@ fn times_modulo(a: i128, b: i128, m: i128) -> i128 {
     if b < 0 { reduced(m - sum) } else { sum }
 }
 
-/// The nearest f64; in 64 bits, where it fits, that is a tenth of the work.
+/// Returns the nearest f64. With 64 bits, if they suffice, this takes a tenth of the time.
 #[inline]
 fn to_f64(part: i128) -> f64 {
     i64::try_from(part).map_or(part as f64, |part| part as f64)
 }
 
-/// `rise * part / whole`, rounded down: `rise` has 32 bits, `part` fewer than 64, `whole` is above 0.
+/// Returns `rise * part / whole`, rounded down: `rise` has 32 bits, `part` fewer than 64, `whole` is above 0.
 #[inline]
 fn share(rise: i64, part: i128, whole: i64) -> i128 {
-    // In 64 bits, where it fits, a division is a tenth of the work.
+    // With 64 bits, if they suffice, a division takes a tenth of the time.
     match i64::try_from(part).ok().and_then(|part| rise.checked_mul(part)) {
         Some(product) => product.div_euclid(whole.max(1)).into(),
         None => (i128::from(rise) * part).div_euclid(whole.max(1).into()),

@@ -1,60 +1,63 @@
-//! The filter of a master's velocity (SYNCVFTIME), which owes nothing in the long run.
+//! The filter of the velocity of a master (SYNCVFTIME), which loses no distance in the long run.
 //!
-//! Law      velocity(k) = velocity(k-1) + (change(k) - velocity(k-1)) T / tau, in inc per cycle, at most at once. Where positions are kept, what
-//!          it holds back is owed, to 2^-32 inc, and T / (10 tau) of that is given in each cycle, so that no increment is lost.
-//!          Owed beyond a limit, tau falls by T a cycle, not below 5 ms; below a fifth of the limit it grows back as slowly. What is owed is
-//!          judged by what a filter would owe that has kept its tau
-//!          A coupling by marks owes nothing, as the marks take the difference out: what is held back is added up for the limit alone, anew every tau,
-//!          and the filter comes back behind a tau that has stayed below it
-//! Reads    the master's change, as it comes
-//! Writes   the change that a gear is given
-//! Refuses  nothing: what tau may be is up to its parameter
+//! Law      velocity(k) = velocity(k-1) + (change(k) - velocity(k-1)) T / tau, in inc per cycle, with T / tau limited
+//!          to 1. If positions are kept, the distance that the filter holds back is owed, to 2^-32 inc, and T / (10
+//!          tau) of it is given back in each cycle, so that no increment is lost.
+//!          While more than a limit is owed, tau decreases by T per cycle, at least to 5 ms; while less than a fifth of
+//!          the limit is owed, it increases at the same rate. For this comparison the owed distance is that of a filter
+//!          with unchanged tau.
+//!          A coupling by marks owes nothing, as the marks correct the difference. The distance held back is summed
+//!          only for the limit, again for each tau, and tau increases after a period of tau in which the sum has stayed
+//!          below the limit
+//! Reads    the change of the master
+//! Writes   the change for the gear
+//! Refuses  nothing: the parameter limits tau
 //! Source   MACS-SYNC-08, MACS-SYNC-09, MACS-SYNC-11, A-31, A-32, A-58
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// The least tau to which a limit takes it (us).
+/// Smallest tau to which the limit reduces it (us).
 const LEAST_TAU: f64 = 5_000.0;
-/// So many times slower than the velocity comes what is owed.
+/// Factor by which the owed distance is given back more slowly than the velocity is filtered.
 const OWED_SLOWNESS: f64 = 10.0;
-/// The share of the limit below which the filter comes back.
+/// Share of the limit below which tau increases again.
 const CALM_SHARE: f64 = 0.2;
-/// A master whose velocity is so near (inc per cycle) has that velocity.
+/// Difference (inc per cycle) below which the velocity is that of the master.
 const SETTLED: f64 = 1.0 / (1_u64 << 31) as f64;
 
-/// What is kept between master and slave.
+/// Relation between master and slave that is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keeps {
-    /// Their velocities alone.
+    /// Only their velocities.
     Velocity,
-    /// Their positions: what is held back is owed.
+    /// Their positions: the distance held back is owed.
     Position,
     /// Their marks.
     Marks,
 }
 
-/// How a master is filtered.
+/// Settings of the filter of a master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filtering {
-    /// (us)
+    /// Time constant (us).
     pub tau: f64,
-    /// What it is for.
+    /// Relation that is kept.
     pub keeps: Keeps,
-    /// What may be owed before it becomes faster (inc); 0: anything.
+    /// Largest owed distance before the filter becomes faster (inc); 0: no limit.
     pub limit: f64,
 }
 
-/// A first-order filter, and what it owes.
+/// A first-order filter, and its owed distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Lag {
-    /// (inc per cycle)
+    /// Filtered velocity (inc per cycle).
     velocity: f64,
     owed: Position,
 }
 
 impl Lag {
-    /// Takes a change with `tau` in cycles, and gives the one to follow.
+    /// Filters a change with `tau` in cycles and returns the change to follow.
     fn step(&mut self, change: Position, tau: f64, keeps: bool) -> Position {
         let act = change.to_f64();
         self.velocity += (act - self.velocity) * share(1.0 / tau);
@@ -69,7 +72,7 @@ impl Lag {
         self.owed += change - given;
         let mut back = Position::from_f64(self.owed.to_f64() * share(1.0 / (OWED_SLOWNESS * tau)));
         if back == Position::ZERO {
-            // The last of it is less than the share can tell.
+            // The rest is too small for the share.
             back = Position::from_raw(self.owed.raw().signum());
         }
         self.owed = self.owed - back;
@@ -77,7 +80,7 @@ impl Lag {
     }
 }
 
-/// A share of at most all; NaN is nothing.
+/// Limits a share to the range 0 to 1.
 fn share(of: f64) -> f64 {
     of.clamp(0.0, 1.0)
 }
@@ -86,52 +89,53 @@ fn share(of: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MasterFilter {
     lag: Lag,
-    /// What its limit is judged by while its tau is another one.
+    /// Filter with unchanged tau, for the comparison with the limit while tau is reduced.
     kept: Lag,
-    /// How much its tau has fallen (us).
+    /// Reduction of its tau (us).
     fallen: f64,
-    /// Of a coupling by marks: how long what it holds back was added up (us), and whether it was beyond the limit since.
+    /// For a coupling by marks: time over which the distance held back was summed (us), and whether the sum has
+    /// exceeded the limit in that time.
     since: f64,
     exceeded: bool,
-    /// It comes back.
+    /// Whether tau increases again.
     returns: bool,
 }
 
 impl MasterFilter {
-    /// One that has settled on a velocity (inc per cycle).
+    /// Returns a filter that is settled at a velocity (inc per cycle).
     pub fn settled(velocity: f64) -> Self {
         let velocity = if velocity.is_finite() { velocity } else { 0.0 };
         let lag = Lag { velocity, owed: Position::ZERO };
         Self { lag, kept: lag, ..Self::default() }
     }
 
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         [self.lag.velocity, self.kept.velocity, self.fallen, self.since].iter().all(|number| number.is_finite())
             && self.fallen >= 0.0
     }
 
-    /// What it holds back (inc).
+    /// Returns the distance that it holds back (inc).
     pub fn owed(&self) -> Position {
         self.lag.owed
     }
 
-    /// What one that kept its tau would hold back (inc): PFG_MFILTERERROR.
+    /// Returns the distance that a filter with unchanged tau would hold back (inc): PFG_MFILTERERROR.
     pub fn error(&self) -> Position {
         self.kept.owed
     }
 
-    /// The tau in force (us).
+    /// Returns the active tau (us).
     pub fn tau(&self, filtering: &Filtering) -> f64 {
         (filtering.tau - self.fallen).max(LEAST_TAU.min(filtering.tau))
     }
 
-    /// By how much less uneven the counts of a master are behind it.
+    /// Returns the factor by which the filter reduces the unevenness of the counts of a master.
     pub fn smooths(&self, filtering: &Filtering, cycle_us: f64) -> f64 {
         share(cycle_us / self.tau(filtering))
     }
 
-    /// Takes the master's change, and gives the one to follow.
+    /// Filters the change of the master and returns the change to follow.
     pub fn step(&mut self, change: Position, filtering: &Filtering, cycle_us: f64) -> Position {
         let tau = self.tau(filtering);
         let given = self.lag.step(change, tau / cycle_us, filtering.keeps == Keeps::Position);
@@ -158,7 +162,7 @@ impl MasterFilter {
         given
     }
 
-    /// Adds up what is held back, and judges the tau by it.
+    /// Sums the distance held back, and adapts tau to it.
     fn watch_marks(&mut self, held_back: Position, filtering: &Filtering, cycle_us: f64) {
         self.kept.owed += held_back;
         let most = (filtering.tau - LEAST_TAU).max(0.0);

@@ -1,14 +1,15 @@
-//! A coupled axis: it speeds up to its leader, catches up what it lost, and then follows exactly.
+//! A coupled axis: it accelerates to its leader, catches up the lost distance, and then follows exactly.
 //!
 //! Law      coupled: slave(k) = slave(k-1) + gear(master change of k).
-//!          catching up (mode position): velocity = geared master velocity + w, where w is the largest velocity from which
-//!          the slave can still slow down to the master with its acceleration in whole cycles without passing it:
-//!          with e the way to catch up and d the change of velocity in a cycle (all in inc per cycle), n the least
-//!          number with e <= d (n + 1)(n + 2) / 2: w = e / (n + 1) + d n / 2; it arrives after n + 1 cycles exactly.
-//!          ahead: what leads is geared(k) + ahead * (geared(k) - geared(k-1)). While catching up the velocity may be kept in a band
-//!          around the leader's, which a leader that stands makes 0
-//! Reads    the leader's change; the slave's last motion; what is added beside
-//! Writes   the slave's motion, to 2^-32 inc
+//!          catching up (mode position): velocity = geared master velocity + w, where w is the largest velocity from
+//!          which the slave can still slow down to the master with its acceleration in whole cycles without passing it.
+//!          With e the distance to catch up and d the change of velocity in a cycle (all in inc per cycle), n the least
+//!          number with e <= d (n + 1)(n + 2) / 2:
+//!          w = e / (n + 1) + d n / 2; it arrives after exactly n + 1 cycles.
+//!          ahead: the leading position is geared(k) + ahead * (geared(k) - geared(k-1)). While catching up the
+//!          velocity can be kept in a band around that of the leader, which is 0 for a leader at rest
+//! Reads    the change of the leader; the last motion of the slave; added motions
+//! Writes   the motion of the slave, to 2^-32 inc
 //! Refuses  nothing here: ratio, velocity and acceleration were checked by the axis
 //! Source   MACS-SYNC-02, -04, -06, -07, -12, -15, A-30
 
@@ -22,51 +23,51 @@ use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// How far a coupling has come.
+/// Phase of a coupling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// The slave speeds up or catches up.
+    /// The slave accelerates or catches up.
     CatchingUp,
     /// The slave follows exactly.
     Synchronized,
-    /// It followed exactly by the transmission before, and is to by this one from the next cycle on.
+    /// The slave followed the transmission before exactly, and follows this one from the next cycle on.
     Passing,
 }
 
-/// What limits the slave (inc/s, inc/s^2).
+/// Limits of the slave (inc/s, inc/s^2).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
-    /// While catching up.
+    /// Velocity while catching up.
     pub velocity: f64,
-    /// While catching up.
+    /// Acceleration while catching up.
     pub acceleration: f64,
-    /// Always.
+    /// Largest velocity in any phase.
     pub max_velocity: f64,
-    /// Always, while speeding up.
+    /// Largest acceleration in any phase.
     pub max_acceleration: f64,
-    /// Always, while slowing down.
+    /// Largest deceleration in any phase.
     pub max_deceleration: f64,
 }
 
-/// What comes to the slave beside what its transmission makes of the leader.
+/// Motions added to the slave in addition to the output of its transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beside {
-    /// A way of this cycle.
+    /// Distance of this cycle.
     pub way: Position,
-    /// What of the leader's change is none of its own motion.
+    /// Part of the change of the leader that is not its own motion.
     pub added: Position,
-    /// Cycles of its geared velocity by which the slave is led ahead.
+    /// Cycles of its geared velocity by which the slave leads.
     pub ahead: f64,
-    /// Where its velocity is while it catches up; none: anywhere.
+    /// Velocity band while it catches up; none: no band.
     pub band: Option<Band>,
 }
 
-/// A band of velocities around that of a leader.
+/// A velocity band around that of a leader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// The leader's geared velocity (inc per cycle).
+    /// Geared velocity of the leader (inc per cycle).
     pub velocity: f64,
-    /// How far it reaches to either side, as a share of it, 0 to 1.
+    /// Half width of the band, as a share of the velocity, 0 to 1.
     pub share: f64,
 }
 
@@ -77,12 +78,12 @@ impl Band {
     }
 }
 
-/// What of the bounds is left to a motion that is superimposed on the coupling.
+/// Part of the limits that is reserved for a motion superimposed on the coupling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reserve {
-    /// (inc/s)
+    /// Reserved velocity (inc/s).
     pub velocity: f64,
-    /// (inc/s^2)
+    /// Reserved acceleration (inc/s^2).
     pub acceleration: f64,
 }
 
@@ -93,7 +94,7 @@ impl Bounds {
             let (velocity, acceleration) = (self.velocity.min(self.max_velocity), self.acceleration.min(rate));
             return Self { velocity, acceleration, ..self };
         }
-        // Never nothing: it divides by them.
+        // Never 0, as it is used as a divisor.
         let left = |most: f64, reserve: f64| (most - reserve).max(most * 1e-6);
         Self {
             velocity: self.velocity.min(left(self.max_velocity, reserve.velocity)),
@@ -107,50 +108,50 @@ impl Bounds {
     }
 }
 
-/// How one axis follows a lead, whatever that is.
+/// An axis that follows any lead.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Follower {
     mode: SyncMode,
     transmission: Transmission,
     phase: Phase,
-    /// Where the transmission wants the slave.
+    /// Position of the slave by the transmission.
     target: Position,
-    /// Where the leader will stop at once, or a cam ends, if that is known: the slave slows down before.
+    /// Position at which the leader will stop abruptly, or a cam ends, if it is known: the slave slows down before it.
     halt: Option<Position>,
     bounds: Bounds,
-    /// By how much its lead is uneven (inc).
+    /// Unevenness of its lead (inc).
     lead_uneven: f64,
-    /// The changes of the last cycles that the transmission made (inc), the newest first.
+    /// Last changes by the transmission (inc), the newest first.
     recent: [f64; RECENT],
-    /// The same, smoothed.
+    /// Smoothed change by the transmission (inc).
     mean: f64,
-    /// Of how many of them, at most [`MEAN_CYCLES`].
+    /// Number of changes in the mean, at most [`MEAN_CYCLES`].
     noted: u8,
-    /// How far it is led ahead.
+    /// Distance by which it leads.
     led_by: Position,
-    /// The rule has kept it from going backwards in the last step.
+    /// Whether the reversing rule has prevented backward motion in the last step.
     barred: bool,
-    /// Its leader alone was faster in the last step than it may be.
+    /// Whether its leader alone exceeded the limits in the last step.
     overtaken: bool,
 }
 
-/// A step that leaves the slave on its leader.
+/// A step with which the slave stays synchronized with its leader.
 #[derive(Clone, Copy, Debug)]
 pub struct Following {
-    /// The slave's next motion.
+    /// Next motion of the slave.
     pub motion: Motion,
     change: Position,
-    /// The same (inc).
+    /// Change by the transmission (inc).
     geared: f64,
 }
 
 /// Cycles over which the speed of a counted leader is smoothed.
 const MEAN_CYCLES: u8 = 64;
-/// Cycles from which the least speed of a counted leader is told.
+/// Cycles from which the least speed of a counted leader is calculated.
 const RECENT: usize = 8;
 
 impl Follower {
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
         let Bounds { velocity, acceleration, max_velocity, max_acceleration, max_deceleration } = self.bounds;
         let bounds = [velocity, acceleration, max_velocity, max_acceleration, max_deceleration];
@@ -158,8 +159,8 @@ impl Follower {
         is_uneven && self.transmission.is_sound() && bounds.iter().all(|bound| *bound > 0.0 && bound.is_finite())
     }
 
-    /// Begins with an axis that stands or moves as `slave` says; `offset` shifts it against the leader, which is so
-    /// uneven (inc) as its lead says.
+    /// Returns a follower that begins with an axis in motion `slave`. `offset` shifts it against the leader;
+    /// `lead_uneven` is the unevenness of its lead (inc).
     pub fn new(
         lead_uneven: f64,
         transmission: Transmission,
@@ -188,36 +189,37 @@ impl Follower {
         }
     }
 
-    /// The same, exactly on its leader from the first cycle on, as far as its limits allow.
+    /// Returns the follower synchronized with its leader from the first cycle on, as far as its limits allow.
     #[must_use]
     pub fn at_once(self) -> Self {
         Self { phase: Phase::Synchronized, ..self }
     }
 
-    /// The same, which the transmission has where it is, but for what it comes to in one cycle.
+    /// Returns the follower at its position by the transmission, except for the change of one cycle.
     #[must_use]
     pub fn passing(self) -> Self {
         Self { phase: Phase::Passing, ..self }
     }
 
-    /// The same, which is led ahead by so much already.
+    /// Returns the follower that already leads by that distance.
     #[must_use]
     pub fn led_ahead(self, led_by: Position) -> Self {
         Self { led_by, ..self }
     }
 
-    /// The same by another transmission from now on, which wants the slave at `place`, without what it is led ahead; where it `goes_on` from the one before, the slave
-    /// comes there in one cycle, else it is led there.
+    /// Returns the follower with another transmission from now on, with which the slave should be at `place`, without
+    /// the distance by which it leads. If it `goes_on` from the transmission before, the slave gets there in one cycle,
+    /// otherwise it catches up.
     #[must_use]
     pub fn handed_over(self, transmission: Transmission, place: Position, bounds: Bounds, goes_on: bool) -> Self {
         let is_there = self.phase != Phase::CatchingUp;
         let target = place + self.led_by;
         let phase = if is_there && goes_on { Phase::Passing } else { Phase::CatchingUp };
-        // What another transmission made of the leader says nothing of its speed.
+        // The changes by another transmission do not give the speed.
         Self { transmission, phase, target, halt: None, bounds, noted: 0, ..self }
     }
 
-    /// Leaves the way to a pair of places for its gear, which takes the slave where it is.
+    /// Replaces the approach to a pair of positions by its gear, which takes over the present motion of the slave.
     pub fn give_approach_up(&mut self, slave: Motion) {
         if let Transmission::Approach(approach) = &self.transmission {
             self.transmission = Transmission::Gear(Gear::new(approach.ratio()));
@@ -225,57 +227,58 @@ impl Follower {
         }
     }
 
-    /// Says whether a cam lets its slave rest at its end.
+    /// Sets whether the slave of a cam rests at the end of the table.
     pub fn rest_at_end(&mut self, rests: bool) {
         if let Transmission::Cam(cam) = &mut self.transmission {
             *cam = if rests { cam.resting() } else { cam.going_on() };
         }
     }
 
-    /// Says where the leader will stop at once, while the slave is on its straight way there; none: nobody knows.
+    /// Sets the position at which the leader will stop abruptly, while the slave is on the straight segment to it;
+    /// none: unknown.
     pub fn halt_at(&mut self, halt: Option<Position>) {
         self.halt = halt;
     }
 
-    /// The same with a way of the leader that is past already and counts.
+    /// Returns the follower with a distance of the leader that is already past and counts.
     #[must_use]
     pub fn with_past(mut self, past: Position, tables: &[Arc<Table>]) -> Self {
         self.target += self.transmission.step(Lead { change: past, ..Lead::default() }, tables);
         self
     }
 
-    /// Where the transmission wants the slave.
+    /// Returns the position of the slave by the transmission.
     pub fn target(&self) -> Position {
         self.target
     }
 
-    /// Where the transmission alone wants the slave, without what it is led ahead.
+    /// Returns the position by the transmission alone, without the distance by which it leads.
     pub fn place(&self) -> Position {
         self.target - self.led_by
     }
 
-    /// How far it is led ahead, where it is there.
+    /// Returns the distance by which it leads, if it has reached that.
     pub fn led_by(&self) -> Position {
         if self.phase == Phase::CatchingUp { Position::ZERO } else { self.led_by }
     }
 
-    /// What it keeps equal.
+    /// Returns the mode.
     pub fn mode(&self) -> SyncMode {
         self.mode
     }
 
-    /// Its transmission, with what its remainder holds.
+    /// Returns its transmission, with its remainder.
     pub fn transmission(&self) -> &Transmission {
         &self.transmission
     }
 
-    /// What a leader's change may differ from its speed (inc): one geared count, where it is counted.
+    /// Returns the unevenness of its changes (inc): one geared count for a counted leader.
     pub fn uneven(&self) -> f64 {
         if self.lead_uneven == 0.0 { 0.0 } else { self.lead_uneven * self.transmission.slope() }
     }
 
-    /// By how much the leader's last change may exceed its speed in the direction of `way` (inc), if that falls by no more than
-    /// `rate` (inc per cycle) a cycle. Over n cycles its counts make a way that is exact to one of them.
+    /// Returns by how much the last change of the leader may exceed its speed in the direction of `way` (inc), if the
+    /// speed decreases by at most `rate` (inc per cycle) per cycle. The distance over n cycles is exact to one count.
     pub fn excess(&self, way: f64, rate: f64) -> f64 {
         let (uneven, [last, ..]) = (self.uneven(), self.recent);
         let sign = way.signum();
@@ -288,34 +291,35 @@ impl Follower {
         (last * sign - least).min((last * sign).min(uneven)).max(0.0)
     }
 
-    /// By how much the leader's last change exceeds its mean of the last cycles, in the direction of `way` (inc).
+    /// Returns by how much the last change of the leader exceeds its mean of the last cycles, in the direction of `way`
+    /// (inc).
     pub fn ripple(&self, way: f64) -> f64 {
         let mean = self.recent.iter().sum::<f64>() / RECENT as f64;
         ((self.recent[0] - mean) * way.signum()).max(0.0).min(self.uneven())
     }
 
-    /// The velocity with which the slave would go on without its leader (inc/s), given its present one: that of a counted
-    /// leader is smoothed, as its single changes say little.
+    /// Returns the velocity with which the slave would continue without its leader (inc/s), given its present one. That
+    /// of a counted leader is smoothed, as its single changes are too coarse.
     pub fn steady_velocity(&self, present: f64, cycle_s: f64) -> f64 {
         match self.transmission {
             _ if self.lead_uneven == 0.0 => present,
             Transmission::Gear(_) | Transmission::Approach(_) => self.mean / cycle_s,
-            // What it has done in other places of the table says nothing.
+            // Its changes at other positions of the table do not count.
             Transmission::Cam(cam) => cam.mean() * cam.slope() / cycle_s,
         }
     }
 
-    /// How far it has come.
+    /// Returns the phase.
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// Is nothing left to catch up, nor the pair of places to come to?
+    /// Whether nothing is left to catch up, and no pair of positions is being approached.
     pub fn is_in_sync(&self) -> bool {
         self.phase != Phase::CatchingUp && !self.transmission.approaches()
     }
 
-    /// Geared leader minus slave (inc); 0 in mode velocity, which has no position relation.
+    /// Returns geared leader minus slave (inc); 0 in mode velocity, which has no position relation.
     pub fn error(&self, slave: Position) -> Position {
         match self.mode {
             SyncMode::Velocity => Position::ZERO,
@@ -323,40 +327,40 @@ impl Follower {
         }
     }
 
-    /// Moves what the gear wants by what something else has moved the slave.
+    /// Shifts the position by the transmission when another motion has moved the slave.
     pub fn shift(&mut self, by: Position) {
         self.target += by;
     }
 
-    /// Has the rule kept it from going backwards in its last step?
+    /// Whether the reversing rule has prevented backward motion in its last step.
     pub fn is_barred(&self) -> bool {
         self.barred
     }
 
-    /// Was its leader alone, without what came beside, faster in the last step than it may be?
+    /// Whether its leader alone, without added motions, exceeded the limits in the last step.
     pub fn is_overtaken(&self) -> bool {
         self.overtaken
     }
 
-    /// The velocity that its goal lets it catch up with (inc/s).
+    /// Returns the velocity of its goal for catching up (inc/s).
     pub fn catch_up_velocity(&self) -> f64 {
         self.bounds.velocity.min(self.bounds.max_velocity)
     }
 
-    /// Takes the slave for where it should be, and gives what it lacked of that.
+    /// Treats the slave as being at its position, and returns the rest of the distance.
     pub fn settle(&mut self, slave: Position) -> Position {
         let lacked = self.error(slave);
         (self.target, self.phase) = (slave, Phase::Synchronized);
         lacked
     }
 
-    /// Did the leader's last change, geared, lead backwards?
+    /// Whether the last change of the leader, geared, was backward.
     pub fn leader_reverses(&self) -> bool {
         self.recent[0] < 0.0
     }
 
-    /// One cycle: the slave's next motion, with what `reserve` leaves of the bounds. Where the rule forbids to go backwards, the
-    /// slave stands, and the gear waits for it ahead or behind.
+    /// Advances by one cycle and returns the next motion of the slave, within the limits less `reserve`. If the rule
+    /// forbids backward motion, the slave stops, and the gear waits for it ahead or behind.
     pub fn step(
         &mut self,
         slave: Motion,
@@ -368,7 +372,7 @@ impl Follower {
         self.step_beside(slave, lead, cycle_s, reserve, rule, Beside::default())
     }
 
-    /// The same, with what comes to it beside.
+    /// As [`step`](Self::step), with added motions.
     pub fn step_beside(
         &mut self,
         slave: Motion,
@@ -380,7 +384,7 @@ impl Follower {
     ) -> Motion {
         let bounds = self.bounds.less(reserve);
         let change = self.transmission.step(lead, tables);
-        // What the transmission before has left, and what comes beside, is not what the leader does.
+        // The rest of the transmission before, and added motions, are no motion of the leader.
         let added = beside.added.to_f64();
         if added != 0.0 {
             self.transmission.forget(added);
@@ -396,8 +400,8 @@ impl Follower {
         // From here on in inc per cycle.
         let geared = change.to_f64();
         let before = slave.velocity * cycle_s;
-        // A counted leader is uneven by one increment even at constant speed: that much of its change, where it did
-        // change, is no acceleration. What comes beside is no change of it.
+        // A counted leader varies by one increment even at constant speed: that part of an actual change is no
+        // acceleration. Added motions are no change of the leader.
         let of_leader = geared - added - beside.way.to_f64();
         let uneven = self.uneven().min((of_leader - self.recent[0]).abs());
         let own = self.uneven().min((led - self.recent[0]).abs());
@@ -411,7 +415,7 @@ impl Follower {
         let rate = bounds.acceleration * cycle_s * cycle_s;
         let slowing = self.slowing(cycle_s, bounds);
         if let Some(cam) = self.transmission.cam() {
-            // One that ends smoothly is followed; where the slave could not stop in time, it slows down before.
+            // A smooth end of a cam is followed. If the slave could not stop in time, it slows down before.
             let cycles = before.abs() / slowing + 2.0;
             self.halt = cam.way_to_end(lead.change, cycles, tables).map(|way| self.target + way);
         }
@@ -428,7 +432,7 @@ impl Follower {
                 let slowing = if self.halt.is_some() { slowing.max(rate) } else { rate };
                 let (down, up) = if before > 0.0 { (slowing, rate) } else { (rate, slowing) };
                 let (low, high) = (before - down - uneven, before + up + uneven);
-                // What went backwards with its leader may still slow down.
+                // A slave that moved backward with its leader may still slow down.
                 let low = if forward_only { low.max(high.min(0.0)) } else { low };
                 self.catch_up(slave.position, (change, beside.band), (low, high), cycle_s, bounds)
             }
@@ -437,8 +441,8 @@ impl Follower {
         Motion { position, velocity, acceleration: (velocity - slave.velocity) / cycle_s, jerk: 0.0 }
     }
 
-    /// The step of a slave that is on its leader and stays there, which is most of them; none where [`step`](Self::step) has to
-    /// look closer. Nothing is changed: that is up to [`keep`](Self::keep).
+    /// Returns the step of a slave that stays synchronized with its leader, the usual case; none if
+    /// [`step`](Self::step) is needed for more checks. It changes nothing: [`keep`](Self::keep) does.
     #[inline]
     pub fn follow(
         &self,
@@ -455,7 +459,7 @@ impl Follower {
         let uneven = uneven.min((geared - self.recent[0]).abs());
         let Bounds { max_velocity, max_acceleration, max_deceleration, .. } = self.bounds;
         let rate = if geared.abs() > before.abs() { max_acceleration } else { max_deceleration };
-        // As `can_follow`, which allows for rounding as well.
+        // As `can_follow`, which also allows for rounding.
         let follows = self.phase == Phase::Synchronized
             && lead.valid
             && lead.uneven == self.lead_uneven
@@ -470,7 +474,7 @@ impl Follower {
         follows.then_some(Following { motion, change, geared })
     }
 
-    /// Takes the step.
+    /// Applies the step.
     #[inline]
     pub fn keep(&mut self, following: &Following, behind: impl Stepped) {
         self.transmission = behind.into();
@@ -488,7 +492,7 @@ impl Follower {
         self.mean += (geared - self.mean) / f64::from(MEAN_CYCLES);
     }
 
-    /// A mean of all that came, until that is enough.
+    /// At first a mean of all values.
     #[cold]
     fn note_first(&mut self, geared: f64) {
         self.noted = self.noted.saturating_add(1);
@@ -496,21 +500,22 @@ impl Follower {
     }
 
     fn can_follow(&self, geared: f64, before: f64, uneven: f64, cycle_s: f64, bounds: Bounds) -> bool {
-        // Positions are multiples of 2^-32: the leader's two steps may be off by one each, times the ratio, and the
-        // slave's as well.
+        // Positions are multiples of 2^-32: two steps of the leader may each be wrong by one unit, times the ratio, and
+        // those of the slave as well.
         let grid = 2.0 * (1.0 + self.transmission.slope()) / (1_u64 << 32) as f64;
         let rate = if geared.abs() > before.abs() { bounds.max_acceleration } else { bounds.max_deceleration };
         geared.abs() <= bounds.max_velocity * cycle_s + uneven + grid
             && (geared - before).abs() <= rate * cycle_s * cycle_s * (1.0 + 1e-9) + uneven + grid
     }
 
-    /// With what it slows down for a halt (inc per cycle and cycle): the end of a cam is known too late for less.
+    /// Returns the deceleration before a halt (inc per cycle and cycle): the end of a cam is known too late for a lower
+    /// one.
     fn slowing(&self, cycle_s: f64, bounds: Bounds) -> f64 {
         let is_cam = self.transmission.cam().is_some();
         (if is_cam { bounds.max_deceleration } else { bounds.acceleration }) * cycle_s * cycle_s
     }
 
-    /// A step that leads the slave no further than it can still stop for the halt of its leader.
+    /// Limits a step so that the slave can still stop at the halt of its leader.
     fn slowed(&self, position: Position, step: f64, rate: f64) -> f64 {
         match self.halt.map(|halt| (halt - position).to_f64()) {
             Some(way) if way * step > 0.0 => step.abs().min(closing(way, rate).0.abs()).copysign(step),
@@ -518,7 +523,8 @@ impl Follower {
         }
     }
 
-    /// The position after a cycle of catching up, with a step between `low` and `high`; turns to synchronized when it arrives.
+    /// Returns the position after a cycle of catching up, with a step between `low` and `high`. Changes to synchronized
+    /// on arrival.
     fn catch_up(
         &mut self,
         position: Position,
@@ -534,15 +540,15 @@ impl Follower {
             _ => (self.target - change - position).to_f64(),
         };
         let (closing, arrives) = closing(way, rate);
-        // A leader that is as fast as the goal's velocity can only be caught with more.
+        // A leader as fast as the velocity of the goal can be caught up only with a higher velocity.
         let catches = bounds.velocity * cycle_s > geared.abs();
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
         let wanted = geared + closing;
         let wanted = band.map_or(wanted, |band| band.clamp(wanted)).clamp(-top, top);
         let wanted = self.slowed(position, wanted, self.slowing(cycle_s, bounds));
-        // Not `clamp`: a state that was made up may have no number before.
+        // Not `clamp`: an invalid state may contain NaN.
         let step = wanted.max(low).min(high);
-        // Bit for bit the velocity that is asked for: nothing held it back.
+        // Exactly the wanted velocity, bit by bit: no limit was applied.
         if arrives && step == geared + closing {
             self.phase = Phase::Synchronized;
             return match self.mode {
@@ -555,8 +561,8 @@ impl Follower {
     }
 }
 
-/// The velocity with which a way is closed (inc per cycle), slowed down by `rate` (inc per cycle and cycle), and whether that is in this one
-/// cycle.
+/// Returns the velocity with which a distance is closed (inc per cycle) if it decreases by `rate` (inc per cycle and
+/// cycle), and whether it is closed in this cycle.
 pub(super) fn closing(way: f64, rate: f64) -> (f64, bool) {
     let cycles = ((-3.0 + (1.0 + 8.0 * way.abs() / rate).sqrt()) / 2.0).ceil().max(0.0);
     let speed = way.abs() / (cycles + 1.0) + rate * cycles / 2.0;

@@ -1,9 +1,10 @@
 //! Exact electronic gear.
 //!
-//! Law      slave = floor((numerator * master + remainder) / denominator), the remainder is kept: no ratio ever drifts
-//! Reads    the master's change per cycle; the caller has taken the difference, so the source may wrap
-//! Writes   the slave's change per cycle, to 2^-32 inc
-//! Refuses  denominator 0, numerator 0 (a ratio that moves nothing), parts beyond 2^62
+//! Law      slave = floor((numerator * master + remainder) / denominator); the remainder is kept, so that no ratio
+//!          drifts
+//! Reads    the change of the master per cycle; the caller calculates the difference, so the source may wrap
+//! Writes   the change of the slave per cycle, to 2^-32 inc
+//! Refuses  denominator 0, numerator 0 (a ratio without motion), parts beyond 2^62
 //! Source   MACS-SYNC-02
 
 use crate::position::Position;
@@ -17,13 +18,13 @@ pub struct Ratio {
 }
 
 impl Ratio {
-    /// Largest magnitude of a part, exclusive: 2^62.
+    /// Upper bound of the magnitude of a part, exclusive: 2^62.
     pub const LIMIT: i64 = 1 << 62;
 
-    /// The slave moves as its master does.
+    /// Ratio 1 : 1.
     pub const ONE: Self = Self { numerator: 1, denominator: 1 };
 
-    /// A ratio of slave increments to master increments, reduced; none for a part that is 0 or not below 2^62.
+    /// Returns a ratio of slave increments to master increments, reduced; none if a part is 0 or not below 2^62.
     pub fn new(numerator: i64, denominator: i64) -> Option<Self> {
         let legal = |part: i64| part != 0 && part.unsigned_abs() < Self::LIMIT.unsigned_abs();
         if !legal(numerator) || !legal(denominator) {
@@ -34,33 +35,33 @@ impl Ratio {
         Some(Self { numerator: sign * numerator / divisor, denominator: sign * denominator / divisor })
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub fn is_sound(self) -> bool {
         Self::new(self.numerator, self.denominator) == Some(self)
     }
 
-    /// Slave increments.
+    /// Returns the slave increments.
     pub fn numerator(self) -> i64 {
         self.numerator
     }
 
-    /// Master increments, above 0.
+    /// Returns the master increments, above 0.
     pub fn denominator(self) -> i64 {
         self.denominator
     }
 
-    /// Master increments by slave increments.
+    /// Returns the ratio of master increments to slave increments.
     pub fn inverse(self) -> Option<Self> {
         Self::new(self.denominator, self.numerator)
     }
 
-    /// The value, rounded.
+    /// Returns the value, rounded.
     pub fn to_f64(self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
 }
 
-/// Greatest common divisor; the other one where one of them is 0.
+/// Returns the greatest common divisor; if one number is 0, the other one.
 pub fn gcd(a: u64, b: u64) -> u64 {
     let (mut a, mut b) = (a, b);
     while b != 0 {
@@ -73,45 +74,45 @@ pub fn gcd(a: u64, b: u64) -> u64 {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Gear {
     ratio: Ratio,
-    /// In units of 2^-32 inc / denominator; 0 <= remainder < denominator.
+    /// Remainder in units of 2^-32 inc / denominator; 0 <= remainder < denominator.
     remainder: i128,
 }
 
 impl Gear {
-    /// Largest master change per cycle (inc); more is a fault of its source, which the caller has to treat as one.
+    /// Largest change of the master per cycle (inc). The caller must treat a larger one as a fault of its source.
     pub const MAX_CHANGE: i64 = 1 << 31;
 
-    /// A gear that starts without remainder.
+    /// Returns a gear without remainder.
     pub fn new(ratio: Ratio) -> Self {
         Self { ratio, remainder: 0 }
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Whether the state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
         self.ratio.is_sound() && (0..=i128::from(self.ratio.denominator)).contains(&self.remainder)
     }
 
-    /// The ratio.
+    /// Returns the ratio.
     pub fn ratio(&self) -> Ratio {
         self.ratio
     }
 
-    /// The gear with another ratio; the remainder passes on, rounded once to 2^-32 inc (contract section 1).
+    /// Returns the gear with another ratio. The remainder is kept, rounded once to 2^-32 inc (contract section 1).
     pub fn with_ratio(self, ratio: Ratio) -> Self {
-        // The fraction of 2^-32 stands in the slave's position already: what is left rounds to no or one such unit. A
-        // whole unit is a full denominator, which the next step gives out.
+        // The multiples of 2^-32 are already in the position of the slave: the remainder rounds to 0 or one such unit.
+        // A whole unit is a full denominator, which the next step adds.
         let round_up = 2 * self.remainder >= i128::from(self.ratio.denominator);
         Self { ratio, remainder: if round_up { i128::from(ratio.denominator) } else { 0 } }
     }
 
-    /// Advances by the master's change and returns the slave's.
+    /// Advances by the change of the master and returns the change of the slave.
     pub fn step(&mut self, master_change: Position) -> Position {
-        // What fits 64 bits lies within the largest change.
+        // A change that fits 64 bits is within the largest change.
         if let Some((change, gear)) = self.stepped(master_change) {
             *self = gear;
             return change;
         }
-        // Twice the largest change, as the way of a cam may be.
+        // Twice the largest change, as the travel of a cam may be.
         let bound = 2 * Position::whole(Self::MAX_CHANGE).raw();
         let change = master_change.raw().clamp(-bound, bound);
         // |numerator| < 2^62 and |change| <= 2^64, the remainder is below 2^62: the sum stays below 2^127.
@@ -121,7 +122,7 @@ impl Gear {
         Position::from_raw(total.div_euclid(denominator))
     }
 
-    /// The slave's change, and the gear behind it, where 64 bits hold all of it: that is a tenth of the work.
+    /// Returns the change of the slave and the gear after it if 64 bits suffice, which takes a tenth of the time.
     #[inline]
     pub fn stepped(self, master_change: Position) -> Option<(Position, Self)> {
         let change = i64::try_from(master_change.raw()).ok()?;
@@ -131,7 +132,7 @@ impl Gear {
         if denominator < 1 {
             return None;
         }
-        // One division gives both.
+        // One division gives both results.
         let (slave, rest) = (total / denominator, total % denominator);
         let (slave, rest) = if rest < 0 { (slave - 1, rest + denominator) } else { (slave, rest) };
         Some((Position::from_raw(slave.into()), Self { remainder: rest.into(), ..self }))
@@ -161,7 +162,7 @@ mod tests {
         let mut gear = gear(355, 113);
         let (mut master, mut travelled, mut slave, mut k) = (0_i64, 0_i64, Position::ZERO, 0_i64);
         while travelled < 1_000_000_000_000 {
-            // Uneven steps, every seventh one back.
+            // Steps of different lengths, every seventh one backward.
             let step = 700_001 + k % 1013 - if k % 7 == 6 { 1_900_007 } else { 0 };
             slave += gear.step(Position::whole(step));
             master += step;
@@ -205,8 +206,8 @@ mod tests {
         }
     }
 
-    /// 1/3 inc is 1431655765.33 units of 2^-32 and 2/3 inc 2863311530.67: the first remainder rounds down to none, the
-    /// second up to one unit.
+    /// 1/3 inc is 1431655765.33 units of 2^-32 and 2/3 inc 2863311530.67: the first remainder rounds down to 0, the
+    /// second one up to one unit.
     #[test]
     fn a_change_of_ratio_rounds_the_remainder_once_to_a_unit_of_2_to_the_minus_32() {
         for (first, units) in [(1, 1_431_655_765 + 1_431_655_765), (2, 2_863_311_530 + 1 + 1_431_655_765)] {

@@ -1,11 +1,12 @@
-//! Everything that can lead, in one store.
+//! The store of all leads.
 //!
-//! Law      a lead is what its source was at t_k, as far as the cycle has come: encoders, then actual positions and simulated masters, then sinks,
-//!          then each axis' command once it has moved, the virtual master before all of them, or once the axis has that it follows. A follower
-//!          reads its lead behind that, as leaders come first
-//!          A master of several is added up when it is read, of what its members are by then
-//! Reads    places by [`Leader`]; a new kind of lead is a case of that, and a list here
-//! Refuses  nothing: what does not exist is a lead that is lost
+//! Law      a lead has the values of its source at t_k as far as the cycle has advanced: encoders, then actual
+//!          positions and simulated masters, then sinks, then the command of each axis after its motion. The virtual
+//!          master comes before all axes, or after the axis that it follows. A follower reads its lead after that, as
+//!          leaders come first.
+//!          A sum of several leads is calculated when it is read, from the present values of its members
+//! Reads    indices by [`Leader`]; a new kind of lead needs a case there and a list here
+//! Refuses  nothing: a leader that does not exist is a lost lead
 //! Source   MACS-ENC-10, MACS-SYNC-01
 
 use super::sum::{Sum, so_often};
@@ -14,7 +15,7 @@ use crate::object::Leader;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// What an axis gives others to follow.
+/// Leads of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OfAxis {
     /// Its command position.
@@ -25,39 +26,39 @@ pub struct OfAxis {
     pub simulated: Lead,
 }
 
-/// Everything that can lead, as far as this cycle has come.
+/// All leads, as far as this cycle has advanced.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Leads {
-    /// By axis.
+    /// Leads of the axes, by axis.
     pub of_axes: Vec<OfAxis>,
-    /// By encoder.
+    /// Leads of the encoders, by encoder.
     pub encoders: Vec<Lead>,
-    /// By slot.
+    /// Leads of the sinks of functions, by slot.
     pub sinks: Vec<Lead>,
     /// The virtual master of the machine.
     pub virtual_master: Lead,
-    /// Where its mark was in this cycle, if one came.
+    /// Position of its mark of this cycle, if there was one.
     pub virtual_mark: Option<Position>,
-    /// What masters of several add up; fixed by the cell.
+    /// Sums of several leads; fixed by the cell.
     pub sums: Vec<Sum>,
 }
 
 impl Leads {
-    /// How many axes there are.
+    /// Returns the number of axes.
     #[inline]
     pub fn axes(&self) -> usize {
         self.of_axes.len()
     }
 
-    /// Is it one of the same machine?
+    /// Whether the leads are of the same machine.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         let shape = |leads: &Self| (leads.of_axes.len(), leads.encoders.len(), leads.sinks.len());
         shape(self) == shape(other) && self.sums == other.sums
     }
 
-    /// Copies others of the same machine, without taking memory.
+    /// Copies the leads of the same machine without allocation.
     pub fn copy_from(&mut self, other: &Self) {
-        // What is added up is the same in all of one machine.
+        // The sums are equal in the same machine.
         let Self { of_axes, encoders, sinks, virtual_master, virtual_mark, sums: _ } = other;
         self.of_axes.clone_from(of_axes);
         self.encoders.clone_from(encoders);
@@ -65,7 +66,7 @@ impl Leads {
         (self.virtual_master, self.virtual_mark) = (*virtual_master, *virtual_mark);
     }
 
-    /// The values of a leader that is no sum, where there is such a leader.
+    /// Returns the values of a leader that is no sum, if it exists.
     #[inline]
     pub fn simple(&self, leader: Leader) -> Option<&Lead> {
         let of_axis = |axis: u16| self.of_axes.get(usize::from(axis));
@@ -92,23 +93,24 @@ impl Leads {
         self.sum(leader).map(|sum| sum.of(self))
     }
 
-    /// The leader's values, where there is such a leader.
+    /// Returns the values of a leader, if it exists.
     #[inline]
     pub fn find(&self, leader: Leader) -> Option<Lead> {
         self.simple(leader).copied().or_else(|| self.added(leader))
     }
 
-    /// The leader's values; a lost lead for one that does not exist.
+    /// Returns the values of a leader; a lost lead if it does not exist.
     #[inline]
     pub fn get(&self, leader: Leader) -> Lead {
-        // Nobody who follows a simple leader pays for those that are added up.
+        // Sums cost time only for their followers.
         match self.simple(leader) {
             Some(lead) => *lead,
             None => self.added(leader).unwrap_or_default(),
         }
     }
 
-    /// By how much a leader is more where those are `by` more of which that holds: it is one of them, or has them as members.
+    /// Returns the increase of a leader if the leaders for which `holds` is true increase by `by`: it is one of them,
+    /// or has them as members.
     pub fn share(&self, leader: Leader, by: Position, holds: impl Fn(Leader) -> bool) -> Position {
         let times = self.sum(leader).map_or_else(|| i64::from(holds(leader)), |sum| sum.times(&holds));
         so_often(by, times)

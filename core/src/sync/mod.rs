@@ -1,4 +1,4 @@
-//! Following a lead: exact transmissions and the way into and out of them.
+//! Following a lead: exact transmissions, and the start and end of a coupling.
 
 pub mod approach;
 pub mod cam;
@@ -19,13 +19,13 @@ pub use sum::{MOST_TERMS, Sum, Term};
 pub use transmission::{Stepped, Transmission};
 pub use virtual_master::{VirtualMaster, VirtualSource};
 
-/// Bits of `x.sync.status`, what MACS calls SYNCSTAT; the text gives no numbers (MACS-SYS-04, A-55).
+/// Bits of `x.sync.status`, the SYNCSTAT of MACS, which specifies no numbers (MACS-SYS-04, A-55).
 pub mod status {
-    /// The sync error lies within SYNCACCURACY.
+    /// The synchronization error is within SYNCACCURACY.
     pub const ACCURATE: u64 = 1;
-    /// Enough markers have come.
+    /// Enough accurate pairs of markers have come.
     pub const READY: u64 = 1 << 1;
-    /// Markers stay away.
+    /// Too many successive pairs of markers were inaccurate.
     pub const FAULT: u64 = 1 << 2;
     /// A marker of the master was missed.
     pub const MASTER_MARKER_MISSED: u64 = 1 << 3;
@@ -33,62 +33,62 @@ pub mod status {
     pub const SLAVE_MARKER_MISSED: u64 = 1 << 4;
 }
 
-/// How a follower relates to its leader.
+/// The relation of a follower to its leader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SyncMode {
     /// SYNCV: equal velocity times the ratio.
     Velocity,
-    /// SYNCP: what is lost while the follower speeds up is caught up. A cam is one.
+    /// SYNCP: the distance lost while the follower accelerates is caught up. A cam uses this mode.
     Position,
-    /// SYNCM: the same, and marks of both are brought together.
+    /// SYNCM: as SYNCP, and marks of both are matched.
     Marker,
-    /// SYNCCMM: a cam, and marks of its master correct where that is in the table.
+    /// SYNCCMM: a cam whose position in the table is corrected by marks of its master.
     MasterMarker,
-    /// SYNCCMS: a cam, and marks of its slave correct where that is.
+    /// SYNCCMS: a cam whose slave is corrected by its marks.
     SlaveMarker,
 }
 
 impl SyncMode {
-    /// Does it keep a position?
+    /// Whether it keeps a position.
     pub fn keeps_position(self) -> bool {
         self != Self::Velocity
     }
 
-    /// Is it coupled by marks?
+    /// Whether it is coupled by marks.
     pub fn has_marks(self) -> bool {
         matches!(self, Self::Marker | Self::MasterMarker | Self::SlaveMarker)
     }
 }
 
-/// How a cam begins.
+/// The start of a cam.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CamStart {
-    /// Master and slave are where the table says: a slave that is not is refused.
+    /// Master and slave are at the positions of the table; a slave that is elsewhere is refused.
     #[default]
     Absolute,
-    /// The table begins where master and slave are.
+    /// The table begins at the present positions of master and slave.
     Relative,
-    /// As [`CamStart::Absolute`], but the slave is led there.
+    /// As [`CamStart::Absolute`], but the slave catches up.
     RampIn,
 }
 
 impl CamStart {
-    /// Every start with its number and its name in the interface.
+    /// All starts with number and name in the interface.
     pub const ALL: [(Self, u8, &'static str); 3] =
         [(Self::Absolute, 0, "absolute"), (Self::Relative, 1, "relative"), (Self::RampIn, 2, "ramp_in")];
 
-    /// The name in scenarios.
+    /// Returns the name in scenarios.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(start, ..)| *start == self).map_or("", |(.., name)| name)
     }
 }
 
-/// What a follower does when it is uncoupled.
+/// Action of a follower at the end of its coupling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Disengage {
     /// Stops.
     #[default]
     Stop,
-    /// Goes on at its velocity.
+    /// Continues at its velocity.
     KeepVelocity,
 }

@@ -1,8 +1,9 @@
-//! A shift of what leads, as its follower sees it (MC_PhasingRelative).
+//! A shift of the leading position for its follower (MC_PhasingRelative).
 //!
-//! Law      the sum of its changes is the shift, to 2^-32 inc; a cycle changes its velocity by no more than the acceleration, and it ends
-//!          at rest after whole cycles, with what a follower catches up by ([`closing`])
-//! Reads    nothing: what leads may stand or go either way
+//! Law      the sum of its changes is the shift, to 2^-32 inc. The velocity changes by at most the acceleration per
+//!          cycle, and the shift ends at rest after whole cycles, by the law with which a follower catches up
+//!          ([`closing`])
+//! Reads    nothing: the leader may be at rest or move in either direction
 //! Refuses  nothing: velocity and acceleration were checked by the axis
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
@@ -10,27 +11,28 @@ use super::follower::closing;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// A shift under way.
+/// An active shift.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shift {
-    /// All of it, from where it began.
+    /// Whole distance from its start.
     whole: Position,
-    /// What is left.
+    /// Remaining distance.
     left: Position,
-    /// Its last change (inc per cycle).
+    /// Last change (inc per cycle).
     speed: f64,
-    /// (inc per cycle)
+    /// Largest velocity (inc per cycle).
     velocity: f64,
-    /// (inc per cycle and cycle)
+    /// Largest change of velocity (inc per cycle and cycle).
     rate: f64,
-    /// It slows down wherever that ends.
+    /// Whether it slows down to rest at any position.
     stops: bool,
 }
 
 impl Shift {
-    /// A shift with a velocity (inc/s) and an acceleration (inc/s^2), in the place of the one that moves now, if any does.
+    /// Returns a shift with a velocity (inc/s) and an acceleration (inc/s^2). It replaces an active one, from its
+    /// speed.
     pub fn new(whole: Position, velocity: f64, acceleration: f64, cycle_s: f64, before: Option<&Self>) -> Self {
-        // Slower than the grid of positions nothing speeds up.
+        // Below the resolution of positions there would be no motion.
         let least = Position::from_raw(1).to_f64();
         Self {
             whole,
@@ -42,57 +44,59 @@ impl Shift {
         }
     }
 
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         let rates = [self.velocity, self.rate];
         self.speed.is_finite() && rates.iter().all(|rate| *rate > 0.0 && rate.is_finite()) && self.left.is_legal()
     }
 
-    /// The same, slowing down to rest.
+    /// Returns the shift slowing down to rest.
     #[must_use]
     pub fn stopping(self) -> Self {
         Self { stops: true, ..self }
     }
 
-    /// The same with another velocity (inc/s) and acceleration (inc/s^2) from here on.
+    /// Returns the shift with another velocity (inc/s) and acceleration (inc/s^2) from now on.
     #[must_use]
     pub fn at_rates(self, velocity: f64, acceleration: f64, cycle_s: f64) -> Self {
         let Self { left, stops, .. } = self;
         Self { left, stops, ..Self::new(self.whole, velocity, acceleration, cycle_s, Some(&self)) }
     }
 
-    /// The same, of whose last change only `done` (inc per cycle) has come about: it speeds up from there.
+    /// Returns the shift after a cycle in which only `done` (inc per cycle) of its last change was moved: it
+    /// accelerates from there.
     #[must_use]
     pub fn held_to(self, done: f64) -> Self {
         let (low, high) = (self.speed.min(0.0), self.speed.max(0.0));
         Self { speed: done.max(low).min(high), ..self }
     }
 
-    /// What is left of it, as a share of all of it: more than 1 where it still turns round. Of one that stops nothing is.
+    /// Returns the remaining share of the distance: more than 1 while it still has to reverse; 0 for a shift that
+    /// stops.
     pub fn share_left(&self) -> f64 {
         if self.stops || self.whole == Position::ZERO { 0.0 } else { self.left.to_f64() / self.whole.to_f64() }
     }
 
-    /// Its last change (inc per cycle).
+    /// Returns its last change (inc per cycle).
     pub fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// What is left.
+    /// Returns the remaining distance.
     pub fn left(&self) -> Position {
         self.left
     }
 
-    /// The change of this cycle, and whether it has ended with it.
+    /// Returns the change of this cycle, and whether the shift has ended with it.
     pub fn step(&mut self) -> (Position, bool) {
         self.step_within(self.velocity)
     }
 
-    /// The same, no faster than `most` (inc per cycle), as soon as it has slowed down to that.
+    /// As [`step`](Self::step), at most `most` (inc per cycle) as soon as it has slowed down to that.
     pub fn step_within(&mut self, most: f64) -> (Position, bool) {
         let (wanted, arrives) = if self.stops { (0.0, false) } else { closing(self.left.to_f64(), self.rate) };
         let (low, high) = (self.speed - self.rate, self.speed + self.rate);
-        // Not `clamp`: a state that was made up may have its bounds crossed.
+        // Not `clamp`: an invalid state may have crossed bounds.
         let most = self.velocity.min(most.max(0.0));
         let speed = wanted.max(-most).min(most).max(low).min(high);
         if arrives && speed == wanted {
@@ -111,7 +115,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle: four cycles up, and the way down is 0.75 + 0.5 + 0.25.
+    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle: four cycles of acceleration, and a deceleration of
+    /// 0.75 + 0.5 + 0.25.
     #[test]
     fn a_shift_is_a_trapezoid_of_whole_cycles() {
         let mut shift = Shift::new(Position::whole(10), 1_000.0, 250_000.0, 1e-3, None);
@@ -125,12 +130,12 @@ mod tests {
         }
         assert_eq!(speeds[..4], [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(speeds.iter().sum::<f64>(), 10.0);
-        // 1.5 up, 8.5 for the rest: seven at full speed, then 1.5 in three steps.
+        // 1.5 inc of acceleration, 8.5 for the rest: seven at full speed, then 1.5 in three steps.
         assert_eq!(speeds.len(), 3 + 7 + 3);
         assert_eq!(speeds[10..], [0.75, 0.5, 0.25]);
     }
 
-    /// At 1 inc per cycle: nothing of that has come about, a part, or the opposite.
+    /// At 1 inc per cycle: nothing of the step was moved, a part, or the opposite.
     #[test]
     fn one_that_was_held_speeds_up_from_what_has_come() {
         let mut shift = Shift::new(Position::whole(-100), 1_000.0, 250_000.0, 1e-3, None);
@@ -144,7 +149,8 @@ mod tests {
         }
     }
 
-    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle, with half of both after the fifth cycle, when 6.5 are left: it slows down to 0.5 in steps of 0.125.
+    /// 10 inc at 1 inc per cycle and 0.25 inc per cycle and cycle, with half of both after the fifth cycle, when 6.5
+    /// are left: it slows down to 0.5 in steps of 0.125.
     #[test]
     fn one_may_change_its_rates() {
         let mut shift = Shift::new(Position::whole(10), 1_000.0, 250_000.0, 1e-3, None);
@@ -171,8 +177,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever it is replaced by half-way, all of the last one comes, no cycle is faster than it may be, and none changes by
-        /// more than the acceleration, but for the grid.
+        /// Whenever it is replaced, all of the last shift is moved; no cycle exceeds the velocity, and no change of
+        /// velocity exceeds the acceleration, except for rounding.
         #[test]
         fn all_of_it_comes(
             first in -1_000_000_i64..1_000_000,
@@ -186,7 +192,7 @@ mod tests {
             let mut shift = new(Position::whole(first), None);
             let mut speed = 0.0;
             let mut sum = Position::ZERO;
-            // As much as there is time for.
+            // As much as the time allows.
             let whole = Position::from_raw(second.clamp(-1, 1) * i128::min(second.abs(), Position::from_f64(velocity).raw()));
             for k in 0..200_000 {
                 if k == after {

@@ -1,10 +1,11 @@
-//! A master of several: what leads as the sum of others.
+//! A sum of several leads as a leader.
 //!
-//! Law      position, change and velocity are those of each term, so many times, added up: exact to 2^-32 inc. They are increments, of each term
-//!          its own. It leads while each term does, also one that adds up to nothing; it is as uneven as its terms together
-//! Reads    simple leads: what masters have of each other is in its terms, so that no reading leads to another one
-//! Refuses  nothing: [`MOST_TERMS`] legal positions stay below 2^68 inc, and what no cycle leaves saturates. A change beyond what a follower
-//!          bears is its fault, as that of any leader
+//! Law      position, change and velocity are the sums over all terms with their factors: exact to 2^-32 inc, in the
+//!          increments of each term. The sum is valid while each term is, also with terms that cancel out; its
+//!          unevenness is the sum of those of its terms
+//! Reads    leads that are no sums: other sums are expanded into their terms, so that no reading depends on another one
+//! Refuses  nothing: [`MOST_TERMS`] legal positions stay below 2^68 inc, and impossible values saturate. As with any
+//!          leader, the follower handles a change that is too large
 //! Source   contract section 10, PLCopen (MC_CombineAxes)
 
 use super::Leads;
@@ -13,33 +14,33 @@ use crate::object::Leader;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Most leaders that a master has, itself and through others, each as often as it stands.
+/// Largest number of leaders in a sum, its own and those of other sums, each counted as often as it occurs.
 pub const MOST_TERMS: usize = 64;
 
-/// A leader, and how often it counts: below 0 it is subtracted.
+/// A leader and its factor; negative: it is subtracted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Term {
     leader: Leader,
     times: i8,
 }
 
-/// What is added up.
+/// A sum of leads.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sum {
     terms: Vec<Term>,
-    /// How many leaders stand in it, also where they cancel out.
+    /// Number of leaders in it, also of those that cancel out.
     count: usize,
 }
 
 impl Sum {
-    /// Adds a simple leader, or subtracts it.
+    /// Adds or subtracts a leader that is no sum.
     pub fn with(mut self, leader: Leader, is_added: bool) -> Self {
         self.put(leader, if is_added { 1 } else { -1 });
         self.count = self.count.saturating_add(1);
         self
     }
 
-    /// Adds another sum, or subtracts it.
+    /// Adds or subtracts another sum.
     pub fn with_sum(mut self, other: &Self, is_added: bool) -> Self {
         for term in &other.terms {
             self.put(term.leader, if is_added { term.times } else { term.times.saturating_neg() });
@@ -55,17 +56,17 @@ impl Sum {
         }
     }
 
-    /// Has it no more leaders than it may?
+    /// Whether its number of leaders is allowed.
     pub fn is_small(&self) -> bool {
         self.count <= MOST_TERMS
     }
 
-    /// How often leaders count of which that holds.
+    /// Returns the sum of the factors of the leaders for which `holds` is true.
     pub(super) fn times(&self, holds: impl Fn(Leader) -> bool) -> i64 {
         self.terms.iter().filter(|term| holds(term.leader)).map(|term| i64::from(term.times)).sum()
     }
 
-    /// What it is with these leads.
+    /// Returns its lead from these leads.
     pub(super) fn of(&self, leads: &Leads) -> Lead {
         let mut sum = Lead { valid: true, ..Lead::default() };
         for &Term { leader, times } in &self.terms {
@@ -80,7 +81,7 @@ impl Sum {
     }
 }
 
-/// A position, so many times.
+/// Returns a multiple of a position.
 pub(super) fn so_often(position: Position, times: i64) -> Position {
     Position::from_raw(position.raw().saturating_mul(times.into()))
 }
@@ -102,7 +103,7 @@ mod tests {
         Leads { encoders: encoders.to_vec(), sums: vec![sum], ..Leads::default() }
     }
 
-    /// Twice the belt less the other: 2 * 3 - 5 units, as uneven as three counts.
+    /// Twice the belt minus the other: 2 * 3 - 5 units, as uneven as three counts.
     #[test]
     fn members_count_with_their_signs_as_often_as_they_stand() {
         let twice = Sum::default().with(BELT, true).with_sum(&Sum::default().with(BELT, true), true);
@@ -113,7 +114,7 @@ mod tests {
         assert_eq!((lead.velocity, lead.uneven, lead.valid), (1.0, 3.0, true));
     }
 
-    /// What cancels out moves nothing, and is needed all the same.
+    /// Members that cancel out cause no motion, but must be valid.
     #[test]
     fn each_member_has_to_be_there() {
         let inner = Sum::default().with(BELT, true).with(OTHER, true);
@@ -121,7 +122,7 @@ mod tests {
         let seen = |valid| leads(sum.clone(), [lead(7, true), lead(1 << 40, valid)]).get(Leader::Sum(0));
         assert_eq!((seen(true).position.raw(), seen(true).uneven, seen(true).valid), (7, 1.0, true));
         assert!(!seen(false).valid);
-        // One that does not exist is lost.
+        // A leader that does not exist is lost.
         let none = Sum::default().with(Leader::Encoder(2), true);
         assert!(!leads(none, [lead(0, true); 2]).get(Leader::Sum(0)).valid);
     }
@@ -135,7 +136,7 @@ mod tests {
     }
 
     proptest! {
-        /// Exact for all positions that there are, whatever the signs; what no cycle leaves saturates and does not panic.
+        /// Exact for all positions and signs; impossible values saturate without panic.
         #[test]
         fn sums_are_exact(
             raws in prop::array::uniform2(-(1_i128 << 94)..(1_i128 << 94)),

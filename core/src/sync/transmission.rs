@@ -1,7 +1,8 @@
-//! What stands between a lead and its follower.
+//! The transmission between a lead and its follower.
 //!
-//! Law      a change of the lead becomes a change of the follower; what is left of it below the grid of positions is kept
-//! Reads    of a cam, the tables of the machine
+//! Law      a change of the lead becomes a change of the follower; the remainder below the resolution of positions is
+//!          kept
+//! Reads    for a cam, the tables of the machine
 //! Refuses  nothing: it was checked when it was made
 //! Source   MACS-SYNC-02, PLCopen (MC_GearIn, MC_GearInPos, MC_CamIn)
 
@@ -14,7 +15,7 @@ use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A follower adds up what its transmission makes of its lead.
+/// Converts the motion of a lead to that of a follower, which adds up the changes.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 pub enum Transmission {
@@ -22,12 +23,12 @@ pub enum Transmission {
     Gear(Gear),
     /// A table.
     Cam(Cam),
-    /// The way to the pair of places from which on it is a gear.
+    /// The approach to the pair of positions from which on it is a gear.
     Approach(Approach),
 }
 
 impl Transmission {
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         match self {
             Self::Gear(gear) => gear.is_sound(),
@@ -36,7 +37,7 @@ impl Transmission {
         }
     }
 
-    /// The follower's change in this cycle.
+    /// Returns the change of the follower in this cycle.
     #[inline]
     pub fn step(&mut self, lead: Lead, tables: &[Arc<Table>]) -> Position {
         match self {
@@ -56,26 +57,26 @@ impl Transmission {
         change
     }
 
-    /// So much of the last change (inc of the lead) was none of its own motion.
+    /// Notes which part of the last change (inc of the lead) was not its own motion.
     pub fn forget(&mut self, added: f64) {
         if let Self::Cam(cam) = self {
             cam.forget(added);
         }
     }
 
-    /// Is it on its way to a pair of places?
+    /// Whether it approaches a pair of positions.
     #[inline]
     pub fn approaches(&self) -> bool {
         matches!(self, Self::Approach(_))
     }
 
-    /// Change of the follower by that of its lead where it stands, without its sign.
+    /// Returns the change of the follower per change of its lead at the present position, without sign.
     #[inline]
     pub fn slope(&self) -> f64 {
         self.signed_slope().abs()
     }
 
-    /// Change of the follower by that of its lead where it stands.
+    /// Returns the change of the follower per change of its lead at the present position.
     #[inline]
     pub fn signed_slope(&self) -> f64 {
         match self {
@@ -85,7 +86,7 @@ impl Transmission {
         }
     }
 
-    /// Does a lead that goes forwards count as one that goes backwards (MACS-DIR-04)?
+    /// Whether forward motion of the lead counts as backward (MACS-DIR-04).
     pub fn is_turned(&self) -> bool {
         match self {
             Self::Gear(gear) => gear.ratio().numerator() < 0,
@@ -94,7 +95,7 @@ impl Transmission {
         }
     }
 
-    /// The cam that it is.
+    /// Returns the cam, if it is one.
     #[inline]
     pub fn cam(&self) -> Option<&Cam> {
         match self {
@@ -104,9 +105,9 @@ impl Transmission {
     }
 }
 
-/// What a transmission is behind a step: no more of it moves about in a cycle than there is.
+/// A transmission after a step, which avoids copies of the whole enum in a cycle.
 pub trait Stepped: Into<Transmission> {
-    /// Change of the follower by that of its lead where it stands.
+    /// Change of the follower per change of its lead at the present position.
     fn slope(&self) -> f64;
 }
 

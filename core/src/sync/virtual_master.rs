@@ -1,11 +1,12 @@
-//! The virtual master of a machine: a leader whose velocity is made here.
+//! The virtual master of a machine: a leader with a generated velocity.
 //!
-//! Law      v(k) = v(k-1) moved towards what is asked for by at most pulsacc T; position(k) = position(k-1) + v(k) T. What is asked for is pulsvel, or
-//!          the change of an axis' command; with pulsacc -1 v(k) is setsys_15 at once. Off, it stands. Nothing is rounded but the position,
-//!          down to 2^-32 inc, and what that leaves is kept: changes add up. An axis that no ramp holds back is followed exactly.
-//!          The index counts each pulse that is come to, from either side, or what an input tells
-//! Reads    the parameters of the machine, the command of the axis once it has moved
-//! Refuses  nothing: a velocity beyond all that there are saturates
+//! Law      v(k) = v(k-1) moved towards the setpoint by at most pulsacc T; position(k) = position(k-1) + v(k) T. The
+//!          setpoint is pulsvel, or the change of the command of an axis; with pulsacc -1 v(k) is setsys_15 at once.
+//!          Off, it is at rest. Only the position is rounded, down to 2^-32 inc, and the remainder is kept. An axis
+//!          within the ramp is followed exactly.
+//!          The index counts each pulse reached from either side, or the edges of an input
+//! Reads    the parameters of the machine, the command of the axis after its motion
+//! Refuses  nothing: velocities out of range saturate
 //! Source   MACS-VM-01..08, A-46
 
 use crate::encoder::Lead;
@@ -13,54 +14,55 @@ use crate::parameter::{MachineParameters, Marker};
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Parts of 2^-32 inc in which a change is kept: velocities and accelerations are whole ones, whatever the cycle.
+/// Fractions of 2^-32 inc in which a change is stored, so that velocities and accelerations are whole numbers with any
+/// cycle time.
 const PARTS: i128 = 1_000_000_000_000_000_000;
-/// ns in a second.
+/// Nanoseconds in a second.
 const SECOND: i128 = 1_000_000_000;
 
-/// Whose velocity the virtual master has.
+/// Source of the velocity of the virtual master.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum VirtualSource {
-    /// It is off, and stands.
+    /// It is off, and at rest.
     #[default]
     Off,
-    /// Its own: pulsvel.
+    /// Its own velocity: pulsvel.
     Own,
-    /// That of an axis' command.
+    /// Velocity of the command of an axis.
     Axis(u16),
-    /// setsys_15, without a ramp.
+    /// Velocity setsys_15, without ramp.
     Direct,
 }
 
-/// What moves the virtual master, and what it has counted.
+/// State of the virtual master.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VirtualMaster {
     source: VirtualSource,
     /// Change in a cycle (2^-32 inc / [`PARTS`]).
     rate: i128,
-    /// What the position leaves out (2^-32 inc / [`PARTS`]).
+    /// Remainder of the position (2^-32 inc / [`PARTS`]).
     rest: i64,
-    /// VMENCMTYP of the last cycle and the level of its input, where it was one that does not latch.
+    /// VMENCMTYP of the last cycle and the level of its input, if that does not latch.
     level: Option<(i64, bool)>,
-    /// Marks that its index has counted.
+    /// Number of marks of its index.
     pub count: i64,
-    /// Where the last one was.
+    /// Position of the last mark.
     pub mark: Position,
 }
 
 impl VirtualMaster {
-    /// Before cycle 0.
+    /// Returns the state before cycle 0.
     pub fn new(parameters: &MachineParameters) -> Self {
         Self { source: VirtualSource::Off.after(parameters, false), ..Self::default() }
     }
 
-    /// Whose velocity it has.
+    /// Returns the source of its velocity.
     #[inline]
     pub fn source(&self) -> VirtualSource {
         self.source
     }
 
-    /// The axis that it follows.
+    /// Returns the axis that it follows.
     #[inline]
     pub fn axis(&self) -> Option<u16> {
         match self.source {
@@ -69,7 +71,7 @@ impl VirtualMaster {
         }
     }
 
-    /// May a cycle have left it so, with these parameters and so many axes?
+    /// Whether a cycle may have left this state with these parameters and this number of axes.
     pub fn is_sound(&self, parameters: &MachineParameters, axes: usize) -> bool {
         self.source.after(parameters, false) == self.source
             && self.axis().is_none_or(|axis| usize::from(axis) < axes)
@@ -77,7 +79,7 @@ impl VirtualMaster {
             && (0..PARTS).contains(&self.rest.into())
     }
 
-    /// Goes on with the velocity that it has; off, it stands in that moment.
+    /// Sets the source and keeps the velocity; off, it stops at once.
     pub fn take(&mut self, source: VirtualSource, lead: &mut Lead) {
         self.source = source;
         if source == VirtualSource::Off {
@@ -86,10 +88,10 @@ impl VirtualMaster {
         }
     }
 
-    /// One cycle of that many ns; `axis` is the change of the axis that it follows.
+    /// Advances by one cycle of `cycle_ns`; `axis` is the change of the axis that it follows.
     pub fn step(&mut self, parameters: &MachineParameters, axis: Position, cycle_ns: u64, lead: &mut Lead) {
         let cycle = i128::from(cycle_ns);
-        // Of one inc/s: each factor is a count of something, and the product stays below 2^117, as no velocity is beyond 2^30 inc/s.
+        // Units of 1 inc/s. The product stays below 2^117, as no velocity exceeds 2^30 inc/s.
         let one = (SECOND * cycle) << 32;
         let asked = match self.source {
             VirtualSource::Off => 0,
@@ -117,7 +119,7 @@ impl VirtualMaster {
         if whole <= 0 || before == after {
             return;
         }
-        // The last pulse at or behind each place, as seen in the direction of the motion.
+        // The last pulse at or before each position, in the direction of motion.
         let (from, to) = if after > before {
             (before.div_euclid(whole), after.div_euclid(whole))
         } else {
@@ -129,7 +131,7 @@ impl VirtualMaster {
         }
     }
 
-    /// Counts an edge of the input of its marker, where that has this level at t_k: at the place of this cycle.
+    /// Counts an edge of the input of its marker, given its level at t_k, at the position of this cycle.
     pub fn count_level(&mut self, parameters: &MachineParameters, level: bool, lead: &Lead) {
         let Marker::Input { rising, .. } = parameters.virtual_marker() else { return };
         let before = self.level.replace((parameters.vmencmtyp, level));
@@ -138,7 +140,8 @@ impl VirtualMaster {
         }
     }
 
-    /// Counts what the input of its marker has latched, so long before t_k each; the newest is the last one, wherever it stands.
+    /// Counts the latches of the input of its marker, each with its age at t_k. The newest one is the last mark,
+    /// whatever their order.
     pub fn count_latches(&mut self, ages_ns: impl Iterator<Item = u32>, cycle_ns: u64, lead: &Lead) {
         self.level = None;
         let (count, newest) = ages_ns.fold((0, u32::MAX), |(count, newest), age| (count + 1, newest.min(age)));
@@ -156,20 +159,21 @@ impl VirtualMaster {
 }
 
 impl VirtualSource {
-    /// Whose velocity it has once these parameters are in force; `starts`: pulsvel is one of those that were set.
+    /// Returns the source of the velocity with these parameters; `starts`: pulsvel was set, too.
     #[must_use]
     pub fn after(self, parameters: &MachineParameters, starts: bool) -> Self {
         match (parameters.pulsacc, self) {
             (0, _) => Self::Off,
             (..0, _) => Self::Direct,
             _ if starts => parameters.virtual_source().map_or(Self::Own, Self::Axis),
-            // The velocity that it had is obsolete, and nothing has started another one.
+            // The velocity of the mode without ramp no longer applies, and no other one was started.
             (_, Self::Direct) => Self::Off,
             (_, other) => other,
         }
     }
 
-    /// Whose velocity it has once a layer is in force: where it followed an axis its own, which is 0 then.
+    /// Returns the source of the velocity after a layer was loaded. If it followed an axis, its own velocity replaces
+    /// that, which is then 0.
     #[must_use]
     pub fn after_reset(self, parameters: &MachineParameters) -> Self {
         match self.after(parameters, false) {

@@ -1,34 +1,34 @@
-//! Lag of an axis behind straight segments, computed from its limits before it moves.
+//! Lag of an axis behind straight segments, calculated from its limits before it moves.
 //!
-//! Law      e is the trajectory minus the command, v the velocity of the command, u that of the trajectory, a the largest
-//!          acceleration, V the largest velocity while catching up. The axis accelerates by +a or -a to
+//! Law      e is the trajectory minus the command, v the velocity of the command, u that of the trajectory, a the
+//!          largest acceleration, V the largest velocity while catching up. The axis accelerates by +a or -a to
 //!          v = u + sign(e) sqrt(2 a |e|), within +-V, and stays on that until e = 0 and v = u. Before the end of a
-//!          trajectory that ends with a straight segment it decelerates by a, so that it stops there.
-//!          Time is continuous: the motion in whole cycles differs from this by a cycle or two
+//!          trajectory that ends with a straight segment it decelerates by a, so that it stops there. Time is
+//!          continuous: the motion in whole cycles differs from this by a cycle or two
 
 use super::{Begin, Trajectory};
 use serde::{Deserialize, Serialize};
 
 /// Steps in which a curved segment is approximated while an axis lags.
 const STEPS: u32 = 8;
-/// Most times that an axis comes to the end: it may pass it, and come back.
+/// Largest number of times that an axis reaches the end: it may pass it and return.
 const MOST_TURNS: u32 = 4;
-/// Lags up to this are rounding (inc).
+/// Lags up to this value are rounding (inc).
 const NEGLIGIBLE: f64 = 0.5;
 
-/// Limits of an axis that lags.
+/// Limits of a lagging axis.
 #[derive(Clone, Copy, Debug)]
 pub struct LagLimits {
     /// Largest velocity while catching up (inc/s).
     pub velocity: f64,
     /// Largest acceleration and deceleration (inc/s^2).
     pub acceleration: f64,
-    /// Length of a cycle, by the trajectory's time (s).
+    /// Length of a cycle, in the time of the trajectory (s).
     pub cycle_s: f64,
 }
 
 impl LagLimits {
-    /// The same limits by the time of a trajectory that is stretched by a factor.
+    /// Returns the limits in the time of a trajectory that is stretched by a factor.
     pub fn stretched(self, factor: f64) -> Self {
         Self {
             velocity: self.velocity * factor,
@@ -38,7 +38,7 @@ impl LagLimits {
     }
 }
 
-/// An axis on its track: where it is at the end of the segment that was looked at last.
+/// A simulated axis on its track, at the end of the last evaluated segment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Lag {
     /// Trajectory minus command (inc).
@@ -51,31 +51,33 @@ pub struct Lag {
     point: u32,
     /// The point at which the last moving segment ends.
     last: u32,
-    /// How long after the last moving segment the axis comes to rest (s); none before that segment.
+    /// Time after the last moving segment until the axis rests (s); none before that segment.
     late_s: Option<f64>,
 }
 
 impl Lag {
-    /// An axis where a track takes it over.
+    /// Returns an axis at the start of a track.
     pub fn new(trajectory: &Trajectory, track: usize, begin: &Begin) -> Self {
         let stands = trajectory.demand(track).map_or(0, |demand| demand.stands);
         let last = stands.max(trajectory.point_ahead(begin.time_ns));
         Self { lag: 0.0, velocity: begin.motion.velocity, largest: 0.0, point: 0, last, late_s: None }
     }
 
-    /// Largest lag so far (inc), and the point before which it is.
+    /// Returns the largest lag so far (inc), and the next point at that lag.
     pub fn largest(&self) -> (f64, u32) {
         (self.largest, self.point)
     }
 
-    /// Time from the last point of the trajectory until the axis rests there, by the trajectory's time (s).
+    /// Returns the time from the last point of the trajectory until the axis rests there, in the time of the trajectory
+    /// (s).
     pub fn late_s(&self, trajectory: &Trajectory) -> f64 {
         let holds =
             trajectory.times_ns.get(self.last as usize).map_or(0, |time| trajectory.end_ns().saturating_sub(*time));
         (self.late_s.unwrap_or(0.0) - holds as f64 / 1e9).max(0.0)
     }
 
-    /// Follows a track through the segment that ends at a point. Returns how many steps that took; none where nothing moves any more.
+    /// Follows a track through the segment that ends at a point. Returns the number of steps; none if nothing moves any
+    /// more.
     pub fn follow(
         &mut self,
         trajectory: &Trajectory,
@@ -118,22 +120,22 @@ impl Lag {
         Some(steps)
     }
 
-    /// The velocity with which it closes its lag.
+    /// Returns the velocity with which it closes its lag.
     fn closing(&self, limits: &LagLimits) -> f64 {
         libm::sqrt(2.0 * limits.acceleration * self.lag.abs()).copysign(self.lag)
     }
 
-    /// The accelerations with which the axis comes to a trajectory with velocity `u`, each with the time that it takes.
+    /// Returns the accelerations with which the axis reaches a trajectory with velocity `u`, each with its duration.
     fn phases(&self, u: f64, limits: &LagLimits) -> [(f64, f64); 3] {
         let (a, top) = (limits.acceleration, limits.velocity);
-        // Not `clamp`, which panics where a state that was made up holds no number.
+        // Not `clamp`, which panics if an invalid state contains NaN.
         let sign = if self.velocity < (u + self.closing(limits)).max(-top).min(top) { 1.0 } else { -1.0 };
-        // As if it had to speed up.
+        // Signs are changed so that the axis has to accelerate.
         let (lag, u, from) = (self.lag * sign, u * sign, (self.velocity - u) * sign);
         let peak = libm::sqrt(((from * from + 2.0 * a * lag) / 2.0).max(0.0));
         let most = peak.min(top - u).max(from).max(0.0);
         let speeds_up = (most - from) / a;
-        // The lag that acceleration and deceleration leave.
+        // Rest of the lag after acceleration and deceleration.
         let left = lag - (most * most - from * from) / (2.0 * a) - most * most / (2.0 * a);
         let cruises = if peak <= most || left <= 0.0 { 0.0 } else { left / most };
         [(a * sign, speeds_up), (0.0, cruises), (-a * sign, most / a)]
@@ -154,11 +156,11 @@ impl Lag {
         phases.iter().map(|(_, time)| time).sum()
     }
 
-    /// Follows a trajectory with velocity `u` for a time, after which that stops at once. Returns the time from then until the axis rests
-    /// there.
+    /// Follows a trajectory with velocity `u` for a time, after which the trajectory stops abruptly. Returns the time
+    /// from then until the axis rests there.
     fn arrive(&mut self, u: f64, seconds: f64, limits: &LagLimits) -> f64 {
         let (a, mut left) = (limits.acceleration, seconds);
-        // An axis that comes to the end before the trajectory goes on to meet that.
+        // An axis that reaches the end before the trajectory moves on to meet it.
         for _ in 0..MOST_TURNS {
             let passes = self.chase_to_end(u, &mut left, limits);
             let until = left.min(passes.unwrap_or((self.velocity / a).abs()));
@@ -171,8 +173,8 @@ impl Lag {
         self.chase(0.0, f64::INFINITY, limits)
     }
 
-    /// Follows a trajectory with velocity `u` that stops at once after a time, until the axis has to decelerate for that. Returns the time
-    /// until it passes the end, if it is too fast to stop there.
+    /// Follows a trajectory with velocity `u` that stops abruptly after a time, until the axis has to decelerate for
+    /// that. Returns the time until it passes the end, if it is too fast to stop there.
     fn chase_to_end(&mut self, u: f64, left: &mut f64, limits: &LagLimits) -> Option<f64> {
         let a = limits.acceleration;
         let rest = a * limits.cycle_s;
@@ -180,13 +182,13 @@ impl Lag {
         let sign = if way.abs() > NEGLIGIBLE {
             1.0_f64.copysign(way)
         } else {
-            // At the end it moves away from that.
+            // At the end it moves away from it.
             let heading = if self.velocity.abs() > rest { self.velocity } else { u + self.closing(limits) };
             -1.0_f64.copysign(heading)
         };
         for (acceleration, time) in self.phases(u, limits).into_iter().chain([(0.0, f64::INFINITY)]) {
             let (speed, way) = (self.velocity * sign, (u * *left + self.lag) * sign);
-            // How much further the end is than the distance to stop.
+            // Distance to the end beyond the stopping distance.
             let spare = way - speed * speed.abs() / (2.0 * a);
             if spare <= 0.0 && speed > rest {
                 let passes = || (speed - libm::sqrt((speed * speed - 2.0 * a * way).max(0.0))) / a;

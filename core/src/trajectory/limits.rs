@@ -1,33 +1,34 @@
-//! What happens to a trajectory that exceeds the velocities and accelerations of its axes.
+//! Handling of trajectories that exceed the velocities and accelerations of their axes.
 
 use serde::{Deserialize, Serialize};
 
-/// What is done with a trajectory that exceeds a limit by more than the margin.
+/// Action if a trajectory exceeds a limit by more than the margin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum OnExcess {
-    /// Its time is stretched until it is within the limits. Its path stays.
+    /// The time of the trajectory is stretched until it is within the limits. Its path does not change.
     #[default]
     Scale,
-    /// It is refused.
+    /// The trajectory is refused.
     Refuse,
 }
 
 impl OnExcess {
-    /// Each with its name in files and parameters.
+    /// All actions with their names in files and parameters.
     pub const ALL: [(Self, &'static str); 2] = [(Self::Scale, "scale"), (Self::Refuse, "refuse")];
 
-    /// The name in files and parameters.
+    /// Returns the name in files and parameters.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(known, _)| *known == self).map_or("", |(_, name)| name)
     }
 }
 
-/// How the rates of a trajectory are held against `max_velocity`, `max_acceleration` and `max_deceleration` of its axes.
+/// Settings for comparing the rates of a trajectory with `max_velocity`, `max_acceleration` and `max_deceleration` of
+/// its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrajectoryLimits {
     /// Share by which a rate may exceed its limit.
     pub margin: f64,
-    /// What is done beyond that.
+    /// Action beyond the margin.
     pub on_excess: OnExcess,
     /// Largest factor by which the time may be stretched; beyond it the trajectory is refused.
     pub max_stretch: f64,
@@ -45,7 +46,7 @@ impl TrajectoryLimits {
         is_within(self.margin, Self::MARGINS) && is_within(self.max_stretch, Self::STRETCHES)
     }
 
-    /// The largest allowed stretch.
+    /// Returns the largest allowed stretch.
     pub fn most(&self) -> f64 {
         match self.on_excess {
             OnExcess::Scale => self.max_stretch,
@@ -55,9 +56,9 @@ impl TrajectoryLimits {
 }
 
 impl Default for TrajectoryLimits {
-    /// A plan within the limits of its axes needs a stretch of at most sqrt(5/3) = 1.291 where its samples carry velocities, and of at
-    /// most 1.4387 where they carry accelerations as well: the largest acceleration of the cubic, or quintic, between two samples of a
-    /// motion whose acceleration is within +-1.
+    /// A plan within the limits of its axes needs a stretch of at most sqrt(5/3) = 1.291 if its samples have
+    /// velocities, and of at most 1.4387 if they have accelerations as well: the largest acceleration of the cubic, or
+    /// quintic, between two samples of a motion whose acceleration is within +-1.
     fn default() -> Self {
         Self { margin: 1e-3, on_excess: OnExcess::Scale, max_stretch: 1.44 }
     }

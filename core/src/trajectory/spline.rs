@@ -1,7 +1,7 @@
-//! The way from one knot to the next.
+//! The segment between two knots.
 //!
-//! Law      of degree 1, 3 or 5 by what both its ends carry: positions, velocities as well, accelerations as well. With
-//!          u = elapsed / duration: x(u) = sum of c_i u^i, so that both ends have all that they carry
+//! Law      of degree 1, 3 or 5, depending on the values of both ends: positions, also velocities, also accelerations.
+//!          With u = elapsed / duration: x(u) = sum of c_i u^i, so that both ends have all their values
 //! Refuses  nothing: the numbers were checked before
 
 use super::Knot;
@@ -9,19 +9,20 @@ use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
-/// Halvings in the search for a root: f64 holds no more.
+/// Number of bisections in the search for a root, after which f64 has no more bits.
 const HALVINGS: u32 = 54;
-/// Most places at which a polynomial of degree 5 and its derivatives turn, and both ends.
+/// Largest number of extrema of a polynomial of degree 5 and its derivatives, plus both ends.
 const MOST: usize = 12;
-/// Coefficients from here on are no motion, and their products may be no numbers (inc).
+/// Bound of coefficients: from here on they describe no motion, and their products may overflow (inc).
 const TOO_MUCH: f64 = 1e200;
-/// What is shorter than this share of a segment is rounding.
+/// Share of a segment below which a distance is rounding.
 const SHORTEST: f64 = 1e-9;
 /// Half of the share by which a rate may exceed a limit.
 const NEGLIGIBLE: f64 = 5e-10;
-/// What rounding to the fraction of a position changes a way by at most (inc).
+/// Largest change of a distance by rounding to the resolution of positions (inc).
 const FRACTION: f64 = 1.0 / (1_u64 << 32) as f64;
-/// What velocity and acceleration change by with a way, times its duration or the square of that: 1.875 and 6 at most.
+/// Change of velocity and acceleration per change of the distance, in units of 1 / duration and its square: at most
+/// 1.875 and 6.
 const BY_WAY: (f64, f64) = (2.0, 6.0);
 /// The same for the terms of their sums, each of which is rounded.
 const BY_TERM: (f64, f64) = (60.0, 400.0);
@@ -31,22 +32,22 @@ const BY_TERM: (f64, f64) = (60.0, 400.0);
 pub struct Spline {
     from: Position,
     to: Position,
-    /// By powers of the share of its duration (inc).
+    /// Coefficients by powers of the share of its duration (inc).
     c: [f64; 6],
-    /// (ns), above 0
+    /// Duration (ns), above 0.
     duration_ns: u64,
-    /// What rounding of f64 may have put into its coefficients (inc), each term of them counted once.
+    /// Rounding error of f64 in its coefficients (inc), each of their terms counted once.
     rounding: f64,
 }
 
-/// How far, how fast and how hard a motion goes.
+/// Range and rates of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
     /// Lowest position.
     pub low: Position,
     /// Highest position.
     pub high: Position,
-    /// Lowest velocity (inc/s); below 0 backwards.
+    /// Lowest velocity (inc/s); negative: backward.
     pub slowest: f64,
     /// Highest velocity (inc/s).
     pub fastest: f64,
@@ -57,12 +58,12 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Of something that stands.
+    /// Returns the range of rest at a position.
     pub fn at(position: Position) -> Self {
         Self { low: position, high: position, slowest: 0.0, fastest: 0.0, acceleration: 0.0, deceleration: 0.0 }
     }
 
-    /// Of both.
+    /// Returns the union of both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self {
@@ -75,24 +76,24 @@ impl Reach {
         }
     }
 
-    /// The same motion elsewhere.
+    /// Returns the same motion at shifted positions.
     #[must_use]
     pub fn moved(self, by: Position) -> Self {
         Self { low: self.low + by, high: self.high + by, ..self }
     }
 
-    /// Highest speed either way (inc/s).
+    /// Returns the highest speed in either direction (inc/s).
     pub fn speed(&self) -> f64 {
         self.fastest.max(-self.slowest)
     }
 
-    /// Only numbers?
+    /// Whether all rates are finite.
     pub fn is_finite(&self) -> bool {
         [self.slowest, self.fastest, self.acceleration, self.deceleration].iter().all(|rate| rate.is_finite())
     }
 }
 
-/// Places within a segment, ascending, in shares of its duration.
+/// Positions within a segment, ascending, as shares of its duration.
 #[derive(Clone, Copy, Debug)]
 struct Places {
     places: [f64; MOST],
@@ -118,7 +119,7 @@ impl Places {
         self.places.get(..self.count).unwrap_or_default()
     }
 
-    /// Both ends and the roots of a polynomial that is monotonous between these places.
+    /// Returns both ends and the roots of a polynomial that is monotonic between these positions.
     fn roots(&self, polynomial: &[f64; 6]) -> Self {
         let mut found = Self { places: [0.0; MOST], count: 0 };
         found.push(0.0);
@@ -138,7 +139,7 @@ impl Places {
         found
     }
 
-    /// All of these and of others, ascending.
+    /// Returns these positions and others, ascending.
     fn with(mut self, others: &Self) -> Self {
         for &place in others.as_slice() {
             if !self.as_slice().contains(&place) {
@@ -152,7 +153,7 @@ impl Places {
     }
 }
 
-/// A rate without what rounding may have added to it, unless that is less than limits are judged to.
+/// Returns a rate without the rounding error, unless that is below the accuracy of the check against limits.
 fn without(rate: f64, rounding: f64) -> f64 {
     if rounding <= NEGLIGIBLE * rate.abs() { rate } else { (rate.abs() - rounding).max(0.0).copysign(rate) }
 }
@@ -167,19 +168,19 @@ fn derivative(polynomial: &[f64; 6]) -> [f64; 6] {
 }
 
 impl Spline {
-    /// Of degree 1?
+    /// Whether it has degree 1.
     pub fn is_straight(&self) -> bool {
         self.c[2..].iter().all(|c| *c == 0.0)
     }
 
-    /// Returns its velocities at its begin and at its end, before it stands there (inc/s).
+    /// Returns its velocities at its start and at its end, before it rests there (inc/s).
     pub fn end_velocities(&self) -> (f64, f64) {
         let s = self.duration_ns as f64 / 1e9;
         let velocity = derivative(&self.c);
         (value(&velocity, 0.0) / s, value(&velocity, 1.0) / s)
     }
 
-    /// From one knot to the other in that time, which is not 0.
+    /// Returns the segment from one knot to the other in that time, which is not 0.
     pub fn new(from: &Knot, to: &Knot, duration_ns: u64) -> Self {
         let duration_ns = duration_ns.max(1);
         let s = duration_ns as f64 / 1e9;
@@ -203,7 +204,7 @@ impl Spline {
         Self { from: from.position, to: to.position, c, duration_ns, rounding }
     }
 
-    /// Returns its motion that long after its begin (ns); from its end on it stands there.
+    /// Returns its motion at that time after its start (ns); from its end on it rests there.
     pub fn at(&self, elapsed_ns: f64) -> Motion {
         if elapsed_ns >= self.duration_ns as f64 {
             return Motion::at_rest(self.to);
@@ -220,9 +221,9 @@ impl Spline {
         }
     }
 
-    /// How far, how fast and how hard it goes, without what rounding may have added: over a short segment that is much.
+    /// Returns its range and rates, without the rounding error, which is large over a short segment.
     pub fn reach(&self) -> Reach {
-        // Comparisons would pass over what is no number: it is faster than everything.
+        // Comparisons would ignore NaN: it counts as faster than everything.
         if !self.c.iter().all(|c| c.abs() < TOO_MUCH) {
             let fastest = f64::MAX;
             return Reach { slowest: -fastest, fastest, ..Reach::at(self.from).union(Reach::at(self.to)) };
@@ -245,7 +246,7 @@ impl Spline {
         let velocity = derivative(&self.c);
         let acceleration = derivative(&velocity);
         let jerk = derivative(&acceleration);
-        // Each of them is monotonous between the roots of the next.
+        // Each of them is monotonic between the roots of the next one.
         let jerk_turns = Places::ends().roots(&derivative(&jerk));
         let peaks = jerk_turns.roots(&jerk);
         let steady = peaks.roots(&acceleration);

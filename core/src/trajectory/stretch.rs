@@ -1,7 +1,7 @@
-//! Stretched time: a trajectory that runs slower than planned, on the same path.
+//! Stretched time: a trajectory that is executed more slowly than planned, on the same path.
 //!
-//! Law      with t the elapsed time, s the stretch and tau the elapsed time of the trajectory: tau = t / s, exactly, with
-//!          s a multiple of 2^-32; q = q(tau), velocity q'(tau) / s, acceleration q''(tau) / s^2
+//! Law      with t the elapsed time, s the stretch and tau the elapsed time of the trajectory: tau = t / s, exactly,
+//!          with s a multiple of 2^-32; q = q(tau), velocity q'(tau) / s, acceleration q''(tau) / s^2
 
 use super::Reach;
 use crate::profile::Motion;
@@ -20,7 +20,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// Nanoseconds from an earlier whole nanosecond to this moment.
+    /// Returns the nanoseconds from an earlier whole nanosecond to this moment.
     pub fn since(self, begin_ns: u64) -> f64 {
         self.ns.saturating_sub(begin_ns) as f64 + self.fraction
     }
@@ -31,16 +31,16 @@ impl Moment {
 pub struct Stretch(u64);
 
 impl Stretch {
-    /// As planned.
+    /// Without stretching.
     pub const NONE: Self = Self(ONE);
 
-    /// The smallest stretch that is not below a factor.
+    /// Returns the smallest stretch that is not below a factor.
     pub fn at_least(factor: f64) -> Self {
-        // A float that no u64 can hold becomes the nearest one that can.
+        // A float beyond the range of u64 becomes its nearest value.
         Self(((factor * ONE as f64).ceil() as u64).max(ONE))
     }
 
-    /// The factor.
+    /// Returns the factor.
     pub fn factor(self) -> f64 {
         self.0 as f64 / ONE as f64
     }
@@ -48,29 +48,29 @@ impl Stretch {
     /// Returns the time of the trajectory after `begin_ns`, once `elapsed_ns` of real time have passed since then.
     pub fn moment(self, begin_ns: u64, elapsed_ns: u64) -> Moment {
         let scaled = u128::from(elapsed_ns) << 32;
-        // Not above the elapsed time, as the stretch is 1 or more.
+        // The result does not exceed the elapsed time, as the stretch is at least 1.
         let divisor = u128::from(self.0.max(ONE));
         let (whole, rest) = (scaled / divisor, scaled % divisor);
         Moment { ns: begin_ns.saturating_add(whole as u64), fraction: rest as f64 / divisor as f64 }
     }
 
-    /// Returns the real time that a time of the trajectory takes, rounded up (ns).
+    /// Returns the real time for a time of the trajectory, rounded up (ns).
     pub fn real_ns(self, time_ns: u64) -> u64 {
         let real = (u128::from(time_ns) * u128::from(self.0)).div_ceil(u128::from(ONE));
         u64::try_from(real).unwrap_or(u64::MAX)
     }
 
-    /// Returns the real motion of a motion by the trajectory's time.
+    /// Returns the real motion for a motion in the time of the trajectory.
     pub fn real(self, motion: Motion) -> Motion {
         scaled(motion, 1.0 / self.factor())
     }
 
-    /// Returns the motion by the trajectory's time of a real one.
+    /// Returns the motion in the time of the trajectory for a real one.
     pub fn planned(self, motion: Motion) -> Motion {
         scaled(motion, self.factor())
     }
 
-    /// Returns how fast and how hard a stretched motion really is.
+    /// Returns the real range and rates of a stretched motion.
     pub fn real_reach(self, reach: Reach) -> Reach {
         let rate = 1.0 / self.factor();
         Reach {
@@ -107,8 +107,8 @@ mod tests {
         assert_eq!(Stretch::NONE.real_ns(u64::MAX), u64::MAX);
     }
 
-    /// 3 ns at 1.5 times the time are 2 ns; 1 ns is 2/3 of a nanosecond; half the velocity of twice the time, a quarter of the
-    /// acceleration, an eighth of the jerk.
+    /// 3 ns stretched by 1.5 are 2 ns; 1 ns is 2/3 of a nanosecond. With twice the time the velocity is half, the
+    /// acceleration a quarter, the jerk an eighth.
     #[test]
     fn stretched_time_keeps_its_fraction() {
         let stretch = Stretch::at_least(1.5);
@@ -130,8 +130,8 @@ mod tests {
     }
 
     proptest! {
-        /// A stretch is at least what was asked for and no more than 2^-32 above it; the trajectory's time never exceeds the real one, and
-        /// a time of it is over exactly once its real time has passed.
+        /// A stretch is at least the requested factor and at most 2^-32 above it; the time of the trajectory never
+        /// exceeds the real one, and a time of it has passed exactly after its real time.
         #[test]
         fn real_time_and_time_of_the_trajectory_agree(factor in 1.0..10.0_f64, time_ns in 0..1_u64 << 60) {
             let stretch = Stretch::at_least(factor);

@@ -55,7 +55,7 @@ fn accelerations_make_a_quintic() {
     assert_eq!((reach.low, reach.high), (Position::whole(-1000), Position::ZERO));
 }
 
-/// Back to where it is from 400 inc/s to -400 inc/s in 1 s: x = 400 (u - u^2), 100 inc out at half of it.
+/// Back to the same position from 400 inc/s to -400 inc/s in 1 s: x = 400 (u - u^2), 100 inc away at half time.
 #[test]
 fn a_turn_between_two_knots_counts() {
     let spline = Spline::new(&knot(0, Some(400.0), None), &knot(0, Some(-400.0), None), S);
@@ -75,7 +75,7 @@ fn what_rounding_to_a_fraction_may_add_is_no_acceleration() {
         let reach = Spline::new(&from, &to, 1_000).reach();
         assert_eq!((reach.fastest, reach.acceleration, reach.deceleration), (0.0, 0.0, 0.0), "{acceleration:?}");
     }
-    // Ten times as far is a way.
+    // Ten times this distance is a motion.
     let to = Knot { position: Position::from_raw(10), ..from };
     close(
         Spline::new(&knot(0, Some(0.0), None), &to, 1_000).reach().acceleration,
@@ -83,7 +83,7 @@ fn what_rounding_to_a_fraction_may_add_is_no_acceleration() {
     );
 }
 
-/// A constant velocity with which the coefficients of f64 do not add up to zero.
+/// A constant velocity whose coefficients in f64 do not add up to zero.
 #[test]
 fn what_f64_rounds_is_no_acceleration() {
     for (velocity, ms) in [(1e9 / 3.0, 700), (-1e9 / 7.0, 1_100), (1e9 / 11.0, 130)] {
@@ -133,7 +133,7 @@ fn points_that_are_past_are_passed_over() {
     assert_eq!(all.end(0, Position::ZERO), Some(Position::whole(4000)));
 }
 
-/// It began 1.5 s ago: point 0 is past, point 1 alone is ahead.
+/// It began 1.5 s ago: point 0 is in the past, only point 1 is in the future.
 #[test]
 fn peaks_of_a_trajectory_that_began_in_the_past_are_ahead() {
     let knots = vec![knot(9000, None, None), knot(2000, None, None)];
@@ -153,7 +153,7 @@ fn any_knot() -> impl Strategy<Value = Knot> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
-    /// Both ends have what they carry, where both carry it, and nothing in between lies outside the reach.
+    /// Both ends have their values, if both have the same ones, and no value in between is outside the range.
     #[test]
     fn a_spline_meets_its_ends_and_keeps_its_reach(from in any_knot(), to in any_knot(), ms in 1_u64..5000) {
         let duration = ms * 1_000_000;

@@ -1,4 +1,4 @@
-//! What is asked of the cell: the same in every run.
+//! Random commands for the cell: the same in every run.
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
@@ -22,7 +22,7 @@ use std::sync::Arc;
 use super::AXES;
 use super::cell::config;
 
-/// A cam of either table that is one, linear or a spline.
+/// Returns a cam of either cam table, linear or a spline.
 pub(super) fn cam(number: i64) -> CamIn {
     let start = CamStart::ALL[number.unsigned_abs() as usize / 3 % 3].0;
     CamIn {
@@ -35,7 +35,7 @@ pub(super) fn cam(number: i64) -> CamIn {
     }
 }
 
-/// A phase shift of either side, in increments of any leader.
+/// Returns a phase shift of either side, in increments of any leader.
 pub(super) fn phase(axis: u16, number: i64) -> Phase {
     let shift = PhaseShift { shift: Length::whole(number % 5_000), velocity: 1_000.0, acceleration: 10_000.0 };
     let scale = config().axes[0].scale;
@@ -44,7 +44,7 @@ pub(super) fn phase(axis: u16, number: i64) -> Phase {
     Phase { axis, side: if number % 4 == 0 { PhaseSide::Slave(shift) } else { master } }
 }
 
-/// The end of a coupling at a place that often comes.
+/// Returns the end of a coupling at a position that is reached often.
 pub(super) fn leaving(axis: u16, number: i64) -> GearOut {
     let at = match number % 5 {
         0 => LeaveAt::Now,
@@ -55,7 +55,7 @@ pub(super) fn leaving(axis: u16, number: i64) -> GearOut {
     GearOut { axis, at, disengage }
 }
 
-/// An order to a function with a value that is often good.
+/// Returns an order to a function with a value that is often valid.
 pub(super) fn command(numbers: &mut Numbers) -> Action {
     let slot = numbers.below(TYPES.len() as u64) as u16;
     let orders = [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue];
@@ -72,7 +72,7 @@ pub(super) fn command(numbers: &mut Numbers) -> Action {
     Action::CommandFunction(CommandFunction { slot, order, values: values.into() })
 }
 
-/// A goal of a function, mostly of one that takes goals.
+/// Returns a goal of a function, usually of one that accepts goals.
 pub(super) fn run(numbers: &mut Numbers) -> Action {
     let taking = TYPES.iter().position(|row| row.takes_goals).expect("a type that takes goals") as u16;
     let slot = if numbers.below(8) == 0 { numbers.below(TYPES.len() as u64) as u16 } else { taking };
@@ -81,7 +81,7 @@ pub(super) fn run(numbers: &mut Numbers) -> Action {
     Action::RunFunction(RunFunction { slot, values: values.into() })
 }
 
-/// A small generator of numbers that are the same in every run.
+/// A random number generator with the same numbers in every run.
 pub(super) struct Numbers(pub(super) u64);
 
 impl Numbers {
@@ -234,14 +234,14 @@ pub(super) fn action(numbers: &mut Numbers, sequence: u64) -> Action {
     }
 }
 
-/// A value for loops whose position loop is open, or opens with it.
+/// Returns a value for OUTAN, for loops whose position loop is open, or opens with it.
 pub(super) fn open(numbers: &mut Numbers) -> Action {
     let value = numbers.below(200) as f64 / 1000.0 - 0.1;
     let level = if numbers.below(4) == 0 { Level::Effort } else { Level::Setpoint };
     Action::OutAn(OutAn { axis: numbers.below(u64::from(AXES)) as u16, value, level })
 }
 
-/// A start of the virtual master, which some axes lead and some follow.
+/// Returns a start of the virtual master, which some axes lead and some follow.
 fn virtual_master(number: i64) -> Action {
     let ramp = if number % 2 == 0 { 100_000 } else { number.clamp(-1, 0) };
     let values = [("vmenctyp", 100 * (number / 6).rem_euclid(4)), ("pulsacc", ramp), ("pulsvel", number)];
@@ -252,7 +252,7 @@ fn virtual_master(number: i64) -> Action {
     Action::SetParameters(Box::new(values.map(change)))
 }
 
-/// What a positioning module is asked for; its modes come by themselves, so that some of it can be done.
+/// Returns a request to a positioning module; modes are selected often enough for some requests to be possible.
 pub(super) fn module(numbers: &mut Numbers) -> wf::Request {
     let mode = [wf::Mode::Mdi, wf::Mode::Automatic, wf::Mode::Continuous, wf::Mode::Jog, wf::Mode::ActualValue];
     let mode = mode[numbers.below(5) as usize];
@@ -270,7 +270,7 @@ pub(super) fn module(numbers: &mut Numbers) -> wf::Request {
     }
 }
 
-/// Something for a reference selector.
+/// Returns a change for a reference selector.
 pub(super) fn select(axis: u16, numbers: &mut Numbers) -> Action {
     const KEYS: [(&str, u64); 6] = [
         ("amc.reference_select", 8),
@@ -286,7 +286,7 @@ pub(super) fn select(axis: u16, numbers: &mut Numbers) -> Action {
     Action::SetParameters(Box::new([Change { axis, row, value }]))
 }
 
-/// Registers and commands as they come; often enough a start among them.
+/// Returns random registers and commands, often enough a start.
 pub(super) fn saia(axis: u16, numbers: &mut Numbers) -> Request {
     let set = [
         (Register::Veloc, 50_000),
@@ -309,7 +309,7 @@ pub(super) fn saia(axis: u16, numbers: &mut Numbers) -> Request {
     Request { commands: commands.into_iter().collect(), ..request }
 }
 
-/// A trajectory of two axes from wherever they are, slow enough for many of them.
+/// Returns a trajectory of two axes from any position, slow enough for many of them.
 pub(super) fn trajectory(numbers: &mut Numbers) -> Arc<Trajectory> {
     let first = numbers.below(u64::from(AXES)) as u16;
     let step = (200 + numbers.below(800)) * 1_000_000;

@@ -1,4 +1,4 @@
-//! A cell with something of everything.
+//! A cell with every kind of object.
 
 use lineshaft_core::axis::{BrakeConfig, Safety, Wired};
 use lineshaft_core::config::{
@@ -28,7 +28,7 @@ use super::AXES;
 /// The axis with two drives.
 const GANTRY: u16 = 4;
 
-/// The first axis has no drive.
+/// Returns the interface of an axis; the first axis has no drive.
 pub(super) fn interface(index: u16) -> Interface {
     match index % 4 {
         1 if index > 4 => Interface::Torque,
@@ -40,7 +40,7 @@ pub(super) fn interface(index: u16) -> Interface {
     }
 }
 
-/// Drives that take no memory either.
+/// Returns a model of a drive that does not allocate either.
 pub(super) fn model(index: u16) -> Model {
     let ms = 1_000_000;
     match index {
@@ -64,7 +64,7 @@ pub(super) fn model(index: u16) -> Model {
     }
 }
 
-/// A motor with a load on an elastic shaft with backlash.
+/// Returns a motor with a load on an elastic shaft with backlash.
 fn motor() -> MotorData {
     let friction = Friction { viscous: 1e-4, coulomb: 0.02, holding: 0.03 };
     MotorData {
@@ -81,13 +81,13 @@ fn motor() -> MotorData {
     }
 }
 
-/// Those of all drives: behind that of each axis stands the second one of the axis that has two.
+/// Returns the models of all drives: the second drive of the axis with two drives comes last.
 pub(super) fn models() -> Vec<Option<Model>> {
     (1..AXES).chain([GANTRY]).map(|index| Some(model(index))).collect()
 }
 
-/// The same machine where every kind of absolute encoder is read: words in Gray code with turns that are corrected, binary ones of a
-/// drive that closes its own loop, an entry of `encoders`, and the words of a positioning module with parity.
+/// Returns the same machine with every kind of absolute encoder: Gray code with corrected turns, binary code of a drive
+/// that closes its own loop, an entry of `encoders`, and the code of a positioning module with parity.
 pub(super) fn absolute() -> MachineConfig {
     let mut config = config();
     let gray = |steps, turns| Absolute { turns, code: WordCode::Gray, ..Absolute::single_turn(steps) };
@@ -103,7 +103,7 @@ pub(super) fn absolute() -> MachineConfig {
     config
 }
 
-/// The same machine where an axis is given a voltage.
+/// Returns the same machine with an axis that has an analog voltage command.
 pub(super) fn analog() -> MachineConfig {
     let mut config = config();
     let place = config.io.len() as u16;
@@ -126,7 +126,7 @@ pub(super) fn config() -> MachineConfig {
     let scale = Scale::new(Fraction::from_integer(1000), per).expect("a legal scale");
     let axis = |index: u16| {
         let drive = (index > 0).then_some(u32::from(index % 3));
-        // Most keep their following errors to themselves, so that something goes on.
+        // Following errors usually stop only their own axis, so that other motions continue.
         let supervision = Supervision { following_error_stops_all: i64::from(index == 3), ..Supervision::default() };
         let parameters = AxisParameters {
             supervision,
@@ -146,7 +146,7 @@ pub(super) fn config() -> MachineConfig {
             parameters.power_stage.full_current = Some(10.0);
         }
         if interface == Interface::Torque {
-            // A coarse encoder behind backlash: the axis trembles around its target.
+            // A coarse encoder with backlash: the axis jitters around its target.
             parameters.in_position_window = 5_000;
             let p = &mut parameters.amplifier;
             (p.max_effort, p.torque_constant, p.max_current) = (Some(3000.0), 100.0, 60_000);
@@ -233,7 +233,7 @@ pub(super) fn master(name: &str, add: &[Leader], subtract: &[Leader]) -> SumConf
     SumConfig { name: name.into(), add: add.into(), subtract: subtract.into() }
 }
 
-/// Two points or cams, the second one from `turn` * 100 on.
+/// Returns a table of pitch errors.
 fn screw() -> Arc<Table> {
     Arc::new(Table::new(Numbering::Xy, &[0, 2_000, 5_000], &[40, -100, 0]).expect("points"))
 }
@@ -242,20 +242,20 @@ pub(super) fn table(turn: i64) -> Arc<Table> {
     long_table(turn, 40)
 }
 
-/// The same with so many words.
+/// Returns a table of `count` words: two points or cams, the second one from `turn` * 100 on.
 pub(super) fn long_table(turn: i64, count: usize) -> Arc<Table> {
     let words: Vec<i64> =
         (0..count).map(|word| [3, 0, 0, 0, 100, 0, 1, 0, turn * 100].get(word).copied().unwrap_or(0)).collect();
     Arc::new(Table::new(Numbering::Words, &[], &words).expect("words"))
 }
 
-/// A program that traps, loops for ever and counts, as its source says.
+/// Returns a program that traps, loops without end and counts, as its source says.
 pub(super) fn wild() -> Arc<Module> {
     let bytes = wat::parse_str(include_str!("../programs/wild.wat")).expect("a module");
     Arc::new(Module::load(&bytes).expect("it is taken"))
 }
 
-/// One slot of each type, two of them with an axis, linked with each other.
+/// Returns one slot of each type, two of them with an axis, linked with each other.
 pub(super) fn slots() -> Vec<SlotConfig> {
     let slots = TYPES.iter().enumerate().map(|(place, row)| {
         let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
@@ -324,7 +324,7 @@ pub(super) fn slots() -> Vec<SlotConfig> {
     slots.collect()
 }
 
-/// Two slopes over 4000 increments.
+/// Returns a table with two slopes over 4000 increments.
 pub(super) fn cam_table(interpolation: Interpolation) -> Arc<Table> {
     let table = Table::new(Numbering::Y, &[], &[0, 90, 20]).expect("points");
     Arc::new(table.with_cam(CamSetting { length: Some(4000), interpolation, ..CamSetting::default() }))

@@ -1,9 +1,9 @@
-//! The words of a program, for the tests that read it.
+//! Splits a program into tokens, for the tests that read it.
 
-/// A word of the program or a sign, with its line.
+/// An identifier or a sign of the program, with its line.
 pub(crate) type Token = (usize, String);
 
-/// Behind a comment, a string or a character that begins there; none where nothing of the kind does.
+/// Returns the end of a comment, a string or a character that begins there; none if there is none.
 fn behind_text(signs: &[char], at: usize) -> Option<usize> {
     let from = |place: usize| signs.get(place).copied().unwrap_or('\n');
     let find = |mut place: usize, ends: &dyn Fn(usize) -> bool| {
@@ -44,7 +44,8 @@ fn behind_text(signs: &[char], at: usize) -> Option<usize> {
     }
 }
 
-/// The words and signs of a program, without comments, strings and characters but those that are `kept`; `::` is one sign.
+/// Returns the identifiers and signs of a program, without comments, strings and characters, except those that are
+/// `kept`; `::` is one sign.
 pub(crate) fn tokens(text: &str, kept: impl Fn(&str) -> bool) -> Vec<Token> {
     let signs: Vec<char> = text.chars().collect();
     let is_word = |sign: &char| sign.is_alphanumeric() || *sign == '_';
@@ -68,7 +69,7 @@ pub(crate) fn tokens(text: &str, kept: impl Fn(&str) -> bool) -> Vec<Token> {
     found
 }
 
-/// Behind the item, field or statement that begins there.
+/// Returns the end of the item, field or statement that begins there.
 pub(crate) fn behind_item(tokens: &[Token], mut at: usize) -> usize {
     let mut depth = 0_i32;
     while let Some((_, word)) = tokens.get(at) {
@@ -85,7 +86,7 @@ pub(crate) fn behind_item(tokens: &[Token], mut at: usize) -> usize {
     at
 }
 
-/// Does `#[cfg(test)]` begin there?
+/// Whether `#[cfg(test)]` begins there.
 pub(crate) fn is_test_only(tokens: &[Token], at: usize) -> bool {
     let signs = ["#", "[", "cfg", "(", "test", ")", "]"];
     signs.iter().zip(at..).all(|(sign, at)| tokens.get(at).is_some_and(|(_, word)| word == sign))

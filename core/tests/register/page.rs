@@ -1,4 +1,4 @@
-//! What docs/cams.md shows of the runs: a table, and errors over marks, a panel for each run.
+//! The part of docs/cams.md about these runs: a table, and errors over marks with a panel for each run.
 
 use crate::press::{Pass, Run, Taken};
 use crate::svg::Svg;
@@ -7,13 +7,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 const RENEW: &str = "write it anew: LINESHAFT_RENEW=1 cargo test -p lineshaft-core --test register";
-/// What stands before and behind the table.
+/// Lines before and after the table.
 const BEGIN: &str = "<!-- begin register: LINESHAFT_RENEW=1 cargo test -p lineshaft-core --test register -->\n";
 const END: &str = "<!-- end register -->";
 /// Increments in a millimetre.
 const MM: f64 = 200.0;
 
-/// Holds table and drawing against those of these runs.
+/// Compares table and drawing with those of these runs.
 #[track_caller]
 pub(crate) fn check(runs: &[(&str, Run)]) {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
@@ -35,7 +35,7 @@ fn same(file: &Path, made: &str) {
     assert!(there == made, "{RENEW}");
 }
 
-/// Register errors (mm), and what became of the marks.
+/// Returns the table of register errors (mm), and of the results of the marks.
 fn table(runs: &[(&str, Run)]) -> String {
     let mut table = String::from(
         "| register error (mm) | mean | standard deviation | peak | corrected | of them false | refused outside W | second in their turn | turns without a valid mark |\n\
@@ -67,13 +67,13 @@ fn table(runs: &[(&str, Run)]) -> String {
 }
 
 const WIDTH: f64 = 820.0;
-/// Of a panel, and of the curve within it.
+/// Height of a panel, and of the curve within it.
 const PANEL: f64 = 190.0;
 const HEIGHT: f64 = 140.0;
 const LEFT: f64 = 52.0;
 const RIGHT: f64 = 806.0;
 const TOP: f64 = 30.0;
-/// Below the panels.
+/// Height below the panels.
 const FOOT: f64 = 24.0;
 const COLOURS: [&str; 3] = ["#c92a2a", "#e67700", "#1f77b4"];
 
@@ -87,10 +87,10 @@ fn drawing(runs: &[(&str, Run)]) -> String {
     svg.finish()
 }
 
-/// Distances of the lines of a scale (mm); the first one that needs six of them at most is taken.
+/// Distances between the lines of a scale (mm); the first one with at most six lines is used.
 const STEPS: [f64; 12] = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0];
 
-/// Errors of a run (mm), each at its mark.
+/// Draws the errors of a run (mm), each at its mark.
 fn panel(svg: &mut Svg, name: &str, passes: &[Pass], top: f64, colour: &str) {
     let errors: Vec<f64> = passes.iter().map(|pass| pass.error as f64 / MM).collect();
     let (least, most) = errors.iter().fold((0.0_f64, 0.0_f64), |(low, high), mm| (low.min(*mm), high.max(*mm)));
@@ -120,7 +120,7 @@ fn panel(svg: &mut Svg, name: &str, passes: &[Pass], top: f64, colour: &str) {
     svg.path(&shown(&errors).map(|n| (across(n), up(errors[n]))).collect::<Vec<_>>(), colour);
 }
 
-/// Of the marks in a column of the picture the lowest and the highest one, in their order.
+/// Returns the lowest and the highest mark of each column of the picture, in their order.
 fn shown(errors: &[f64]) -> impl Iterator<Item = usize> {
     let wide = errors.len().div_ceil((RIGHT - LEFT) as usize);
     errors.chunks(wide).zip(0..).flat_map(move |(column, nth)| {

@@ -1,4 +1,4 @@
-//! A drum, a slot of type fipw that feeds the web to it, and the sensor; each cycle is held against the law.
+//! A drum, a slot of type fipw that feeds the web to it, and the sensor; each cycle is compared with the law.
 
 use crate::web::{FORMAT, Mark, PLACE, Web};
 use lineshaft_core::command::{Action, Command, CommandFunction, Commands, Source};
@@ -17,39 +17,39 @@ use std::sync::Arc;
 
 /// A turn of the drum (inc).
 const TURN: i64 = 20_000;
-/// Its way in a cycle: fifty cycles a turn.
+/// Travel of the drum in a cycle: fifty cycles per turn.
 const WAY: i64 = 400;
-/// Of the slave for each of the drum.
+/// Increments of the slave per increment of the drum.
 const RATIO: i64 = FORMAT / TURN;
 /// The user's unit, a tenth of a millimetre (inc).
 const UNIT: i64 = 20;
-/// Where a correction begins, and over which way of the drum it goes: SK = LK = 0.
+/// Start of a correction, and travel of the drum over which it is moved: SK = LK = 0.
 const WINDOW: (i64, i64) = (TURN * 3 / 4, TURN / 8);
-/// From the sensor's place of a mark to the knife, which cuts at the zero of the drum (inc).
+/// Distance from the position of a mark at the sensor to the knife, which cuts at the zero of the drum (inc).
 const KNIFE: i64 = FORMAT - PLACE;
 
-/// How the control is set.
+/// Settings of the control.
 #[derive(Clone, Copy)]
 pub(crate) struct Control {
-    /// k; 32: nothing is corrected.
+    /// k; 32: no correction.
     pub weight: i64,
     /// W (user's units).
     pub range: i64,
 }
 
 impl Control {
-    /// C of a deviation: trunc(dXM * 2^-k).
+    /// Returns C of a deviation: trunc(dXM * 2^-k).
     fn share(self, deviation: i64) -> i64 {
         if self.weight == 32 { 0 } else { deviation / (1 << self.weight) }
     }
 
-    /// No correction is larger.
+    /// Returns the largest correction.
     pub(crate) fn limit(self) -> i64 {
         self.share(self.range * UNIT)
     }
 }
 
-/// What a pass took for its mark.
+/// Result of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Taken {
     Nothing,
@@ -57,30 +57,30 @@ pub(crate) enum Taken {
     False,
 }
 
-/// A turn of the drum, at its end.
+/// Values at the end of a turn of the drum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pass {
     pub taken: Taken,
-    /// dXM as the slot shows it (inc).
+    /// dXM as published by the slot (inc).
     pub deviation: i64,
-    /// What was put out in it (inc).
+    /// Correction moved in it (inc).
     pub correction: i64,
-    /// How far the mark of this pass was from its place, when the sensor was to see it (inc).
+    /// Distance of the mark of this pass from its nominal position at the sensor (inc).
     pub off: i64,
-    /// How far it is from the knife at the cut (inc): the register error.
+    /// Distance from the knife at the cut (inc): the register error.
     pub error: i64,
 }
 
-/// What became of all that the sensor saw.
+/// Results of all marks that the sensor saw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Count {
-    /// The first within the valid range of its pass: printed, false.
+    /// The first mark within the valid range of its pass: printed, false.
     pub printed: usize,
     pub wrong: usize,
     /// Beyond the valid range: false, printed.
     pub outside: usize,
     pub strayed: usize,
-    /// Within it, behind the one that counted, or beside another one in the same cycle.
+    /// Within the range, after the mark that counted, or together with another one in the same cycle.
     pub second: usize,
 }
 
@@ -105,7 +105,7 @@ struct Press {
     cycle: u64,
 }
 
-/// A machine of one slot, with the set of launch-configs/functions/13_register.yaml.
+/// Returns a machine of one slot, with the settings of launch-configs/functions/13_register.yaml.
 fn config(control: Control) -> MachineConfig {
     let mut slot = SlotConfig::new("register".into(), 0, Kind::Fipw);
     slot.source = SourceConfig::Lead(Leader::Encoder(0));
@@ -156,7 +156,8 @@ impl Press {
         press
     }
 
-    /// A cycle at whose end the drum is at `count`, and in which the sensor latched at these places of the drum.
+    /// Runs a cycle at whose end the drum is at `count`, and in which the sensor latched at these positions of the
+    /// drum.
     fn step(&mut self, count: i64, marks: &[i64], commands: &[Command]) -> Shown {
         self.inputs.begin(self.cycle, 0);
         (self.inputs.encoder[0].count, self.inputs.encoder[0].valid) = (count, true);
@@ -172,16 +173,18 @@ impl Press {
     }
 }
 
-/// How far the slave's place at the drum's place is from where a mark belongs.
+/// Returns the distance of the slave from the nominal position of a mark, for a position of the drum.
 fn deviation(drum: i64) -> i64 {
     let off = (RATIO * drum - PLACE).rem_euclid(FORMAT);
     if 2 * off > FORMAT { off - FORMAT } else { off }
 }
 
-/// A turn of the drum for each mark. The web stands where the sink does; in a cycle it moves with the table, and by what a correction adds at its end.
+/// Runs a turn of the drum for each mark. The web is at the position of the sink; in a cycle it moves by the table, and
+/// by the correction at the end of the cycle.
 ///
-/// Law      of the marks in a turn the first one within the valid range gives C; of several in a cycle the last one is seen. C goes out within
-///          the window of this turn, evenly, to an increment in each cycle; nothing else changes the correction
+/// Law      of the marks in a turn the first one within the valid range gives C; of several in a cycle the last one is
+///          seen. C is moved within the window of this turn, evenly, to an increment in each cycle; nothing else
+///          changes the correction
 pub(crate) fn run(web: &Web, control: Control) -> Run {
     let mut press = Press::new(control);
     let mut run = Run { passes: Vec::new(), count: Count::default() };

@@ -1,32 +1,32 @@
-//! A printed web: where its marks are, which of them the sensor sees, and what it takes for marks.
+//! A printed web: positions of its marks, marks that the sensor sees, and false marks.
 
-/// Marks that are printed.
+/// Number of printed marks.
 pub(crate) const MARKS: usize = 10_000;
-/// Way of the slave in a turn of the drum, which is the distance of marks where nothing stretches (inc).
+/// Travel of the slave in a turn of the drum, which is the distance between marks without stretch (inc).
 pub(crate) const FORMAT: i64 = 60_000;
-/// Where a mark belongs when the drum is at its zero, less whole formats (inc).
+/// Nominal position of a mark when the drum is at its zero, without whole formats (inc).
 pub(crate) const PLACE: i64 = 10_000;
-/// Of 10,000 marks so many are lost, and so many false ones come.
+/// Numbers of lost and of false marks among 10,000.
 const LOST: usize = 200;
 const FALSE: usize = 100;
 
-/// Something that the sensor sees.
+/// A mark that the sensor sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Mark {
-    /// On the web (inc).
+    /// Position on the web (inc).
     pub place: i64,
     pub is_false: bool,
 }
 
 /// A web.
 pub(crate) struct Web {
-    /// Where each mark is printed (inc).
+    /// Position of each printed mark (inc).
     pub printed: Vec<i64>,
-    /// What the sensor sees, in the order in which it comes.
+    /// Marks that the sensor sees, in their order.
     pub seen: Vec<Mark>,
 }
 
-/// A small generator (splitmix64): the same web in every run.
+/// A random number generator (splitmix64): the same web in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -37,7 +37,7 @@ impl Numbers {
         ((mixed ^ mixed >> 31) % bound as u64) as usize
     }
 
-    /// So many different marks.
+    /// Returns `count` different marks.
     fn chosen(&mut self, count: usize) -> Vec<usize> {
         let mut all: Vec<usize> = (0..MARKS).collect();
         (0..count).for_each(|i| all.swap(i, i + self.below(MARKS - i)));
@@ -47,7 +47,7 @@ impl Numbers {
 }
 
 impl Web {
-    /// Every mark is seen, and so far (inc) from the one before it as `stretch` says, above the format.
+    /// Returns a web whose marks are all seen, with distances that exceed the format by `stretch` (inc).
     pub(crate) fn stretched(stretch: impl Fn(usize) -> i64) -> Self {
         let printed: Vec<i64> = (0..MARKS)
             .scan(PLACE, |next, n| {
@@ -60,7 +60,7 @@ impl Web {
         Self { printed, seen }
     }
 
-    /// Of this web 2 % of the marks are lost; 1 % more come that are none, each anywhere in a format of its own.
+    /// Removes 2 % of the marks and adds 1 % false ones, each anywhere in a format of its own.
     pub(crate) fn disturbed(mut self, seed: u64) -> Self {
         let mut numbers = Numbers(seed);
         let (lost, formats) = (numbers.chosen(LOST), numbers.chosen(FALSE));
@@ -77,7 +77,8 @@ impl Web {
     }
 }
 
-/// A distance of marks that is 0.1 % (60 inc) too long, and goes to 0.05 % and 0.15 % and back in each thousand of them, evenly.
+/// Returns the stretch of a distance between marks: 0.1 % (60 inc), which varies linearly to 0.05 % and 0.15 % and back
+/// in each thousand of them.
 pub(crate) fn drift(n: usize) -> i64 {
     let part = |j: usize| (60 * j / 500) as i64 - 30;
     60 + match n % 1000 {

@@ -1,9 +1,9 @@
-//! The tree that the tests of its own text read.
+//! Reads the source tree for the tests of its texts.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders of tools, which are none of the tree.
+/// Folders of tools, which do not belong to the tree.
 const TOOLS: [&str; 4] = ["target", ".git", "node_modules", ".venv"];
 
 pub(crate) fn root() -> PathBuf {
@@ -14,7 +14,7 @@ pub(crate) fn read(file: &str) -> String {
     fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
-/// Every file whose name ends so, by its path from the root.
+/// Returns every file whose name has one of these endings, by its path from the root.
 pub(crate) fn files(ends: &[&str]) -> Vec<String> {
     let (mut found, mut folders) = (Vec::new(), vec![root()]);
     while let Some(folder) = folders.pop() {

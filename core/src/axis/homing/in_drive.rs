@@ -1,14 +1,16 @@
-//! Homing that the drive runs by itself.
+//! Homing that the drive executes itself.
 //!
-//! Law      mode 6 is asked for; once the drive has shown it for 50 ms, in which bit 4 is low, bit 4 starts homing with the number of the
-//!          method. In mode 6 the command is where the axis is, before and after it stays as it is. With bits 10 and 12 the zero of the drive is the reference; its counts begin
-//!          anew (a new epoch). Bits of an earlier homing count once the drive has cleared one of them, which it may do late, or has set its counts
-//!          anew. Methods 35 and 37 alone need no time, and may leave them as they are. The axis is homed once the drive shows the
-//!          mode of the axis again, so that it cannot jump after an axis that moves off at once; with interface torque, which follows where the
-//!          drive is, at once
-//! Refuses  bit 13, mode 6 or the mode of the axis not shown in time, bits of an earlier homing that are not cleared in time, or a way of more than
-//!          homing.max_distance: an error. A drive that moves has begun, and is not taken out of mode 6 for the time. Whatever else ends
-//!          homing takes the axis over from its motion, in its own mode, and brakes it
+//! Law      mode 6 is commanded; once the drive has shown it for 50 ms, during which bit 4 is 0, bit 4 starts homing
+//!          with the number of the method. In mode 6 the command follows the actual position, before and after it the
+//!          command does not change. With bits 10 and 12 the zero of the drive is the reference; its counts start again
+//!          (a new epoch). Bits of an earlier homing count only after the drive has cleared one of them, which it may
+//!          do late, or has set its counts again. Only methods 35 and 37 take no time, and may leave the bits set. The
+//!          axis is homed once the drive shows the mode of the axis again, so that it cannot jump after an axis that
+//!          moves off at once. With interface torque, whose command follows the actual position, the axis is homed at
+//!          once
+//! Refuses  bit 13, mode 6 or the mode of the axis not shown in time, bits of an earlier homing not cleared in time, or
+//!          a travel of more than homing.max_distance: an error. A drive that moves has begun and is not stopped by a
+//!          timeout. Any other end of homing takes over the axis from its motion, in its own mode, and stops it
 //! Source   CiA 402-2, homing mode: control word bit 4, status word bits 10, 12, 13
 
 use super::super::{Axis, Context};
@@ -23,55 +25,55 @@ use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
-/// How long a drive may take to show mode 6, and then to show that it has begun (ns).
+/// Time within which the drive must show mode 6, and then that homing has begun (ns).
 const TIMEOUT_NS: u64 = 5_000_000_000;
-/// A method that needs no way has had its effect within that long (ns): old bits are the new ones.
+/// Time after which a method without motion has finished (ns): bits that are still set then count.
 const INSTANT_NS: u64 = 50_000_000;
 
-/// How far the drive is.
+/// Progress of homing in the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct InDrive {
-    /// Cycle in which mode 6 was asked for, or bit 4 set.
+    /// Cycle in which mode 6 was commanded, or bit 4 set.
     since: u64,
-    /// The cycle since which the drive shows mode 6.
+    /// Cycle since which the drive shows mode 6.
     shown_since: Option<u64>,
-    /// Bit 4 is set.
+    /// Whether bit 4 is set.
     started: bool,
-    /// The drive has shown that it began, after that.
+    /// Whether the drive has shown after that that it has begun.
     begun: bool,
-    /// The bits that it showed in the cycle before.
+    /// Status word of the cycle before.
     shown: u16,
-    /// How often its counts were set anew before it was started.
+    /// Epoch of its counts before the start.
     epoch: u32,
-    /// Bit 13 stands since before it began: it is that of another homing.
+    /// Whether bit 13 has been set since before the start: it belongs to an earlier homing.
     old_error: bool,
-    /// The cycle since which it has its zero, and is asked for the mode of the axis again.
+    /// Cycle since which the drive has its reference and the mode of the axis is commanded again.
     returns: Option<u64>,
-    /// Where the axis was when homing began.
+    /// Position of the axis at the start of homing.
     from: Position,
 }
 
-/// What a drive shows of its homing.
+/// State of homing as shown by the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shown {
-    /// It is under way.
+    /// Homing is active.
     UnderWay,
-    /// The zero is known, and the axis stands there.
+    /// The reference is found, and the axis is at rest there.
     Done,
-    /// It has failed.
+    /// Homing has failed.
     Failed,
-    /// It shows no begin, and the time is over.
+    /// The drive does not show a start, and the time has elapsed.
     NoBegin,
 }
 
-/// How long bit 4 is set, and what that lets one see.
+/// Time since bit 4 was set, and how to read the status word.
 #[derive(Clone, Copy, Debug)]
 struct Since {
-    /// (ns)
+    /// Time since bit 4 was set (ns).
     time_ns: u64,
-    /// The words of the drive may answer it.
+    /// Whether the process data of the drive may already respond to it.
     answers: bool,
-    /// The method takes no time.
+    /// Whether the method takes no time.
     is_instant: bool,
 }
 
@@ -90,15 +92,15 @@ impl InDrive {
         }
     }
 
-    /// Bit 4 is set from this cycle on.
+    /// Sets bit 4 from this cycle on.
     fn start(self, cycle: u64, (status, epoch): (u16, u32)) -> Self {
         let old_error = status & STATUS_HOMING_ERROR != 0;
-        // Where no zero is known yet, one that is known is new.
+        // If bit 12 is 0 now, it belongs to this homing once it is 1.
         let begun = status & STATUS_HOMING_ATTAINED == 0;
         Self { since: cycle, started: true, begun, shown: status, epoch, old_error, ..self }
     }
 
-    /// Takes status word and epoch of a cycle after [`start`](Self::start).
+    /// Evaluates status word and epoch of a cycle after [`start`](Self::start).
     fn take(&mut self, (status, epoch): (u16, u32), since: Since) -> Shown {
         let shows = |bit: u16| status & bit != 0;
         let leaves_target = self.shown & STATUS_TARGET_REACHED != 0 && !shows(STATUS_TARGET_REACHED);
@@ -123,20 +125,22 @@ impl InDrive {
 }
 
 impl Axis {
-    /// The motion of a cycle in which the drive moves the axis: where it will be when the outputs of this cycle reach it, so
-    /// that it can be taken over from there.
+    /// Sets the motion of a cycle in which the drive moves the axis: the position at which the outputs of this cycle
+    /// reach it, so that it can be taken over from there.
     pub(in super::super) fn follow_drive(&mut self) {
         let is_returning =
             matches!(self.homing.run, Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
         if is_returning || self.shown.mode() != MODE_HOMING {
-            // In the mode of the axis the drive goes where it is asked to: a command that followed it would drive it on.
+            // In the mode of the axis the drive moves to its command: a command that followed the actual position would
+            // keep it moving.
             self.command = Motion::at_rest(self.command.position);
         } else {
             let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
             let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
             self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };
         }
-        // The drive answers to itself: what it shows is what was asked, also in the cycles until it answers to the axis again.
+        // The drive follows its own motion, so the following error is 0, also in the cycles until it follows the axis
+        // again.
         self.judge.follow(self.actual.position.floor(), self.actual.velocity * self.cycle_s());
     }
 
@@ -193,14 +197,14 @@ impl Axis {
                 Shown::NoBegin | Shown::UnderWay => {}
             }
         } else if cx.cycle.saturating_sub(shown_since) >= level_cycles(self.setup.cycle_ns) {
-            // In mode 6 the drive has seen bit 4 low, whatever that was in the mode before.
+            // In mode 6 the drive has read bit 4 as 0, whatever it was in the mode before.
             drive = drive.start(cx.cycle, told);
         }
         run.stage = Stage::InDrive(drive);
         self.homing.run = Some(run);
     }
 
-    /// The drive has its zero where it counts 0; `offset` is added to that.
+    /// Sets the zero where the drive counts 0, plus `offset`.
     fn take_zero_of_drive(&mut self, cx: &mut Context<'_>, count: i64, offset: i64) {
         let reference = self.actual.position - Position::whole(self.turn_counts(count));
         let zero = reference + Position::whole(offset);
@@ -211,7 +215,7 @@ impl Axis {
         self.take_zero(cx, zero);
     }
 
-    /// What the drive is asked for while it homes; nothing else is asked of it then.
+    /// Replaces the output to the drive during homing in the drive.
     pub(in super::super) fn ask_for_homing(&self, output: DriveOutput) -> DriveOutput {
         let Some(Run { method, speeds: [fast, _, slow], limits, stage: Stage::InDrive(drive), .. }) = self.homing.run
         else {
@@ -246,7 +250,7 @@ mod tests {
     const REACHED: u16 = STATUS_TARGET_REACHED;
     const ERROR: u16 = STATUS_HOMING_ERROR;
 
-    /// What comes of status words, each from a time on (ms), the first one before bit 4 is set; and when.
+    /// Returns the result of status words, each from a time on (ms), the first one before bit 4 is set, and its time.
     fn homed(method: i64, words: &[(u64, u16)]) -> (Shown, u64) {
         let status = |ms: u64| words.iter().rev().find(|(from, _)| *from <= ms).map_or(0, |(_, status)| *status);
         let mut drive = InDrive::since(0, Position::ZERO).start(0, (status(0), 0));
@@ -260,14 +264,14 @@ mod tests {
         (Shown::UnderWay, 20_000)
     }
 
-    /// CiA 402-2, homing mode: bits 12 and 10 are 0 while it runs, and both 1 once it is over.
+    /// CiA 402-2, homing mode: bits 12 and 10 are 0 during homing, and both 1 at its end.
     #[test]
     fn a_first_homing_is_over_with_both_bits() {
         assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ATTAINED), (950, ATTAINED | REACHED)]), (Shown::Done, 950));
         assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ERROR)]), (Shown::Failed, 900));
     }
 
-    /// Bits of the homing before stand for 200 ms, or for 4 s: they are none of this one.
+    /// Bits of the homing before stay set for 200 ms, or for 4 s: they do not count for this one.
     #[test]
     fn bits_that_are_cleared_late_are_not_the_end() {
         let both = ATTAINED | REACHED;
@@ -280,7 +284,7 @@ mod tests {
         }
     }
 
-    /// Counts that were set anew are of this homing, whatever its bits showed between two looks.
+    /// After the counts were set again, the bits belong to this homing, even if a change of the bits was not seen.
     #[test]
     fn bits_that_stay_count_once_the_counts_were_set_anew() {
         let both = ATTAINED | REACHED;
@@ -290,7 +294,7 @@ mod tests {
         assert_eq!(drive.take((both, 4), since(200_000_000)), Shown::Done);
     }
 
-    /// Methods 35 and 37 need no way: old bits hold after 50 ms. All others have begun within 5 s.
+    /// Methods 35 and 37 need no motion: bits that stay set count after 50 ms. All others must have begun within 5 s.
     #[test]
     fn bits_that_stay_end_nothing_but_methods_without_a_way() {
         let both = ATTAINED | REACHED;
@@ -301,7 +305,7 @@ mod tests {
             assert_eq!(homed(method, &[(0, both)]), (Shown::NoBegin, 5_001));
         }
         assert_eq!(homed(1, &[(0, ERROR)]), (Shown::Failed, 5_001));
-        // Bit 10 that is not yet there when bit 4 rises is no end, either.
+        // Bit 10 that is not set yet at the rising edge of bit 4 is no end, either.
         assert_eq!(homed(1, &[(0, ATTAINED), (30, both), (200, ATTAINED), (900, both)]), (Shown::Done, 900));
     }
 }

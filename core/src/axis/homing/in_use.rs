@@ -1,8 +1,8 @@
-//! What refers to the coordinate of an axis that moves, so that set_position has to wait for it.
+//! Motions that refer to the coordinate of an axis, for which set_position has to wait.
 //!
-//! Law      a motion without a place goes on in a new coordinate: at a velocity, by setpoints, on a gear of velocities or of changes.
-//!          Everything that was asked for with a place of the axis keeps its coordinate
-//! Refuses  the first of them, by its name
+//! Law      motions without a position continue in a new coordinate: at a velocity, by setpoints, on a gear of
+//!          velocities or of changes. Everything commanded with a position of the axis keeps its coordinate
+//! Refuses  set_position, with the name of the first of these motions
 //! Source   PLCopen part 1 (MC_SetPosition)
 
 use super::super::{Axis, AxisState, Generator, Reference};
@@ -47,7 +47,7 @@ enum Use {
 }
 
 impl Axis {
-    /// Returns an error where something refers to the coordinate of the axis as it is.
+    /// Returns an error if a motion refers to the present coordinate of the axis.
     pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
         let moves = self.is_on() && !self.stands_idle();
         let is_pair = |engage: Engage| matches!(engage, Engage::InPosition { .. });
@@ -61,7 +61,7 @@ impl Axis {
         }
     }
 
-    /// What of the motion under way, or of what waits for it, refers to the coordinate.
+    /// Returns which part of the active or waiting motion refers to the coordinate.
     ///
     /// # Errors
     /// The axis stops, homes, or moves in another way that ends by itself.

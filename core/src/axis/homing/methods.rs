@@ -1,12 +1,13 @@
 //! The methods of homing, each a list of legs.
 //!
-//! Law      a leg goes one way until a switch changes or an index pulse comes; the next leg begins in that cycle. A switch is
-//!          sought at homing.velocity; the last approach to its edge and the way to the index are slow
+//! Law      a leg moves in one direction until a switch changes or an index pulse comes; the next leg begins in that
+//!          cycle. The search for a switch uses homing.velocity; the last approach to its edge and the motion to the
+//!          index are slow
 //! Source   CiA 402-2, homing methods 1 to 14, 17 to 30, 33, 34; MACS-HOME-03; WF-REF-01
 
 use crate::parameter::Assigned;
 
-/// Which switch a leg looks at, in the sense of the counts.
+/// The switch of a leg, in the direction of the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Switch {
     /// Reference switch.
@@ -17,36 +18,36 @@ pub(crate) enum Switch {
     Negative,
 }
 
-/// What ends a leg.
+/// The end of a leg.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Until {
-    /// The switch becomes actuated.
+    /// The switch becomes active.
     On(Switch),
-    /// It becomes free.
+    /// The switch becomes inactive.
     Off(Switch),
     /// An index pulse.
     Index,
 }
 
-/// How fast a leg goes.
+/// The velocity of a leg.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Speed {
-    /// To a switch.
+    /// Velocity of the search for a switch.
     Fast = 0,
-    /// Across the cam of reference travel.
+    /// Velocity across the cam of reference travel.
     Reduced = 1,
-    /// The last approach, or the way to the index.
+    /// Velocity of the last approach, or of the motion to the index.
     Slow = 2,
 }
 
-/// One leg.
+/// A motion in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Leg {
-    /// 1 or -1: the sense of the counts; of a sequence of MACS, that of its velocity.
+    /// Direction, 1 or -1: of the counts; in a sequence of MACS, of its velocity.
     pub way: i8,
     pub until: Until,
     pub speed: Speed,
-    /// The limit switch ahead turns it round, once.
+    /// Whether the limit switch ahead reverses it, once.
     pub turns: bool,
 }
 
@@ -55,7 +56,7 @@ use Until::{Index, Off, On};
 
 /// Right: rising counts, to the positive end.
 const R: i8 = 1;
-/// Left.
+/// Left: falling counts, to the negative end.
 const L: i8 = -1;
 
 const fn fast(way: i8, until: Until) -> Leg {
@@ -70,24 +71,26 @@ const fn reduced(way: i8, until: Until) -> Leg {
     Leg { way, until, speed: Speed::Reduced, turns: false }
 }
 
-/// A limit switch ahead turns it round.
+/// Returns a leg that a limit switch ahead reverses.
 const fn turn(way: i8, until: Until) -> Leg {
     Leg { way, until, speed: Speed::Fast, turns: true }
 }
 
-/// By the numbers of parameter `homing.method`. Methods 17 to 30 are 1 to 14 without the index; where a leg without its edge
-/// is the last one, the edge is the reference.
+/// Legs by the numbers of parameter `homing.method`. Methods 17 to 30 are 1 to 14 without the index; if the last leg
+/// then ends at an edge, the edge is the reference.
 const METHODS: &[(i64, &[Leg])] = &[
-    // Off the limit switch, on to the index.
+    // Off the limit switch, then to the index.
     (1, &[fast(L, On(Negative)), slow(R, Off(Negative)), slow(R, Index)]),
     (2, &[fast(R, On(Positive)), slow(L, Off(Positive)), slow(L, Index)]),
-    // The reference switch is actuated from its edge to the positive end: index on its free side, on its other side.
+    // The reference switch is active from its edge to the positive end: index on its inactive side, then on its active
+    // side.
     (3, &[fast(R, On(Home)), fast(L, Off(Home)), fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
     (4, &[fast(R, On(Home)), fast(L, Off(Home)), slow(R, On(Home)), slow(R, Index)]),
-    // To the negative end.
+    // The same towards the negative end.
     (5, &[fast(L, On(Home)), fast(R, Off(Home)), fast(L, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
     (6, &[fast(L, On(Home)), fast(R, Off(Home)), slow(L, On(Home)), slow(L, Index)]),
-    // It is actuated on a part of the way. To the right first: left of its left edge, right of it, left of its right edge, right of it.
+    // The reference switch is active on a part of the travel. To the right first: left of its left edge, right of it,
+    // left of its right edge, right of it.
     (7, &[turn(R, On(Home)), fast(L, Off(Home)), fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
     (8, &[turn(R, On(Home)), fast(L, Off(Home)), slow(R, On(Home)), slow(R, Index)]),
     (9, &[turn(R, On(Home)), fast(R, Off(Home)), slow(L, On(Home)), slow(L, Index)]),
@@ -100,30 +103,30 @@ const METHODS: &[(i64, &[Leg])] = &[
     // The next index.
     (33, &[slow(L, Index)]),
     (34, &[slow(R, Index)]),
-    // HOME_TYPE 0 to 3: back off the switch, or on across it; with and without the index.
+    // HOME_TYPE 0 to 3: back off the switch, or across it; with and without the index.
     (-1, &[fast(R, On(Home)), slow(L, Off(Home)), slow(L, Index)]),
     (-2, &[fast(R, On(Home)), slow(L, Off(Home))]),
     (-3, &[fast(R, On(Home)), slow(R, Off(Home)), slow(R, Index)]),
     (-4, &[fast(R, On(Home)), slow(R, Off(Home))]),
     // Reference travel of the positioning modules: across the cam, to the zero mark.
     (REFERENCE_TRAVEL, &[fast(R, On(Home)), reduced(R, Off(Home)), slow(R, Index)]),
-    // The same, back to the side that it came from.
+    // The same, back to the side from which it came.
     (REFERENCE_TRAVEL_BACK, &[fast(R, On(Home)), reduced(L, Off(Home)), slow(L, Index)]),
 ];
 
-/// No parameter chooses it.
+/// Reference travel; no parameter selects it.
 pub(crate) const REFERENCE_TRAVEL: i64 = -5;
-/// It turns round on the cam.
+/// Reference travel that reverses on the cam.
 pub(crate) const REFERENCE_TRAVEL_BACK: i64 = -6;
 
-/// The legs of a method; none of one that has no way to go, or that does not exist.
+/// Returns the legs of a method; none if it needs no motion or does not exist.
 pub(crate) fn legs(method: i64) -> &'static [Leg] {
     let (number, has_index) = if (17..=30).contains(&method) { (method - 16, false) } else { (method, true) };
     let Some((_, legs)) = METHODS.iter().find(|(known, _)| *known == number) else { return &[] };
     if has_index { legs } else { legs.split_last().map_or(&[], |(_, legs)| legs) }
 }
 
-/// Does it look for a switch?
+/// Whether the method searches for a switch.
 pub(crate) fn seeks_switch(method: i64) -> bool {
     legs(method).iter().any(|leg| leg.until != Index)
 }
@@ -135,7 +138,7 @@ pub(crate) const SWITCHES: [(&str, &str); 3] = [
     ("negative limit switch", "i_neglimitsw"),
 ];
 
-/// Returns the first switch that a method looks for and that has no digital input: the drive alone reads it (60FDh).
+/// Returns the first switch of a method without an assigned digital input, which only the drive reads (60FDh).
 pub(crate) fn without_input(method: i64, assigned: &Assigned) -> Option<Switch> {
     let number = |switch: Switch| match switch {
         Home => assigned.refswitch,
@@ -149,19 +152,20 @@ pub(crate) fn without_input(method: i64, assigned: &Assigned) -> Option<Switch> 
     sought.find(|switch| number(*switch) == 0)
 }
 
-/// Does it square an axis with two drives, by the reference switch of each, or take its zero where it stands?
+/// Whether the method squares an axis with two drives by the reference switch of each, or sets the zero at the present
+/// position.
 pub(crate) fn squares(method: i64) -> bool {
     let ends_at = legs(method).iter().rev().find(|leg| leg.until != Index);
     let has_switch = ends_at.is_some_and(|leg| matches!(leg.until, On(Home) | Off(Home)));
     matches!(method, 35 | 37) || has_switch && !is_travel(method)
 }
 
-/// Is it reference travel of the positioning modules?
+/// Whether it is reference travel of the positioning modules.
 pub(crate) fn is_travel(method: i64) -> bool {
     matches!(method, REFERENCE_TRAVEL | REFERENCE_TRAVEL_BACK)
 }
 
-/// Is it a sequence of MACS?
+/// Whether it is a sequence of MACS.
 pub(crate) fn is_macs(method: i64) -> bool {
     (-4..0).contains(&method)
 }
@@ -183,7 +187,8 @@ mod tests {
         }
     }
 
-    /// Methods by limit switches, by the reference switch, by the index alone and at the present position (CiA 402-2); HOME_TYPE 0.
+    /// Methods by limit switches, by the reference switch, by the index alone and at the present position (CiA 402-2);
+    /// HOME_TYPE 0.
     #[test]
     fn switch_without_an_input_is_the_first_one_that_a_method_looks_for() {
         let none = Assigned::default();

@@ -1,12 +1,14 @@
-//! Homing: the axis gets its zero.
+//! Homing: finds the reference of the axis and sets its zero.
 //!
-//! Law      zero = reference + homing.offset; the reference is the edge of a switch or an index pulse. The zero in the coordinate
-//!          before is the shift; counts, command and limits keep their places in the world. An edge is the outermost place at which
-//!          its switch is actuated: the latched place where its input latches, else the sample on that side, which is the place
-//!          itself where the last approach takes no more than an increment a cycle, and within the way of one cycle of it otherwise.
-//!          An index pulse is exact at any velocity: the encoder caught its count
-//! Reads    the switches, index pulses, latches of the input that i_refswitch and its like assign
-//! Refuses  homing without a method, a velocity, a switch; of an axis that moves or is off. Meanwhile: whatever else would move it
+//! Law      zero = reference + homing.offset; the reference is the edge of a switch or an index pulse. The zero in the
+//!          old coordinate is the shift; counts, command and limits keep their physical positions. An edge is the
+//!          outermost position at which its switch is active: the latched position if its input latches, otherwise the
+//!          sample on that side. The sample is exact if the last approach moves at most an increment per cycle,
+//!          otherwise it is within the travel of one cycle. An index pulse is exact at any velocity: the encoder
+//!          captured its count
+//! Reads    the switches, index pulses, latches of the inputs assigned by i_refswitch, i_poslimitsw and i_neglimitsw
+//! Refuses  homing without a method, a velocity, a switch; of an axis that moves or is off. During homing: every other
+//!          motion
 //! Source   MACS-HOME, CiA 402-2 methods, contract section 7
 
 mod in_drive;
@@ -29,70 +31,71 @@ pub(crate) use in_use::USES;
 use search::Search;
 use serde::{Deserialize, Serialize};
 
-/// How often homing in the drive is told that it lasts (ns).
+/// Interval of the messages that homing in the drive is still active (ns).
 const MINUTE_NS: u64 = 60_000_000_000;
 
-/// Where homing of an axis stands.
+/// State of homing of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Homing {
-    /// The axis knows its zero.
+    /// Whether the axis is referenced.
     done: bool,
-    /// It did, and that has not been told yet.
+    /// Whether the reference was lost and this has not been reported yet.
     lost: bool,
-    /// What refers to a zero does so no more, whoever had set it.
+    /// Whether positions relative to any zero, of homing or set by a command, have become invalid.
     unsure: bool,
-    /// The counts began anew while it was under way.
+    /// Whether the counts started again during homing.
     broken: bool,
-    /// Under way.
+    /// Active homing.
     run: Option<Run>,
-    /// Something has ended it, and the axis has not come to rest since.
+    /// Whether homing was ended early and the axis has not come to rest since.
     ends: bool,
-    /// By how much set_position has moved the software limits since the last homing (inc).
+    /// Distance by which set_position has moved the software limits since the last homing (inc).
     limit_shift: i64,
 }
 
-/// Homing under way, with what it began with.
+/// Active homing, with the parameters of its start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Run {
     method: i64,
-    /// The sense of way 1 in the coordinate of the axis: 1 or -1.
+    /// Direction of way 1 in the coordinate of the axis: 1 or -1.
     sense: i8,
-    /// Fast, reduced, slow (inc/s).
+    /// Velocities: fast, reduced, slow (inc/s).
     speeds: [f64; 3],
     limits: Limits,
-    /// Where the axis goes from the reference (inc); none: it stops, wherever that is.
+    /// Distance that the axis moves from the reference (inc). None: it only stops.
     goes: Option<i64>,
-    /// From the reference to the zero (inc).
+    /// Distance from the reference to the zero (inc).
     offset: i64,
     /// Cycle in which it began.
     began: u64,
-    /// Whole minutes that were told of homing in the drive.
+    /// Whole minutes of homing in the drive that were reported.
     minutes: u64,
     stage: Stage,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Stage {
-    /// Looks for the reference.
+    /// Searches for the reference.
     Search(Search),
-    /// Found: stops, wherever that is, or goes to the zero.
+    /// Found: stops anywhere, or moves to the zero.
     Found { zero: Position, goes: bool },
-    /// The drive looks for it.
+    /// The drive searches for it.
     InDrive(InDrive),
 }
 
 impl Run {
-    /// The sense in which its reference is come to, in the coordinate of the axis: 1 or -1; 0 where there is no way to it.
+    /// Returns the direction in which the reference is approached, in the coordinate of the axis: 1 or -1; 0 for a
+    /// method without motion.
     fn approach(&self) -> i8 {
         methods::legs(self.method).last().map_or(0, |leg| leg.way * self.sense)
     }
 
-    /// Does the axis go there by its command?
+    /// Whether the axis moves there by its command.
     fn is_own(&self) -> bool {
         !matches!(self.stage, Stage::InDrive(_))
     }
 
-    /// (inc/s)
+    /// Returns the velocity of a leg (inc/s).
     fn speed(&self, leg: &methods::Leg) -> f64 {
         let [fast, reduced, slow] = self.speeds;
         match leg.speed {
@@ -108,22 +111,23 @@ impl Homing {
         self.done
     }
 
-    /// Is homing under way? Then neither software limits nor limit switches stop the axis; homing minds the switches itself.
+    /// Whether homing is active. Then neither software limits nor limit switches stop the axis; homing itself handles
+    /// the switches.
     pub(super) fn is_running(&self) -> bool {
         self.run.is_some()
     }
 
-    /// Does the drive move by itself?
+    /// Whether the drive moves by itself.
     pub(super) fn is_in_drive(&self) -> bool {
         matches!(self.run, Some(Run { stage: Stage::InDrive(_), .. }))
     }
 
-    /// Is nothing under way, and nothing left to tell?
+    /// Whether homing is not active and has nothing left to report.
     pub(super) fn is_settled(&self) -> bool {
         self.run.is_none() && !self.lost && !self.unsure && !self.broken && !self.ends
     }
 
-    /// By how much its coordinate is beyond that of its own zero (inc).
+    /// Returns the difference between its coordinate and that of its own zero (inc).
     pub(super) fn limit_shift(&self) -> i64 {
         self.limit_shift
     }
@@ -138,40 +142,40 @@ impl Homing {
         }
     }
 
-    /// Ends what is under way, without a zero.
+    /// Ends active homing without a zero.
     pub(super) fn stop(&mut self) {
         self.ends |= self.run.take().is_some();
     }
 
-    /// Ends what is under way, without a zero, for a motion that takes its place.
+    /// Ends active homing without a zero, for a motion that replaces it.
     pub(super) fn leave(&mut self) {
         self.run = None;
         self.ends = false;
     }
 
-    /// Does the axis only brake since something has ended its homing?
+    /// Whether the axis still stops after homing was ended.
     pub(super) fn is_ending(&self) -> bool {
         self.ends
     }
 
-    /// It has come to rest, or does something else.
+    /// Called when the axis is at rest or does something else.
     pub(super) fn forget_end(&mut self) {
         self.ends = false;
     }
 
-    /// The zero is known no more.
+    /// Makes the axis unreferenced.
     pub(super) fn forget(&mut self) {
         self.lost |= self.done;
         self.unsure = true;
         self.done = false;
     }
 
-    /// The encoder that told it is gone.
+    /// Called when the encoder that gave the reference is no longer in use.
     pub(super) fn forget_told(&mut self) {
         self.lost = true;
     }
 
-    /// Everything is mirrored from now on.
+    /// Mirrors the stored distances.
     pub(super) fn turn_over(&mut self) {
         self.limit_shift = self.limit_shift.saturating_neg();
     }
@@ -204,14 +208,15 @@ impl Axis {
         Ok(())
     }
 
-    /// Checks a homing of an axis whose drive shows no digital inputs: each switch that the method looks for needs an input of its own.
+    /// Checks a homing of an axis whose drive shows no digital inputs: each switch of the method needs an input of its
+    /// own.
     ///
     /// # Errors
     /// An unknown method, or one whose switch is not read.
     pub fn check_homing_switches(&self, method: HomingMethod) -> Result<(), Refusal> {
         let method = self.homing_method(method)?;
         let p = &self.parameters;
-        // The drive reads its own switches; a sequence of MACS is refused without the input of its switch anyway.
+        // The drive reads its own switches. A sequence of MACS without the input of its switch is refused anyway.
         if p.homing.in_drive || methods::is_macs(method) {
             return Ok(());
         }
@@ -224,7 +229,7 @@ impl Axis {
         }
     }
 
-    /// Homing as configured, for a vocabulary.
+    /// Starts homing with the configured method, for a vocabulary.
     pub(super) fn home_as_configured(&mut self, cx: &mut Context<'_>) -> Result<(), Refusal> {
         let method = self.homing_method(HomingMethod::Configured)?;
         self.check_homing()?;
@@ -234,7 +239,7 @@ impl Axis {
         Ok(())
     }
 
-    /// Reference travel of the positioning modules (WF-REF-01): there are no more legs than one way leads along.
+    /// Starts reference travel of the positioning modules (WF-REF-01). Its legs are fixed.
     pub(super) fn start_reference_travel(&mut self, cx: &mut Context<'_>, travel: &Travel) -> Result<(), Refusal> {
         self.check_homing()?;
         self.check_squares(methods::REFERENCE_TRAVEL)?;
@@ -254,7 +259,8 @@ impl Axis {
             sense: travel.direction.signum(),
             speeds: travel.speeds,
             limits: Limits { velocity: fast, ..travel.limits },
-            // Without a position loop there is no way to go, and the zero mark is the reference point (WF-REF-02).
+            // Without a position loop the axis cannot move a distance, and the zero mark is the reference point
+            // (WF-REF-02).
             goes: (!is_open).then_some(travel.shift),
             offset: if is_open { 0 } else { travel.shift }.saturating_sub(travel.value),
             began: cx.cycle,
@@ -266,7 +272,8 @@ impl Axis {
         Ok(())
     }
 
-    /// May a vocabulary have the axis home as these parameters say? Where it `stops` first, the axis need not stand yet.
+    /// Checks whether a vocabulary may start homing with these parameters. With `stops` the axis stops first and need
+    /// not be at rest yet.
     pub(super) fn check_configured_homing(&self, cycle: u64, p: &AxisParameters, stops: bool) -> Result<(), Refusal> {
         self.check_may_home()?;
         if !stops {
@@ -297,7 +304,7 @@ impl Axis {
         self.reference = Reference::Home;
         self.set_state(cx, AxisState::Homing);
         match run {
-            // Here is the reference.
+            // The present position is the reference.
             None => self.take_zero(cx, self.command.position + Position::whole(self.parameters.homing.offset)),
             Some(run) => {
                 self.forget_edges(cx);
@@ -307,7 +314,7 @@ impl Axis {
         }
     }
 
-    /// What homing begins with; none where there is no way to go.
+    /// Returns the start of homing; none for a method without motion.
     fn homing_run(&self, cycle: u64, method: i64, p: &AxisParameters) -> Result<Option<Run>, Refusal> {
         self.check_squares(method)?;
         if matches!(method, 35 | 37) && !p.homing.in_drive {
@@ -349,7 +356,7 @@ impl Axis {
         if methods::is_macs(method) && p.assigned.refswitch == 0 {
             return Err(self.refuse(Code::HOMING_NO_SWITCH).with(named, Number::None));
         }
-        // No way back is taken where REVERS forbids any.
+        // A motion backward is refused if REVERS forbids it.
         if let Some(leg) = methods::legs(method).iter().find(|leg| leg.turns || leg.way * run.sense < 0) {
             self.check_forward(-run.speed(leg))?;
         }
@@ -359,7 +366,7 @@ impl Axis {
         Ok(Some(run))
     }
 
-    /// An axis with two drives homes in no way that squares nothing.
+    /// Checks that the method squares an axis with two drives.
     fn check_squares(&self, method: i64) -> Result<(), Refusal> {
         if self.gantry().is_none() || methods::squares(method) {
             return Ok(());
@@ -367,7 +374,7 @@ impl Axis {
         Err(self.refuse(Code::GANTRY_HOMING).with(Number::Count(method), Number::None))
     }
 
-    /// The method by the numbers of parameter `homing.method`: of CiA 402, and -1 - HOME_TYPE of MACS.
+    /// Returns the number of the method as in parameter `homing.method`: that of CiA 402, and -1 - HOME_TYPE of MACS.
     fn homing_method(&self, method: HomingMethod) -> Result<i64, Refusal> {
         let unknown =
             |number: i8, most| Err(self.refuse(Code::HOMING_UNKNOWN_METHOD).with(Number::Count(number.into()), most));
@@ -383,7 +390,7 @@ impl Axis {
         }
     }
 
-    /// The part of a cycle: after the axis has moved, before its commands.
+    /// Advances homing by one cycle, after the axis has moved and before its commands.
     pub(super) fn step_homing(&mut self, cx: &mut Context<'_>) {
         if std::mem::take(&mut self.homing.unsure) {
             self.vocabularies.notice(Notice::ZeroLost);
@@ -408,7 +415,8 @@ impl Axis {
         }
     }
 
-    /// Ends homing that lasts for longer than `homing.max_time`, and tells each minute of one in the drive. Whether it has ended.
+    /// Ends homing that exceeds `homing.max_time`, and reports each minute of homing in the drive. Returns true if it
+    /// has ended.
     fn outlasts(&mut self, cx: &mut Context<'_>) -> bool {
         let most = self.parameters.homing.max_time;
         let Some(run) = &mut self.homing.run else { return false };
@@ -428,7 +436,7 @@ impl Axis {
         false
     }
 
-    /// The axis stands: is that the end of homing?
+    /// Ends homing if the axis is at rest at the end of its motion.
     pub(super) fn settle_homing(&mut self, cx: &mut Context<'_>) {
         let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run else { return };
         if self.judge.in_position && Self::is_squaring(cx) {
@@ -441,7 +449,7 @@ impl Axis {
         }
     }
 
-    /// This place is the zero from now on, and homing is done.
+    /// Makes this position the zero and ends homing.
     fn take_zero(&mut self, cx: &mut Context<'_>, zero: Position) {
         let shift = zero.nearest();
         let run = self.homing.run.take();
@@ -462,13 +470,13 @@ impl Axis {
         self.set_state(cx, AxisState::Standstill);
     }
 
-    /// Homing has failed: the error ends it, and the axis stops.
+    /// Ends homing with an error; the axis stops.
     fn fail_homing(&mut self, cx: &mut Context<'_>, code: Code, found: Number, allowed: Number) {
         self.homing.stop();
         self.raise(cx, Failure::of(code).with(found, allowed));
     }
 
-    /// The raw coordinate of the drive was set anew: what was known of it does not hold any more, but where homing did that.
+    /// Handles new raw counts of the drive: stored positions are no longer valid, unless homing has set the counts.
     pub(super) fn note_new_coordinate(&mut self) {
         self.vocabularies.notice(Notice::Jumped);
         self.sensor.index_known = false;
@@ -479,11 +487,11 @@ impl Axis {
         }
     }
 
-    /// May it have these parameters, as far as its zero goes? Not while it looks for another one: neither what the zero hangs
-    /// on, nor which inputs its switches are.
+    /// Checks whether the axis may have these parameters with respect to its zero. During homing neither the parameters
+    /// of the zero nor the inputs of the switches may change.
     ///
     /// # Errors
-    /// The zero that is being found would not be theirs, or a switch would change where nothing has moved.
+    /// The zero being found would not match the new parameters, or a switch would change without a motion.
     pub fn admits_zero(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         let p = &self.parameters;
         let rewires = p.assigned != candidate.assigned
@@ -497,7 +505,7 @@ impl Axis {
     }
 }
 
-/// The sense of what may be turned round: 1 or -1.
+/// Returns the direction: 1, or -1 if inverted.
 fn sense(turned: bool) -> i8 {
     if turned { -1 } else { 1 }
 }

@@ -1,4 +1,4 @@
-//! The coordinate of an axis set anew: nothing moves, and nobody who follows it does.
+//! Sets the coordinate of an axis: neither the axis nor its followers move.
 
 use super::super::{Axis, Context, Reference};
 use crate::code::Code;
@@ -8,7 +8,7 @@ use crate::position::{Length, Position};
 use crate::vocabulary::{Notice, Owner};
 
 impl Axis {
-    /// The present command position is `position` from now on (DEFORIGIN, SETORIGIN; MACS-CMD-16).
+    /// Sets the present command position to `position` (DEFORIGIN, SETORIGIN; MACS-CMD-16).
     pub(in super::super) fn set_position(
         &mut self,
         cx: &mut Context<'_>,
@@ -19,7 +19,7 @@ impl Axis {
         self.set_coordinate(cx, sequence, (position.nearest, by))
     }
 
-    /// Every position is `distance` more from now on (MC_SetPosition, relative).
+    /// Increases all positions by `distance` (MC_SetPosition, relative).
     pub(in super::super) fn shift_position(
         &mut self,
         cx: &mut Context<'_>,
@@ -30,7 +30,7 @@ impl Axis {
         self.set_coordinate(cx, sequence, (place, distance.nearest))
     }
 
-    /// The command position is `place`, which is `by` more, from now on.
+    /// Sets the command position to `place`, an increase by `by`.
     fn set_coordinate(&mut self, cx: &mut Context<'_>, sequence: u64, (place, by): (i64, i64)) -> Result<(), Refusal> {
         self.check_coordinate_free()?;
         self.check_zero_moves()?;
@@ -52,7 +52,7 @@ impl Axis {
         Ok(())
     }
 
-    /// A limit that would lie beyond all positions if it moved by so much (inc).
+    /// Returns a limit that would be out of range if it moved by `by` (inc).
     pub fn limit_out_of_range(&self, by: i64) -> Option<i64> {
         let mut parameters = *self.parameters;
         parameters.shift_limits(by);
@@ -60,7 +60,8 @@ impl Axis {
         limits.into_iter().flatten().find(|limit| !Position::whole(*limit).is_legal())
     }
 
-    /// The limits keep their places in the world (MACS-LIM-01); how far they were moved is not saved with them.
+    /// Moves the limits with the coordinate, so that they keep their physical positions (MACS-LIM-01). The distance is
+    /// not saved with them.
     pub(in super::super) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
         let before = *self.parameters;
         self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
@@ -74,19 +75,19 @@ impl Axis {
         }
     }
 
-    /// The zero of the machine is found: the limits are as they were given.
+    /// Restores the given limits: the zero of the machine is found.
     pub(super) fn restore_limits(&mut self, cx: &mut Context<'_>) {
         self.shift_limits(cx, self.homing.limit_shift.saturating_neg());
     }
 
-    /// What is saved of the parameters in force: limits in the coordinate of the machine's own zero.
+    /// Returns the active parameters for saving: with limits in the coordinate of the zero of the machine.
     pub fn parameters_to_keep(&self) -> AxisParameters {
         let mut parameters = *self.parameters;
         parameters.shift_limits(self.homing.limit_shift.saturating_neg());
         parameters
     }
 
-    /// Parameters of a layer as they are in force in the coordinate of now.
+    /// Returns the parameters of a layer as they are active in the present coordinate.
     pub fn kept_parameters(&self, layer: AxisParameters) -> AxisParameters {
         let mut parameters = layer;
         let turned = (layer.macs.posdrct < 0) != (self.parameters.macs.posdrct < 0);
@@ -95,7 +96,7 @@ impl Axis {
         parameters
     }
 
-    /// Every place is `by` (inc) more from now on.
+    /// Increases all positions by `by` (inc).
     pub(in super::super) fn move_coordinate(&mut self, by: i64) {
         let shift = Position::whole(by);
         self.counter.shift(self.turn_counts(by));
@@ -113,20 +114,20 @@ impl Axis {
         self.moved += shift;
     }
 
-    /// What a vocabulary was up to was meant in a coordinate that is not that of the axis any more.
+    /// Ends the motion of a vocabulary, which was commanded in the old coordinate.
     pub(in super::super) fn leave_vocabulary(&mut self) {
         if std::mem::take(&mut self.owner) != Owner::Native {
             self.reference = Reference::Stop;
         }
     }
 
-    /// Was the coordinate moved since that was asked last?
+    /// Whether the coordinate was moved since the last call of [`take_moved`](Self::take_moved).
     #[inline]
     pub fn has_moved(&self) -> bool {
         self.moved != Position::ZERO
     }
 
-    /// By how much the coordinate was moved since this was asked last.
+    /// Returns the distance by which the coordinate was moved since the last call.
     pub fn take_moved(&mut self) -> Position {
         std::mem::take(&mut self.moved)
     }

@@ -1,4 +1,4 @@
-//! One leg after the other, until the reference is found.
+//! Executes the legs of homing until the reference is found.
 
 use super::super::course::Aim;
 use super::methods::{Leg, Switch, Until, is_travel, legs};
@@ -10,15 +10,15 @@ use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
 
-/// Which leg is under way.
+/// State of the active leg.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Search {
     leg: u8,
-    /// A limit switch has turned it round.
+    /// Whether a limit switch has reversed it.
     turned: bool,
-    /// Where it began.
+    /// Position at its start.
     from: Position,
-    /// Its switch in the last cycle.
+    /// State of its switch in the cycle before.
     was_on: bool,
 }
 
@@ -36,7 +36,7 @@ impl Search {
     }
 }
 
-/// The phase in which the reference of a method is found.
+/// Returns the phase in which the reference of a method is found.
 pub(super) fn last_phase(method: i64) -> HomingPhase {
     legs(method).last().map_or(HomingPhase::None, phase)
 }
@@ -50,7 +50,7 @@ fn phase(leg: &Leg) -> HomingPhase {
 }
 
 impl Axis {
-    /// Begins the leg at which homing stands; one whose switch is actuated already when homing begins is skipped.
+    /// Begins the present leg. If its switch is already active at the start of homing, the leg is skipped.
     pub(super) fn begin_leg(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         Self::begin_leg_of_both(cx);
@@ -61,7 +61,7 @@ impl Axis {
             search.leg = 1;
         }
         let Some(leg) = search.leg(run.method) else { return };
-        // It stands on the limit switch that would turn it round.
+        // The axis is on the limit switch that would reverse it.
         search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, way(&run, leg, false));
         search.from = self.actual.position;
         search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
@@ -78,13 +78,13 @@ impl Axis {
         }
     }
 
-    /// The speed of the leg under way, signed (inc/s); 0 where nothing is looked for.
+    /// Returns the signed velocity of the active leg (inc/s); 0 without search.
     pub(in crate::axis) fn search_speed(&self) -> f64 {
         let Some((run, search)) = self.searching() else { return 0.0 };
         search.leg(run.method).map_or(0.0, |leg| run.speed(leg) * f64::from(way(&run, leg, search.turned)))
     }
 
-    /// From the present motion along the way of a leg.
+    /// Moves from the present motion in the direction of a leg.
     fn go(&mut self, cx: &mut Context<'_>, run: &Run, leg: &Leg, turned: bool, limits: Limits) {
         let velocity = run.speed(leg);
         let signed = velocity * f64::from(way(run, leg, turned));
@@ -98,18 +98,18 @@ impl Axis {
         self.generator = Generator::Plan(course);
     }
 
-    /// Looks whether the leg under way has come to its end, or to one that is an error.
+    /// Checks whether the active leg has reached its end, or an error.
     pub(super) fn search(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         let Some(leg) = search.leg(run.method) else { return };
         let way = way(&run, leg, search.turned);
-        // While it still turns round, what it passes belongs to the leg before.
+        // While the axis still reverses, edges belong to the leg before.
         let goes = self.command.velocity * f64::from(way) > 0.0;
         let change = along(self.actual.change, way);
-        // Not so an edge that its encoder passes the way of this leg: an axis that stands beside one trembles across it, and
-        // another one would not come.
+        // An edge that the encoder passes against the direction of the leg does count: an axis at rest next to an edge
+        // may jitter across it, and there would be no other edge.
         let trembles = change < Position::ZERO && self.gantry().is_none();
-        // That of two drives is often the second one's, of which the first one's encoder tells nothing.
+        // An edge of two drives is often that of the second one, which the encoder of the first one does not show.
         let passes = goes && !trembles || change > Position::ZERO && self.gantry().is_none();
         let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         let was_on = std::mem::replace(&mut search.was_on, is_on);
@@ -139,7 +139,7 @@ impl Axis {
                 search.from = self.actual.position;
                 run.stage = Stage::Search(search);
                 self.homing.run = Some(run);
-                // Not much room is left behind a limit switch.
+                // There is little distance after a limit switch.
                 let limits = Limits { deceleration: self.parameters.deceleration_limit(), ..run.limits };
                 return self.go(cx, &run, leg, true, limits);
             }
@@ -148,7 +148,7 @@ impl Axis {
         self.check_distance(cx, run.method, leg, &search);
     }
 
-    /// A leg that has gone too far is an error.
+    /// Raises an error if a leg exceeds its longest distance.
     fn check_distance(&mut self, cx: &mut Context<'_>, method: i64, leg: &Leg, search: &Search) {
         let gone = (self.actual.position - search.from).nearest().saturating_abs();
         let (most, code) = match leg.until {
@@ -160,13 +160,13 @@ impl Axis {
         }
     }
 
-    /// Longest way of a search for a switch (inc): as given, or twice the way that there is; none where nobody knows that.
+    /// Returns the longest travel of a search for a switch (inc): as given, or twice the modulo. None: unknown.
     pub(super) fn longest_search(&self) -> Option<i64> {
         let turns = || self.setup.modulo.map(|modulo| modulo.length().saturating_mul(2));
         self.parameters.homing_max_distance().or_else(turns)
     }
 
-    /// The edge of a leg: the next one begins, or it is the reference.
+    /// Handles the edge of a leg: the next leg begins, or the edge is the reference.
     fn pass_edge(&mut self, cx: &mut Context<'_>, switch: Switch, rising: bool) {
         let Some((mut run, search)) = self.searching() else { return };
         let mut place = self.edge_place(cx, switch, rising);
@@ -185,7 +185,7 @@ impl Axis {
         run.stage = Stage::Search(next);
         self.homing.run = Some(run);
         self.begin_leg(cx);
-        // A pulse of this very cycle counts where the switch is known to be behind: at the place of the sample.
+        // A pulse of the same cycle counts if the sample shows that it is beyond the edge.
         if let Some((run, search)) = self.searching()
             && let Some(leg @ Leg { until: Until::Index, .. }) = search.leg(run.method)
             && let Some(index) = self.index_ahead(&search, way(&run, leg, false))
@@ -194,7 +194,7 @@ impl Axis {
         }
     }
 
-    /// The outermost place at which the switch is actuated, as far as it is known.
+    /// Returns the outermost position at which the switch is active, as far as it is known.
     fn edge_place(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Position {
         if let Some(place) = self.latched_edge(cx, switch, rising) {
             return place;
@@ -202,7 +202,7 @@ impl Axis {
         if rising { self.actual.position } else { self.actual.position - self.actual.change }
     }
 
-    /// Where the input of a switch latched in this cycle: the first edge of that sense.
+    /// Returns the position at which the input of a switch latched in this cycle: the first edge with that level.
     fn latched_edge(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Option<Position> {
         let assigned = &self.parameters.assigned;
         let number = match switch {
@@ -219,7 +219,7 @@ impl Axis {
         Some(Position::whole(self.position_at(oldest).nearest()))
     }
 
-    /// The index pulse of this cycle, if it lies on the way of the leg and not too far.
+    /// Returns the index pulse of this cycle if it is in the direction of the leg and not too far.
     fn index_ahead(&self, search: &Search, way: i8) -> Option<Position> {
         let place = self.index_of_cycle()?;
         let gone = along(place - search.from, way).nearest();
@@ -227,7 +227,8 @@ impl Axis {
         (0..=most).contains(&gone).then_some(place)
     }
 
-    /// Longest way to an index pulse (inc); in reference travel a revolution is what MD34 says, if it does.
+    /// Returns the longest travel to an index pulse (inc). In reference travel MD34 gives the length of a revolution,
+    /// if set.
     fn longest_to_index(&self) -> i64 {
         let p = &self.parameters;
         let is_travel = self.homing.run.is_some_and(|run| is_travel(run.method));
@@ -236,7 +237,7 @@ impl Axis {
         p.homing.index_distance.or(revolution).unwrap_or_else(|| p.homing_index_distance())
     }
 
-    /// The reference is found.
+    /// Ends the search with the reference.
     fn find(&mut self, cx: &mut Context<'_>, place: Position) {
         let Some(mut run) = self.homing.run else { return };
         let zero = place + Position::whole(run.offset);
@@ -259,19 +260,19 @@ impl Axis {
         self.generator = Generator::Plan(course);
     }
 
-    /// Does it go into a limit switch that the leg does not look for?
+    /// Whether the axis moves into a limit switch that is not the switch of the leg.
     fn meets_limit(&self, leg: &Leg, way: i8) -> bool {
         let ahead = self.switch_at_end(way);
         self.watched(leg) != Some(ahead) && self.is_actuated(ahead)
     }
 
-    /// The limit switch at the end of a way in the coordinate of the axis.
+    /// Returns the limit switch at the end of a direction in the coordinate of the axis.
     fn switch_at_end(&self, way: i8) -> Switch {
         let rises = (way > 0) != self.turned().units;
         if rises { Switch::Positive } else { Switch::Negative }
     }
 
-    /// On its way from the reference to the zero a limit switch ends homing.
+    /// Ends homing with an error if a limit switch becomes active on the way from the reference to the zero.
     pub(super) fn watch_way(&mut self, cx: &mut Context<'_>) {
         let velocity = self.command.velocity;
         let way = if velocity < 0.0 { -1 } else { 1 };
@@ -287,7 +288,7 @@ impl Axis {
         }
     }
 
-    /// Does the cam of the travel under way come with the verbs of the vocabulary (MD15)?
+    /// Whether the cam of the active reference travel comes from the commands of the vocabulary (MD15).
     fn asks_for_cam(&self) -> bool {
         self.parameters.homing.cam_source == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
     }
@@ -302,18 +303,18 @@ impl Axis {
     }
 }
 
-/// The error of an index that did not come.
+/// Returns the error for a missing index pulse.
 fn missed_index(method: i64) -> Code {
     if is_travel(method) { Code::WF_NO_ZERO_MARK } else { Code::HOMING_INDEX_MISSED }
 }
 
-/// The sense of a leg in the coordinate of the axis.
+/// Returns the direction of a leg in the coordinate of the axis.
 fn way(run: &Run, leg: &Leg, turned: bool) -> i8 {
     let way = leg.way * run.sense;
     if turned { -way } else { way }
 }
 
-/// A distance as seen along a way.
+/// Returns a distance in a direction.
 fn along(distance: Position, way: i8) -> Position {
     if way < 0 { -distance } else { distance }
 }

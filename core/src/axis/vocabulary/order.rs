@@ -1,4 +1,4 @@
-//! What the orders of a vocabulary do to its axis.
+//! Execution of the orders of a vocabulary on its axis.
 
 use super::super::course::{Aim, Course};
 use super::super::generator::Coupling;
@@ -18,7 +18,7 @@ use crate::vocabulary::{Order, Owner};
 use std::sync::Arc;
 
 impl Axis {
-    /// The coupling to the master that the cell wires.
+    /// Returns the coupling to the master that the cell defines.
     pub(super) fn coupling_to_master(
         &self,
         leads: &Leads,
@@ -38,7 +38,7 @@ impl Axis {
             max_acceleration: p.max_acceleration,
             max_deceleration: p.deceleration_limit(),
         };
-        // Displacement counts from here on (AMC-EVT-04): nothing of an earlier coupling passes on.
+        // Displacement counts from here on (AMC-EVT-04): the remainder of an earlier coupling is not taken over.
         let (transmission, past) = match order {
             Order::Cam { from, past } => (Transmission::Cam(self.ordered_cam(tables, from)?), past),
             Order::Gear { past } => (Transmission::Gear(Gear::new(self.ratio_of_parameters(p)?)), past),
@@ -51,12 +51,12 @@ impl Axis {
         Ok(Coupling { leader, disengage, accuracy, at_places: false, follower })
     }
 
-    /// Nothing lets the axis go on in the cycle of a stop that locks.
+    /// Returns an error in the cycle of a stop that locks.
     pub(super) fn check_stop_of(&self, cycle: u64) -> Result<(), Refusal> {
         self.locked_in(cycle).map_or(Ok(()), |code| Err(Refusal::new(code, self.object())))
     }
 
-    /// Switches the axis off: at once, but one that stands leaves its load to its brake first.
+    /// Switches the axis off: at once, or after its brake has closed if the axis is at rest.
     pub(in crate::axis) fn let_go(&mut self, cx: &mut Context<'_>) {
         if matches!(self.power, Power::Closing { .. }) {
             return;
@@ -68,15 +68,15 @@ impl Axis {
         }
     }
 
-    /// Does what a vocabulary asks.
+    /// Executes an order of a vocabulary.
     ///
     /// # Errors
-    /// What limits or state forbid; nothing is changed then.
+    /// The limits or the state do not allow it; nothing is changed then.
     pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         if !owner.leaves_homing() || !self.homes_for(owner) {
             return self.carry_out(cx, owner, order);
         }
-        // Another reference ends homing (AMC-FSM-01..07): limits hold for it as they do beside homing.
+        // Another reference ends homing (AMC-FSM-01..07): limits apply to it as without homing.
         let homing = self.homing;
         if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. } | Order::Cam { .. }) {
             self.homing.leave();
@@ -91,7 +91,7 @@ impl Axis {
         result
     }
 
-    /// The course of a vocabulary to a target that the axis may go to.
+    /// Returns the course of a vocabulary to a target within the limits.
     pub(super) fn admit_position(
         &self,
         cycle: u64,
@@ -104,7 +104,7 @@ impl Axis {
         self.check_course(&course, from, limits).map(|()| course)
     }
 
-    /// The same at a velocity, without end.
+    /// Returns the course of a vocabulary at a velocity, without end.
     pub(super) fn admit_velocity(
         &self,
         cycle: u64,
@@ -132,7 +132,7 @@ impl Axis {
             }
             Order::SwitchOff => {
                 self.abandon(cx, Code::REPLACED);
-                // Also one that is on its way to being on.
+                // Also an axis that is being switched on.
                 let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
                 if !self.is_virtual() && runs {
                     self.let_go(cx);
@@ -160,7 +160,7 @@ impl Axis {
             }
             Order::Stop { limits } => {
                 self.abandon(cx, Code::REPLACED);
-                // What a quick stop or an error stops already is not to stop more softly.
+                // A stop by a quick stop or an error must not become softer.
                 let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
                 if self.power == Power::On && !stops {
                     self.brake_to_rest(cx, &limits);
@@ -170,7 +170,7 @@ impl Axis {
                 self.abandon(cx, Code::REPLACED);
                 self.switch_speed_off(cx);
             }
-            // Where it stands on nothing holds it.
+            // Where no loop holds the axis, it cannot stay at the actual position.
             Order::StandOnActual if self.out_an().is_some() => {
                 self.abandon(cx, Code::REPLACED);
                 self.leave_to_drive(cx);
@@ -212,7 +212,8 @@ impl Axis {
                     if !self.rests() || !self.has_stopped_by_itself(cx.cycle) {
                         return Err(self.not_at_standstill());
                     }
-                    // WF-MON-06: after its cause is removed. The others last only as long as what they stop.
+                    // WF-MON-06: only after its cause is removed. Other alarms last only as long as the motion that
+                    // they stop.
                     if self.alarm.code() == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
                         return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
                     }

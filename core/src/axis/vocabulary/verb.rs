@@ -1,8 +1,8 @@
-//! The verb of a vocabulary on an axis: it is tried on copies, and the axis judges what comes of them.
+//! A command of a vocabulary on an axis: it is executed on copies first, and the axis checks the result.
 //!
-//! Law      a start whose drive has to switch on first is judged when it comes, by all that can be known then; what changes
-//!          until it moves is found once the drive is on
-//! Refuses  the whole verb, or only what of it cannot be done, as the vocabulary has it
+//! Law      a start whose drive has to be switched on first is checked at the command, as far as this is known then.
+//!          Changes until the motion begins are checked once the drive is on
+//! Refuses  the whole command, or only the part that is not possible, as the vocabulary defines
 //! Source   SAIA-ERR-03, SAIA-ERR-04, WF-SET-02
 
 use crate::axis::{Axis, Context};
@@ -54,7 +54,7 @@ impl Axis {
         Ok(())
     }
 
-    /// What a verb asks of the axis, if it also may do what it is to do once its drive is on.
+    /// Executes the order of a command if the motion that follows once the drive is on is allowed, too.
     fn attempt(&mut self, cx: &mut Context<'_>, owner: Owner, outcome: &Outcome) -> Result<(), Refusal> {
         if let Some(motion) = outcome.coming {
             self.check_coming(cx.cycle, motion)?;
@@ -62,12 +62,13 @@ impl Axis {
         outcome.order.map_or(Ok(()), |order| self.obey(cx, owner, order))
     }
 
-    /// May a motion begin as soon as the drive is on? A drive that is off until then unlocks nothing and finds no zero.
+    /// Checks whether a motion may begin as soon as the drive is on. Until then a drive that is off neither unlocks the
+    /// axis nor finds its reference.
     fn check_coming(&self, cycle: u64, motion: Order) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_lock()?;
         self.check_settled()?;
-        // Where it coasts to nobody knows.
+        // The end of a coasting axis is unknown.
         let from = if self.is_virtual() { self.present() } else { Motion::at_rest(self.command.position) };
         match motion {
             Order::Position { target, limits, .. } => self.admit_position(cycle, from, target, limits).map(|_| ()),

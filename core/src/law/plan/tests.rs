@@ -20,8 +20,8 @@ fn segments_follow_each_other() {
     }
 }
 
-/// From standing over 20 to a line of slope 2 and back: the polynomial that has velocities 0 and m at its ends and way m h / 2 is, by its
-/// symmetry, of degree 4: m h (u^3 - u^4 / 2).
+/// From rest over 20 to a line of slope 2 and back: the polynomial with velocities 0 and m at its ends and travel m h
+/// / 2 has, by symmetry, degree 4: m h (u^3 - u^4 / 2).
 #[test]
 fn a_polynomial_takes_the_velocity_of_a_line_beside_it() {
     for law in [Law::Polynomial5, Law::Polynomial7] {
@@ -39,7 +39,8 @@ fn a_polynomial_takes_the_velocity_of_a_line_beside_it() {
     }
 }
 
-/// The way of 0 to m over h is m h (u^3 - u^4 / 2): v = m (3 u^2 - 2 u^3), a = m / h (6 u - 6 u^2), j = m / h^2 (6 - 12 u).
+/// The travel from velocity 0 to m over h is m h (u^3 - u^4 / 2): v = m (3 u^2 - 2 u^3), a = m / h (6 u - 6 u^2), j = m
+/// / h^2 (6 - 12 u).
 #[test]
 fn peaks_of_a_solved_polynomial_are_exact() {
     let plan = plan(false, &[(20.0, 20.0, Law::Polynomial5), (50.0, 60.0, Law::Straight)]).expect("a plan");
@@ -50,7 +51,7 @@ fn peaks_of_a_solved_polynomial_are_exact() {
     assert_eq!(plan.jumps(), [Jump { at: 50.0, derivative: 1, before: 2.0, after: 0.0 }]);
 }
 
-/// Cv d / h, Ca d / h^2, Cj d / h^3 of the segment where they are largest.
+/// Cv d / h, Ca d / h^2, Cj d / h^3 of the segment with the largest values.
 #[test]
 fn peaks_of_laws_are_scaled() {
     let plan = plan(
@@ -77,7 +78,7 @@ fn a_cyclic_plan_goes_round() {
 fn accelerations_that_jump_are_told() {
     let a = std::f64::consts::PI * std::f64::consts::PI / 2.0 * 0.04;
     let up_and_down = [(10.0, 4.0, Law::SimpleSine), (20.0, -4.0, Law::SimpleSine)];
-    // Up and down again: the acceleration that ends the one begins the other.
+    // Up and down again: the acceleration at the end of one is that at the start of the other.
     assert_eq!(plan(true, &up_and_down).expect("a plan").jumps(), []);
     let told = plan(false, &up_and_down).expect("a plan").jumps();
     assert_eq!(told.iter().map(|jump| (jump.at, jump.derivative)).collect::<Vec<_>>(), [(0.0, 2), (20.0, 2)]);
@@ -136,12 +137,12 @@ fn what_is_no_plan_is_refused_with_its_segment() {
         refused.starts_with("segment 1 (straight): it begins at 0 with velocity 0.5, segment 3 (dwell) ends with 0;"),
         "{refused}"
     );
-    // A slope is the same however it was divided.
+    // A slope is the same however it is divided.
     let parts = [(0.1, 0.1, Law::Straight), (0.3, 0.2, Law::Straight), (1.0, 0.7, Law::Straight)];
     assert!(plan(true, &parts).is_ok());
 }
 
-/// Any segments, with polynomials beside every line.
+/// Any segments, with polynomials next to every line.
 fn segments() -> impl Strategy<Value = Vec<Segment>> {
     let law = (0..Law::ALL.len()).prop_map(|i| Law::ALL[i].0);
     let segment = (law, 0.5_f64..50.0, prop_oneof![-80.0_f64..-0.1, 0.1_f64..80.0], any::<bool>());
@@ -167,7 +168,8 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
 }
 
 proptest! {
-    /// Way, velocity and, where no jump is told, acceleration go on from segment to segment; of polynomials of degree 7 among themselves the jerk, too.
+    /// Travel, velocity and, without reported jump, acceleration are continuous between segments; between polynomials
+    /// of degree 7 also the jerk.
     #[test]
     fn segments_meet_as_their_laws_promise(segments in segments(), is_cyclic: bool) {
         let plan = Plan::new(&segments, is_cyclic).expect("a plan");
@@ -191,7 +193,7 @@ proptest! {
         }
     }
 
-    /// Nothing is beyond a peak, and each is reached where it is said to be.
+    /// No value exceeds a peak, and each peak is reached at its position.
     #[test]
     fn peaks_hold(segments in segments(), is_cyclic: bool, places in proptest::collection::vec(0.0_f64..=1.0, 200)) {
         let plan = Plan::new(&segments, is_cyclic).expect("a plan");

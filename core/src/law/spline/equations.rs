@@ -1,12 +1,13 @@
-//! The equations of a spline: its derivatives at the points, from the conditions there and at the ends.
+//! The equations of a spline for its derivatives at the points, from the conditions there and at the ends.
 //!
-//! Law      the derivatives of the integral by y' (of a quintic spline: and y'') at each point are 0, where no end says otherwise
-//! Refuses  numbers that double precision has no room for
+//! Law      the derivatives of the integral by y' (quintic spline: also y'') at each point are 0, unless an end
+//!          condition replaces them
+//! Refuses  numbers that exceed the range of double precision
 
 use super::{Ends, SplineError};
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-/// Between two points.
+/// Interval between two points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval {
     length: f64,
@@ -22,27 +23,30 @@ impl Interval {
     }
 }
 
-/// What an interval adds to the equations of its first and of its last point: the halves of the gradient of its integral.
+/// Contribution of an interval to the equations of its first and of its last point: half of the gradient of its
+/// integral.
 #[derive(Clone, Copy, Debug)]
 struct Part<const N: usize> {
-    /// Of the first point, by the derivatives there.
+    /// Coefficients of the first point, by the derivatives there.
     first: SMatrix<f64, N, N>,
-    /// Of the last point, by the derivatives there.
+    /// Coefficients of the last point, by the derivatives there.
     last: SMatrix<f64, N, N>,
-    /// Of the first point, by the derivatives at the last; transposed, of the last point by those at the first.
+    /// Coefficients of the first point, by the derivatives at the last; transposed, of the last point by those at the
+    /// first.
     cross: SMatrix<f64, N, N>,
     /// Right sides of the first and of the last point.
     rise: [SVector<f64, N>; 2],
 }
 
-/// Of the integral of y''^2, by y' at both ends.
+/// Returns the part for the integral of y''^2, by y' at both ends.
 fn cubic_part(interval: &Interval) -> Part<1> {
     let q = 1.0 / interval.length;
     let rise = SVector::from([3.0 * q * q * interval.rise]);
     Part { first: [[2.0 * q]].into(), last: [[2.0 * q]].into(), cross: [[q]].into(), rise: [rise; 2] }
 }
 
-/// Of the integral of y'''^2, by y' and y'' at both ends: its gradient are y'''' and -y''' there.
+/// Returns the part for the integral of y'''^2, by y' and y'' at both ends: its gradient consists of y'''' and -y'''
+/// there.
 fn quintic_part(interval: &Interval) -> Part<2> {
     let q = 1.0 / interval.length;
     let (q2, q3) = (q * q, q * q * q);
@@ -74,26 +78,26 @@ fn quintic_coefficients(interval: &Interval, first: &SVector<f64, 2>, last: &SVe
     ]
 }
 
-/// Cubic or quintic.
+/// Cubic or quintic spline.
 #[derive(Clone, Copy)]
 pub(super) struct Kind<const N: usize> {
     part: fn(&Interval) -> Part<N>,
-    /// From the derivatives at both ends.
+    /// Function for the coefficients from the derivatives at both ends.
     coefficients: fn(&Interval, &SVector<f64, N>, &SVector<f64, N>) -> [f64; 5],
 }
 
 impl Kind<1> {
-    /// Of y' alone.
+    /// Equations of y'.
     pub(super) const CUBIC: Self = Self { part: cubic_part, coefficients: cubic_coefficients };
 }
 
 impl Kind<2> {
-    /// Of y' and y''.
+    /// Equations of y' and y''.
     pub(super) const QUINTIC: Self = Self { part: quintic_part, coefficients: quintic_coefficients };
 }
 
 impl<const N: usize> Kind<N> {
-    /// Coefficients of u^1 to u^5 of each interval.
+    /// Returns the coefficients of u^1 to u^5 of each interval.
     pub(super) fn coefficients(self, intervals: &[Interval], ends: &Ends<N>) -> Result<Vec<[f64; 5]>, SplineError> {
         let (Some(first), Some(last)) = (intervals.first(), intervals.last()) else { return Ok(Vec::new()) };
         let equations = Equations { part: self.part, intervals, first: (self.part)(first), last: (self.part)(last) };
@@ -110,20 +114,20 @@ impl<const N: usize> Kind<N> {
     }
 }
 
-/// Derivatives at the points, one after the other.
+/// Derivatives at the points, in order.
 type Derivatives<const N: usize> = Vec<SVector<f64, N>>;
 
 struct Equations<'a, const N: usize> {
     part: fn(&Interval) -> Part<N>,
     intervals: &'a [Interval],
-    /// Of the first interval.
+    /// Part of the first interval.
     first: Part<N>,
-    /// Of the last one.
+    /// Part of the last interval.
     last: Part<N>,
 }
 
 impl<'a, const N: usize> Equations<'a, N> {
-    /// The ends are points as others, with an interval on one side.
+    /// Solves for natural ends: they are points like others, with an interval on one side.
     fn natural(&self) -> Result<Derivatives<N>, SplineError> {
         let Self { first, last, .. } = *self;
         let diagonal = [first.first].into_iter().chain(self.blocks()).chain([last.last]);
@@ -132,15 +136,15 @@ impl<'a, const N: usize> Equations<'a, N> {
         Ok(chain.solve(sides.collect()))
     }
 
-    /// The derivatives at the ends are known.
+    /// Solves for known derivatives at the ends.
     fn clamped(&self, start: SVector<f64, N>, end: SVector<f64, N>) -> Result<Derivatives<N>, SplineError> {
         let mut sides: Vec<_> = self.sides().collect();
         self.subtract(&mut sides, start, end);
         Ok(around(start, self.inner()?.solve(sides), end))
     }
 
-    /// Both ends are one point. What is within depends linearly on its derivatives: it is solved with all of them 0 and for each of them
-    /// alone, and the equation of that point gives them.
+    /// Solves for both ends as one point. The inner derivatives depend linearly on those of this point: they are solved
+    /// with all of them 0 and for each of them alone, and the equation of that point gives them.
     fn periodic(&self) -> Result<Derivatives<N>, SplineError> {
         let chain = self.inner()?;
         let mut inner = chain.solve(self.sides().collect());
@@ -163,7 +167,7 @@ impl<'a, const N: usize> Equations<'a, N> {
         Ok(around(end, inner, end))
     }
 
-    /// What stands on both sides of each inner point.
+    /// Returns the parts on both sides of each inner point.
     fn parts(&self) -> impl Iterator<Item = (Part<N>, Part<N>)> + '_ {
         self.intervals
             .iter()
@@ -179,12 +183,12 @@ impl<'a, const N: usize> Equations<'a, N> {
         self.parts().map(|(before, after)| before.rise[1] + after.rise[0])
     }
 
-    /// The equations of the inner points.
+    /// Returns the equations of the inner points.
     fn inner(&self) -> Result<Chain<'a, N>, SplineError> {
         Chain::new(self.part, self.intervals.get(1..).unwrap_or_default(), 1, self.blocks())
     }
 
-    /// What derivatives of the ends put into the equations of the points beside them, on their right sides.
+    /// Subtracts the effect of the derivatives at the ends from the right sides of the points next to them.
     fn subtract(&self, sides: &mut [SVector<f64, N>], start: SVector<f64, N>, end: SVector<f64, N>) {
         if let Some(side) = sides.first_mut() {
             *side -= self.first.cross.transpose() * start;
@@ -194,7 +198,7 @@ impl<'a, const N: usize> Equations<'a, N> {
         }
     }
 
-    /// What the derivatives of inner points put into the equation of the ends.
+    /// Returns the effect of the inner derivatives on the equation of the ends.
     fn at_ends(&self, inner: &[SVector<f64, N>]) -> SVector<f64, N> {
         let zero = SVector::zeros();
         let [start, end] = [inner.first(), inner.last()].map(|derivatives| derivatives.unwrap_or(&zero));
@@ -206,10 +210,10 @@ fn around<const N: usize>(start: SVector<f64, N>, inner: Derivatives<N>, end: SV
     [start].into_iter().chain(inner).chain([end]).collect()
 }
 
-/// Equations of consecutive points, block tridiagonal, factored.
+/// Factored equations of consecutive points, block tridiagonal.
 struct Chain<'a, const N: usize> {
     part: fn(&Interval) -> Part<N>,
-    /// Behind each point; behind the last one it has no use.
+    /// Interval after each point; the one after the last point is not used.
     intervals: &'a [Interval],
     pivots: Vec<Cholesky<f64, Const<N>>>,
 }

@@ -1,10 +1,10 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Points of the largest table.
+/// Number of points of the largest table.
 const MOST: usize = 1_000_000;
 
-/// Either degree, for laws that both keep.
+/// Either degree, for laws of both.
 #[derive(Clone, Copy, Debug)]
 enum Degree {
     Cubic,
@@ -42,7 +42,7 @@ fn through(x: &[f64], y: &[f64], degree: Degree, ends: Kept) -> Spline {
     .expect("a spline")
 }
 
-/// Value and five derivatives by x at u of an interval, from its coefficients.
+/// Returns value and five derivatives by x at u of an interval, from its coefficients.
 fn all(spline: &Spline, i: usize, u: f64, length: f64) -> [f64; 6] {
     let [c1, c2, c3, c4, c5] = spline.coefficients()[i];
     let mut polynomial = vec![0.0, c1, c2, c3, c4, c5];
@@ -72,7 +72,7 @@ fn a_natural_cubic_spline_by_hand() {
     assert!((a.at - 1.0).abs() < 1e-9, "{a:?}");
 }
 
-/// 0, 1, 0, -1 at equal distances, round: by symmetry y' = 0 at the crests and -+ 3/2 where it crosses 0 (cubic).
+/// 0, 1, 0, -1 at equal distances, periodic: by symmetry y' = 0 at the crests and -+ 3/2 at the zeros (cubic).
 #[test]
 fn a_periodic_cubic_spline_by_hand() {
     let (x, y) = ([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.0, -1.0, 0.0]);
@@ -83,7 +83,7 @@ fn a_periodic_cubic_spline_by_hand() {
     }
 }
 
-/// A straight line is its own spline, whatever its ends; a periodic one gains its way with each period.
+/// A straight line is its own spline, with any ends; a periodic one gains its travel with each period.
 #[test]
 fn a_line_stays_a_line() {
     let (x, y) = ([0.0, 1.0, 3.0, 3.5, 8.0], [1.0, 3.0, 7.0, 8.0, 17.0]);
@@ -135,7 +135,8 @@ fn what_is_no_spline_is_refused_with_its_point() {
     assert_eq!(refused, "derivative 2 at the last point is NaN; a finite number is needed");
 }
 
-/// As many points as a table may have, along 3 turns of a sine and a line: a spline is as near to it as its distances to the fourth power.
+/// The largest number of points, along 3 turns of a sine and a line: the error of a spline is proportional to the
+/// fourth power of its distances.
 #[test]
 fn a_million_points() {
     let turn = 6.0 * std::f64::consts::PI / (MOST - 1) as f64;
@@ -205,7 +206,7 @@ proptest! {
         }
     }
 
-    /// At each point the spline and all derivatives below its degree go on; its ends are as asked.
+    /// At each point the spline and all derivatives below its degree are continuous; its ends are as given.
     #[test]
     fn derivatives_go_on((x, y) in points(), ends in ends()) {
         for (degree, count) in [(Degree::Cubic, 3), (Degree::Quintic, 5)] {
@@ -214,7 +215,7 @@ proptest! {
             let end = |i: usize| all(&spline, i, 1.0, lengths[i]);
             let start = |i: usize| all(&spline, i, 0.0, lengths[i]);
             let last = lengths.len() - 1;
-            // What the digits of the largest rise leave to a derivative over the shortest interval.
+            // Rounding error of a derivative over the shortest interval, from the largest rise.
             let rises = (0..=last).flat_map(|i| [0.5, 1.0].map(|u| spline.rise(i, u).abs()));
             let rise = rises.fold(100.0, f64::max);
             let shortest = lengths.iter().fold(5.0, |one: f64, other| one.min(*other));
@@ -243,7 +244,7 @@ proptest! {
         }
     }
 
-    /// What it says of itself by the place of the master is what its coefficients are.
+    /// Derivatives and peaks by the position of the master match its coefficients.
     #[test]
     fn derivatives_and_peaks_are_those_of_its_coefficients((x, y) in points(), ends in ends(), u in 0.0_f64..1.0) {
         for degree in [Degree::Cubic, Degree::Quintic] {

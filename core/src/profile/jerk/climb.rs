@@ -1,69 +1,72 @@
 //! The search for the ramps that lead to a target.
 //!
-//! From the direct ramp to the end velocity on, every moment more that a plan takes can be spent so that it gets as far up
-//! as possible: a braking at the start is relieved for a while (a dip) until it vanishes, then the velocity between the
-//! two ramps goes up to its limit, then the plan cruises there. What is reached is a continuous function of that moment;
-//! the first place where it meets the target is the fastest plan.
+//! Starting from the direct ramp to the end velocity, a longer plan can reach further: first the initial braking is
+//! reduced for some time (a dip) until it vanishes, then the velocity between the two ramps is increased up to its
+//! limit, then it is kept there. The position reached is a continuous function of the duration; the first duration with
+//! which it is the target gives the fastest plan.
 
 use super::super::plan::Draft;
 use super::ramp::{Ease, Ramp, Side};
 
-/// Newton's steps with bisection: each halves the bracket or the miss, so this is far more than f64 has digits for.
+/// Largest number of Newton steps with bisection: each halves the bracket or the miss, so this exceeds the digits of
+/// f64 by far.
 const MAX_STEPS: usize = 200;
-/// Way that no position resolves (inc).
+/// Distance below the resolution of positions (inc).
 const NEGLIGIBLE: f64 = 2e-11;
-/// A step of Newton's that is so small is the last: the error after it goes by its square, after Halley's by its cube.
+/// Relative size of a Newton step that is the last one: the error after it is its square, after Halley's step its cube.
 const LAST_NEWTON: f64 = 1e-8;
 const LAST_HALLEY: f64 = 1e-5;
 /// 0.045 of the bits of a fraction.
 const LOGARITHM_BIAS: i64 = 202_661_983_231_672;
 
-/// How a target is reached.
+/// Selected way to reach a target.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Choice {
-    /// Straight to the end velocity.
+    /// Directly to the end velocity.
     Direct,
-    /// Relieving the braking at the start by so much (inc/s^2).
+    /// By reducing the initial braking by this amount (inc/s^2).
     Dip(f64),
-    /// Over a velocity so much above the higher one of what is left and the end velocity (inc/s), cruising there for a
-    /// time (s).
+    /// Over a velocity this much above the higher one of the run-out velocity and the end velocity (inc/s), which is
+    /// kept for a time (s).
     Over(f64, f64),
-    /// From beyond the top over a velocity so much below what is left (inc/s), cruising there for a time (s).
+    /// From a start above the velocity limit over a velocity this much below the run-out velocity (inc/s), which is
+    /// kept for a time (s).
     Below(f64, f64),
 }
 
-/// The task: upwards, further than the direct ramp. Velocities of one sign only, or the same limits for both.
+/// The task: upwards, further than the direct ramp. The velocities have one sign, or the limits are equal for both
+/// signs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Climb<'a> {
     velocity: f64,
-    /// Within its limit.
+    /// Initial acceleration, within its limit.
     acceleration: f64,
     end_velocity: f64,
-    /// Limit of velocity; no less than the end velocity.
+    /// Velocity limit; not below the end velocity.
     top: f64,
-    /// Limits of acceleration above and below zero.
+    /// Acceleration limits above and below zero.
     up: &'a Side,
     down: &'a Side,
-    /// Velocity that is left when the acceleration at the start has run out.
+    /// Velocity after the initial acceleration has run out.
     run_out: f64,
 }
 
-/// Where a ramp begins, and what comes before it.
+/// The start of a ramp, and the phase before it.
 #[derive(Clone, Copy, Debug)]
 struct Begin {
     ease: Ease,
     velocity: f64,
-    /// In the direction of the ramp.
+    /// Acceleration in the direction of the ramp.
     acceleration: f64,
 }
 
-/// By how much a course misses the target.
+/// Distance by which a plan misses the target.
 #[derive(Clone, Copy, Debug)]
 struct Reach {
     miss: f64,
-    /// Size of what the miss is the difference of: its rounding.
+    /// Magnitude of the terms of the miss, for its rounding error.
     scale: f64,
-    /// First and second derivative of the miss by what is searched; the second may be unknown, NaN.
+    /// First and second derivative of the miss by the searched quantity; the second one may be unknown, NaN.
     slope: f64,
     bend: f64,
 }
@@ -73,7 +76,7 @@ impl Reach {
         self.miss.abs() <= NEGLIGIBLE + 4e-16 * self.scale
     }
 
-    /// The same, searched by the root of what it was searched by.
+    /// Returns the derivatives for a search by the square root of the searched quantity.
     #[inline]
     fn by_root(self, root: f64) -> Self {
         let slope = 2.0 * root * self.slope;
@@ -82,7 +85,7 @@ impl Reach {
 }
 
 impl<'a> Climb<'a> {
-    /// The task from a velocity and an acceleration that is within its limit.
+    /// Returns the task from a velocity and an acceleration within its limit.
     pub(super) fn new(
         (velocity, acceleration): (f64, f64),
         end_velocity: f64,
@@ -93,7 +96,7 @@ impl<'a> Climb<'a> {
         let side = if acceleration >= 0.0 { up } else { down };
         let change = side.fall_off(acceleration).copysign(acceleration);
         let left = velocity + change;
-        // The time of a ramp goes by the root of its velocity: last digits must not become one.
+        // The time of a ramp is proportional to the root of its velocity: rounding errors must not become a ramp.
         let rounding = 1e-14 * (velocity.abs() + change.abs());
         let run_out = if (left - end_velocity).abs() <= rounding {
             end_velocity
@@ -110,7 +113,7 @@ impl<'a> Climb<'a> {
         Ease::new(self.velocity, self.acceleration, acceleration, side)
     }
 
-    /// How a ramp upwards begins: with the acceleration at the start, or when that has run out.
+    /// Returns the start of a ramp upwards: with the initial acceleration, or after it has run out.
     fn upwards(&self) -> Begin {
         if self.acceleration > 0.0 {
             Begin { ease: Ease::none(), velocity: self.velocity, acceleration: self.acceleration }
@@ -127,7 +130,7 @@ impl<'a> Climb<'a> {
         }
     }
 
-    /// Straight to the end velocity.
+    /// Returns the direct ramp to the end velocity.
     fn direct(&self) -> (Begin, Ramp<'a>) {
         let (run_out, end) = (self.run_out, self.end_velocity);
         let (begin, side, sign) =
@@ -140,8 +143,8 @@ impl<'a> Climb<'a> {
         begin.ease.way + ramp.way()
     }
 
-    /// What gets `distance` far, which is more than the `direct` way does; none where it would have to go beyond a top of
-    /// zero.
+    /// Returns the choice that reaches `distance`, which exceeds the `direct` one; none if it would exceed a velocity
+    /// limit of zero.
     pub(super) fn solve(&self, distance: f64, direct: f64) -> Option<Choice> {
         let end = self.end_velocity;
         if self.run_out > self.top {
@@ -157,7 +160,8 @@ impl<'a> Climb<'a> {
         self.solve_over(distance, ahead)
     }
 
-    /// Beyond the top the way back to it comes first: a dip would only keep the velocity there longer.
+    /// Solves a start above the velocity limit. The return to the limit comes first: a dip would only keep the velocity
+    /// there longer.
     fn solve_beyond(&self, distance: f64) -> Choice {
         let begin = self.downwards();
         let most = self.run_out - self.top;
@@ -176,7 +180,8 @@ impl<'a> Climb<'a> {
         Choice::Below(root * root, 0.0)
     }
 
-    /// Over a velocity above that of the start and the end, which lacks `ahead` of the target.
+    /// Solves with a velocity above those of the start and the end; the target is `ahead` beyond the lowest such
+    /// velocity.
     fn solve_over(&self, distance: f64, ahead: f64) -> Option<Choice> {
         let low = self.low();
         let begin = self.upwards();
@@ -187,7 +192,7 @@ impl<'a> Climb<'a> {
         let most = top.min(hold);
         let reach = self.reach_above(&begin, distance, low, most);
         if reach.miss > 0.0 {
-            // Steps go by the root of the velocity, in which the way has a slope even at 0.
+            // The search uses the root of the velocity, by which the distance has a slope even at 0.
             let high = most.sqrt();
             let reach = reach.by_root(high);
             let guess = high * power(ahead / (ahead + reach.miss), (ahead + reach.miss) / (high * reach.slope));
@@ -196,7 +201,7 @@ impl<'a> Climb<'a> {
             return Some(Choice::Over(root * root, 0.0));
         }
         if hold < top {
-            // From here on both ramps hold their limits: the way is a polynomial of second degree.
+            // From here on both ramps reach their acceleration limits: the distance is a polynomial of second degree.
             let curve = self.up.per_limit + self.down.per_limit;
             let root = (reach.slope * reach.slope - 2.0 * curve * reach.miss).max(0.0).sqrt();
             let more = hold - 2.0 * reach.miss / (reach.slope + root);
@@ -208,12 +213,12 @@ impl<'a> Climb<'a> {
         (self.top > 0.0).then(|| Choice::Over(top, (-miss / self.top).max(0.0)))
     }
 
-    /// What a velocity between the ramps is no less than.
+    /// Returns the lower bound of the velocity between the ramps.
     fn low(&self) -> f64 {
         self.run_out.max(self.end_velocity)
     }
 
-    /// The ramps over a velocity `more` above `low`.
+    /// Returns the ramps over a velocity `more` above `low`.
     #[inline]
     fn ramps_above(&self, begin: &Begin, low: f64, more: f64) -> [Ramp<'a>; 2] {
         let (velocity, end) = ((low + more).min(self.top), self.end_velocity);
@@ -231,7 +236,7 @@ impl<'a> Climb<'a> {
         reach(distance, [begin.ease.way, first.way(), second.way()], slope + more_slope, bend + more_bend)
     }
 
-    /// The ramps over a velocity `less` than what is left, down to the top.
+    /// Returns the ramps over a velocity `less` below the run-out velocity, down to the velocity limit.
     fn ramps_below(&self, begin: &Begin, less: f64) -> [Ramp<'a>; 2] {
         let (velocity, end) = ((self.run_out - less).max(self.top), self.end_velocity);
         [
@@ -246,7 +251,8 @@ impl<'a> Climb<'a> {
         reach(distance, [begin.ease.way, first.way(), second.way()], slope, f64::NAN)
     }
 
-    /// By how much to relieve the braking at the start to get `distance` far; none where more than all of it is needed.
+    /// Returns the reduction of the initial braking with which the plan reaches `distance`; none if the whole braking
+    /// does not suffice.
     fn dip(&self, distance: f64) -> Option<f64> {
         let all = -self.acceleration;
         let mut from = 0.0;
@@ -259,8 +265,8 @@ impl<'a> Climb<'a> {
         None
     }
 
-    /// Reliefs, ascending, between which the way of a dip goes only up or only down: where the velocity may be on both
-    /// sides of zero, it need not go up all the time.
+    /// Returns reductions, ascending, between which the distance of a dip is monotonic. If the velocity can have both
+    /// signs, the distance need not increase throughout.
     fn places(&self) -> [f64; 4] {
         let mut places = [0.0; 4];
         if self.end_velocity >= 0.0 {
@@ -268,8 +274,8 @@ impl<'a> Climb<'a> {
         }
         let Side { limit, rise, per_jerk, .. } = *self.down;
         let all = -self.acceleration;
-        // The way goes up while v > b (p - b) / (2 rise), with v = run_out + b^2 per_jerk / 2 - b^2 / (2 rise) at
-        // deceleration b, and its peak p: the limit, or sqrt(b^2 + gain).
+        // The distance increases while v > b (p - b) / (2 rise), with v = run_out + b^2 per_jerk / 2 - b^2 / (2 rise)
+        // at deceleration b, and its peak p: the limit, or sqrt(b^2 + gain).
         let run_out = self.run_out;
         let gain = 2.0 * (run_out - self.end_velocity) / per_jerk;
         let held = roots(0.5 * per_jerk, -0.5 * limit / rise, run_out);
@@ -301,7 +307,7 @@ impl<'a> Climb<'a> {
         reach(distance, [ease.way, ramp.way(), 0.0], slope, f64::NAN)
     }
 
-    /// Writes what was chosen, turned by `sign`; its last ramp counts from the end.
+    /// Adds the choice to a draft, with signs multiplied by `sign`; its last ramp is evaluated from the end.
     pub(super) fn add(&self, draft: &mut Draft<'_>, sign: f64, choice: Choice) {
         let (begin, [first, second], cruise) = match choice {
             Choice::Direct => {
@@ -329,7 +335,7 @@ impl<'a> Climb<'a> {
         draft.cruise(cruise, sign * self.top);
     }
 
-    /// Writes the direct ramp, counted from the start.
+    /// Adds the direct ramp, evaluated from the start.
     pub(super) fn add_direct(&self, draft: &mut Draft<'_>, sign: f64) {
         let (begin, ramp) = self.direct();
         begin.ease.add(draft, sign);
@@ -343,8 +349,8 @@ fn reach(distance: f64, ways: [f64; 3], slope: f64, bend: f64) -> Reach {
     Reach { miss: ways[0] + ways[1] + ways[2] - distance, scale, slope, bend }
 }
 
-/// Finds where `reach` does not miss; at `low` it falls short, at `high` it goes too far. Steps are Halley's, or Newton's
-/// where there is no second derivative, and bisect where those do not get on.
+/// Finds the zero of `reach`, which falls short at `low` and goes too far at `high`. Steps are those of Halley, or of
+/// Newton without second derivative, with bisection if they converge slowly.
 #[inline]
 fn search(mut low: f64, mut high: f64, guess: f64, reach: impl Fn(f64) -> Reach) -> f64 {
     let mut place = if guess >= low && guess <= high { guess } else { high };
@@ -376,17 +382,18 @@ fn search(mut low: f64, mut high: f64, guess: f64, reach: impl Fn(f64) -> Reach)
     place
 }
 
-/// Real roots of a x^2 + b x + c; NaN where there are none.
+/// Returns the real roots of a x^2 + b x + c; NaN if there are none.
 fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
     let sum = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
     [sum / a, c / sum]
 }
 
-/// About x^exponent of a positive x, to a hundredth or two: the bits of a number are about its logarithm.
+/// Returns x^exponent of a positive x, accurate to one or two percent: the bits of a float are approximately its
+/// logarithm.
 fn power(x: f64, exponent: f64) -> f64 {
-    // The bits of 1, less what a line lies below the logarithm on average.
+    // The bits of 1, less the mean difference between a line and the logarithm.
     let one = 1.0_f64.to_bits() as i64 - LOGARITHM_BIAS;
     let logarithm = (x.to_bits() as i64).wrapping_sub(one) as f64;
-    // The cast saturates, and what is no number leads to a place that the search does not take.
+    // The cast saturates, and the search ignores a result that is no number.
     f64::from_bits(((logarithm * exponent) as i64).wrapping_add(one) as u64)
 }

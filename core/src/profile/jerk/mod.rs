@@ -1,12 +1,12 @@
-//! Limited jerk: the fastest change of motion under limits of velocity, acceleration, deceleration and four jerks.
+//! Limited jerk: the fastest change of motion within limits of velocity, acceleration, deceleration and four jerks.
 //!
-//! Law      each ramp rises to its acceleration with one jerk, holds, and falls to zero with another; the plan to a target
-//!          is the fastest under these limits. Where the limits for growing and falling |velocity| are the same, it
-//!          passes through zero without a stop; where they differ, it turns at rest
-//! Reads    the motion at the start, acceleration included
-//! Writes   a plan that ends exactly at the target, or at a velocity for ever
+//! Law      each ramp rises to its acceleration with one jerk, holds, and falls to zero with another; the plan to a
+//!          target is the fastest one within these limits. If the limits for increasing and decreasing |velocity| are
+//!          equal, it passes through zero without a stop; otherwise it reverses at rest
+//! Reads    the motion at the start, including its acceleration
+//! Writes   a plan that ends exactly at the target, or continues at a velocity without end
 //! Refuses  nothing: the caller has checked that all limits are finite and above 0
-//! Source   MACS-PROF-10..12, with the reading of A-21
+//! Source   MACS-PROF-10..12, as interpreted in A-21
 
 mod climb;
 mod ramp;
@@ -17,12 +17,12 @@ use crate::position::Position;
 use climb::{Choice, Climb};
 use ramp::{Ease, Ramp, Side};
 
-/// The limits of acceleration while |velocity| grows and falls.
+/// Acceleration limits while |velocity| increases and decreases.
 #[derive(Clone, Copy, Debug)]
 struct Sides {
     grow: Side,
     brake: Side,
-    /// Both are the same.
+    /// Whether both are equal.
     even: bool,
 }
 
@@ -38,14 +38,15 @@ impl State {
         Self { velocity: sign * self.velocity, acceleration: sign * self.acceleration }
     }
 
-    /// The sign of its velocity now or next; 0 at rest.
+    /// Returns the sign of its present or next velocity; 0 at rest.
     fn side(&self) -> f64 {
         let leading = if self.velocity == 0.0 { self.acceleration } else { self.velocity };
         if leading == 0.0 { 0.0 } else { 1.0_f64.copysign(leading) }
     }
 }
 
-/// What a plan does first whatever its target: acceleration beyond its limit, or that carries it through zero, falls.
+/// The first phases of a plan for any target: an acceleration beyond its limit, or one that leads through zero, is
+/// reduced.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     eases: [Option<Ease>; 2],
@@ -94,18 +95,18 @@ impl Sides {
         Entry { eases, state }
     }
 
-    /// The task from `state` to `end_velocity`, both on the side of zero that `side` names.
+    /// Returns the task from `state` to `end_velocity`, both with the sign `side`.
     fn climb(&self, state: State, end_velocity: f64, top: f64, side: f64) -> Climb<'_> {
         let (up, down) = if side < 0.0 { (&self.brake, &self.grow) } else { (&self.grow, &self.brake) };
         Climb::new((state.velocity, state.acceleration), end_velocity, top, (up, down))
     }
 
-    /// From rest to a velocity.
+    /// Returns the ramp from rest to a velocity.
     fn ramp_to(&self, velocity: f64) -> Ramp<'_> {
         Ramp::new(&self.grow, 1.0_f64.copysign(velocity), 0.0, 0.0, velocity.abs(), velocity)
     }
 
-    /// Straight to a velocity: on one side of zero, or to rest and on from there.
+    /// Returns the direct way to a velocity: without change of sign, or to rest and from there.
     fn direct(&self, state: State, velocity: f64) -> (Climb<'_>, Option<Ramp<'_>>) {
         let side = state.side();
         if self.even || side * velocity >= 0.0 {
@@ -155,8 +156,8 @@ pub(super) fn to_pass(
     plan
 }
 
-/// Plans the way to a target `ahead`, which lies further up than the direct way to the end velocity leads, where zero is
-/// passed at rest only. What is written is turned by `sign`.
+/// Plans the way to a target `ahead`, which is above the end of the direct way to the end velocity, with velocity zero
+/// passed only at rest. Signs in the draft are multiplied by `sign`.
 fn upwards(draft: &mut Draft<'_>, sign: f64, mut state: State, mut end: f64, top: f64, sides: &Sides, mut ahead: f64) {
     let is_below = state.side() < 0.0;
     if is_below && end < 0.0 {
@@ -179,7 +180,7 @@ fn upwards(draft: &mut Draft<'_>, sign: f64, mut state: State, mut end: f64, top
     }
     let climb = sides.climb(state, end, top, 1.0);
     let direct = climb.direct_way();
-    // What is left of the way may be rounding only.
+    // The rest of the distance may be only rounding.
     let choice = if is_met(ahead, direct) { None } else { climb.solve(ahead, direct) };
     climb.add(draft, sign, choice.unwrap_or(Choice::Direct));
 }
@@ -193,7 +194,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, jerks: 
     entry.add(&mut draft);
     let (climb, rest) = sides.direct(entry.state, velocity);
     match rest {
-        // A stop is read from its end, so that it gets there smoothly however fast it was.
+        // A stop is evaluated from its end, so that it ends smoothly from any velocity.
         None if velocity == 0.0 => climb.add(&mut draft, 1.0, Choice::Direct),
         None => climb.add_direct(&mut draft, 1.0),
         Some(ramp) => {

@@ -2,12 +2,12 @@
 
 use super::super::plan::Draft;
 
-/// The limits of acceleration in one direction, and what follows from them.
+/// Acceleration limits in one direction, with derived values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// (inc/s^2)
+    /// Largest acceleration (inc/s^2).
     pub(super) limit: f64,
-    /// (inc/s^3)
+    /// Jerks of the rise and of the fall (inc/s^3).
     pub(super) rise: f64,
     pub(super) fall: f64,
     /// 1 / rise and 1 / fall (s^3/inc)
@@ -15,7 +15,7 @@ pub(super) struct Side {
     per_fall: f64,
     /// 1 / rise + 1 / fall (s^3/inc)
     pub(super) per_jerk: f64,
-    /// What it is the inverse of (inc/s^3).
+    /// Inverse of `per_jerk` (inc/s^3).
     peak_growth: f64,
     pub(super) per_limit: f64,
 }
@@ -36,18 +36,18 @@ impl Side {
         }
     }
 
-    /// Change of velocity while an acceleration falls to zero (inc/s).
+    /// Returns the change of velocity while an acceleration falls to zero (inc/s).
     pub(super) fn fall_off(&self, acceleration: f64) -> f64 {
         0.5 * acceleration * acceleration * self.per_fall
     }
 
-    /// The excess of a ramp that begins with `acceleration`, from which on it holds its limit (inc/s).
+    /// Returns the excess (inc/s) from which on a ramp that begins with `acceleration` reaches its limit.
     pub(super) fn excess_to_hold(&self, acceleration: f64) -> f64 {
         0.5 * (self.limit - acceleration) * (self.limit + acceleration) * self.per_jerk
     }
 }
 
-/// An acceleration that goes to zero, or towards it, with the jerk of its fall.
+/// A phase in which an acceleration is reduced to zero, or towards it, with the jerk of its fall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ease {
     velocity: f64,
@@ -63,7 +63,7 @@ impl Ease {
         Self { velocity: 0.0, from: 0.0, jerk: 0.0, time: 0.0, way: 0.0 }
     }
 
-    /// From acceleration `from` to acceleration `to`, which is no greater and has its sign or none.
+    /// Returns the phase from acceleration `from` to `to`, which is not larger and has the same sign or is 0.
     pub(super) fn new(velocity: f64, from: f64, to: f64, side: &Side) -> Self {
         let jerk = -side.fall.copysign(from);
         let time = (from - to).abs() * side.per_fall;
@@ -71,7 +71,7 @@ impl Ease {
         Self { velocity, from, jerk, time, way }
     }
 
-    /// Change of velocity (inc/s).
+    /// Returns the change of velocity (inc/s).
     pub(super) fn change(&self) -> f64 {
         self.time * (self.from + 0.5 * self.jerk * self.time)
     }
@@ -89,7 +89,7 @@ pub(super) struct Ramp<'a> {
     sign: f64,
     from: f64,
     to: f64,
-    /// Acceleration at the start, in the direction of the ramp.
+    /// Initial acceleration, in the direction of the ramp.
     begin: f64,
     pub(super) peak: f64,
     rise_time: f64,
@@ -98,8 +98,9 @@ pub(super) struct Ramp<'a> {
 }
 
 impl<'a> Ramp<'a> {
-    /// A ramp from velocity `from` with acceleration `begin` in its direction to velocity `to`. `excess` is how far beyond
-    /// the fall of `begin` to zero that lies, given apart because a difference of velocities would lose its digits.
+    /// Returns a ramp from velocity `from` with acceleration `begin` in its direction to velocity `to`. `excess` is the
+    /// distance of `to` beyond the velocity after the fall of `begin` to zero; it is a separate argument because a
+    /// difference of velocities would lose digits.
     #[inline]
     pub(super) fn new(side: &'a Side, sign: f64, from: f64, begin: f64, excess: f64, to: f64) -> Self {
         let excess = excess.max(0.0);
@@ -109,14 +110,14 @@ impl<'a> Ramp<'a> {
         } else {
             let (square, gain) = (begin * begin, 2.0 * excess * side.peak_growth);
             let peak = (square + gain).sqrt();
-            // Of the same two numbers, the difference is faster and the quotient keeps its digits.
+            // Both expressions are equal: the difference is faster, the quotient is more accurate.
             (peak, if gain >= square { peak - begin } else { gain / (peak + begin) }, 0.0)
         };
         let (rise_time, fall_time) = (rise.max(0.0) * side.per_rise, peak * side.per_fall);
         Self { side, sign, from, to, begin, peak, rise_time, hold_time, fall_time }
     }
 
-    /// Velocities at the end of the rise and of the hold.
+    /// Returns the velocities at the end of the rise and of the hold.
     fn middle(&self) -> (f64, f64) {
         let risen = self.from + self.sign * 0.5 * (self.begin + self.peak) * self.rise_time;
         (risen, self.to - self.sign * 0.5 * self.peak * self.fall_time)
@@ -131,8 +132,8 @@ impl<'a> Ramp<'a> {
         rise + 0.5 * t2 * (risen + held) + fall
     }
 
-    /// The first and the second derivative of the way of a ramp upwards by its end velocity, or of one downwards by its
-    /// start velocity, where it has no acceleration (s, s^2/inc).
+    /// Returns first and second derivative of the distance of a ramp upwards by its end velocity, or of a ramp
+    /// downwards by its start velocity, at the end without acceleration (s, s^2/inc).
     #[inline]
     pub(super) fn slopes(&self) -> (f64, f64) {
         let (velocity, per_jerk) =
@@ -140,7 +141,7 @@ impl<'a> Ramp<'a> {
         self.slopes_by(velocity, per_jerk)
     }
 
-    /// How much less the way of a ramp downwards gets with its end velocity (s).
+    /// Returns the decrease of the distance of a ramp downwards with its end velocity (s).
     pub(super) fn slope_back(&self) -> f64 {
         self.slopes_by(self.to, -self.side.per_fall).0
     }
@@ -149,7 +150,7 @@ impl<'a> Ramp<'a> {
     fn slopes_by(&self, velocity: f64, per_jerk: f64) -> (f64, f64) {
         let per_peak = 1.0 / self.peak;
         let slope = velocity * per_peak + 0.5 * self.peak * per_jerk;
-        // Where the limit holds, more velocity is more time at it; else it is a higher peak.
+        // If the limit is held, more velocity takes more time at it; otherwise a higher peak.
         let growth = if self.hold_time > 0.0 { 0.0 } else { per_peak * self.side.peak_growth };
         (slope, per_peak + growth * (0.5 * per_jerk - velocity * per_peak * per_peak))
     }

@@ -1,6 +1,7 @@
 use super::*;
 
-/// VELMAX 3000 rpm, 2000 qc per turn, RAMPMIN 500 ms, JERKMIN 200 ms: 100 qc/ms, 0.2 qc/ms^2, 0.001 qc/ms^3 (MACS-O-10).
+/// VELMAX 3000 rpm, 2000 qc per turn, RAMPMIN 500 ms, JERKMIN 200 ms: 100 qc/ms, 0.2 qc/ms^2, 0.001 qc/ms^3
+/// (MACS-O-10).
 fn manual() -> Limits {
     jerk_limits(100e3, 0.2e6, 0.001e9)
 }
@@ -28,7 +29,7 @@ fn a_short_jerk_step_peaks_at_half_the_acceleration() {
     assert!((plan.at(100).acceleration - 0.1e6).abs() < 1e-6);
 }
 
-/// Time of a move from rest to rest (s).
+/// Returns the time of a move from rest to rest (s).
 fn time(way: i64, velocity: f64, acceleration: f64, jerk: f64) -> f64 {
     to_rest(Motion::default(), Position::whole(way), &jerk_limits(velocity, acceleration, jerk), MS).duration()
 }
@@ -49,7 +50,7 @@ fn a_move_reaches_its_acceleration_but_not_its_speed() {
     assert!((time(10, 1e4, 200.0, 2000.0) - 0.558_257_569_495_584).abs() < 1e-9);
 }
 
-/// cbrt(32 S/r): S = 2, r = 1000 gives 0.4 s. At S = 2 a^3/r^2 both formulas agree: a = 100 here.
+/// cbrt(32 S/r): S = 2, r = 1000 gives 0.4 s. At S = 2 a^3/r^2 both formulas are equal: a = 100 here.
 ///
 /// Proves: WF-TIM-06, WF-TIM-07
 #[test]
@@ -67,7 +68,7 @@ fn a_slow_move_reaches_its_speed_but_not_its_acceleration() {
     assert!((time(100, 10.0, 200.0, 1000.0) - 10.2).abs() < 1e-9);
 }
 
-/// 0.2 s up (rise 0.1 s, fall 0.1 s) and 0.2 s down, each over 10 inc/s * 0.1 s.
+/// 0.2 s of acceleration (rise 0.1 s, fall 0.1 s) and 0.2 s of deceleration, each over 10 inc/s * 0.1 s.
 #[test]
 fn at_double_jerk_a_fall_takes_half_its_time() {
     let jerks = Jerks { rise: 1000.0, fall: 2000.0, brake_rise: 500.0, brake_fall: 1000.0 };
@@ -89,7 +90,7 @@ fn with_other_rates_for_braking_a_plan_turns_at_rest() {
     let plan = to_rest(moving(0.0, -50.0), Position::whole(100), &limits, MS);
     let turn = (0..plan.cycles()).find(|k| plan.at(*k).velocity >= 0.0).expect("a turn");
     assert!(plan.at(turn).acceleration.abs() <= 4.0, "{:?}", plan.at(turn));
-    // What brakes with 400 inc/s^2 stops within 50^2 / 800 inc and a little for the jerk.
+    // A deceleration of 400 inc/s^2 stops within 50^2 / 800 inc plus a small distance for the jerk.
     let (low, high) = plan.extent();
     assert!(low > Position::whole(-6) && low < Position::whole(-3), "{low:?}");
     assert_eq!(high, Position::whole(100));
@@ -106,7 +107,7 @@ fn with_even_rates_a_plan_turns_without_a_stop() {
     assert!(low <= lowest && lowest - low < Position::from_f64(1e-3), "{low:?} {lowest:?}");
 }
 
-/// From above the velocity falls to a lowered limit, and not below it.
+/// From above, the velocity decreases to a reduced limit, and not below it.
 #[test]
 fn a_lowered_limit_is_met_from_above() {
     let start = Motion { velocity: 200.0, acceleration: -10.0, ..Motion::default() };

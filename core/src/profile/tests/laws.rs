@@ -1,14 +1,14 @@
-//! Laws that hold for every plan, judged on what it reads.
+//! Laws for every plan, checked by its evaluated motion.
 
 use super::*;
 use proptest::prelude::*;
 
-/// (s)
+/// Cycle time (s).
 const CYCLE: f64 = 1e-3;
-/// Relative rounding.
+/// Relative rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// What the last digits of f64 are digits of: the way from the start or the end (inc), and the time (s).
+/// Magnitudes for the rounding errors of f64: distance from the start or the end (inc), and time (s).
 #[derive(Clone, Copy, Debug)]
 struct Digits {
     way: f64,
@@ -49,15 +49,15 @@ impl Case {
         self.limits.acceleration.max(self.limits.deceleration).max(start)
     }
 
-    /// Cycles to judge: all, or the first and the last of very many; the last ones only where the time still has digits
-    /// for a cycle.
+    /// Returns the cycles to check: all, or the first and the last ones of a long plan; the last ones only if the time
+    /// still resolves a cycle.
     fn cycles(plan: &Plan) -> impl Iterator<Item = u64> {
         let (most, all) = (1500, plan.cycles());
         let last = if plan.duration() < 1e5 { all } else { 0 };
         (1..=all.min(most)).chain(all.saturating_sub(most).max(most + 1)..=last)
     }
 
-    /// Which limit may hold: of growing and of falling |velocity|; both where the velocity is rounding.
+    /// Returns which limits apply: those of increasing and of decreasing |velocity|; both if the velocity is rounding.
     fn sides(&self, now: Motion) -> (bool, bool) {
         let is_rest = now.velocity.abs() <= 1e-7 * self.limits.velocity;
         let grows = now.velocity * now.acceleration >= 0.0;
@@ -94,7 +94,7 @@ impl Case {
         Ok(())
     }
 
-    /// From one cycle to the next everything is the integral of what it should be.
+    /// Checks that position and velocity are the integrals of velocity and acceleration from one cycle to the next.
     fn check_step(&self, digits: Digits, before: Motion, now: Motion) -> Result<(), TestCaseError> {
         let way = distance(before.position, now.position);
         let by_velocity = 0.5 * (before.velocity + now.velocity) * CYCLE;
@@ -123,7 +123,7 @@ impl Case {
         Ok(())
     }
 
-    /// What lies ahead of a place lies within what the plan tells from there.
+    /// Checks that the rest of the motion is within the extent that the plan returns from there.
     fn check_ahead(&self, plan: &Plan, digits: Digits) -> Result<(), TestCaseError> {
         if self.end_velocity != 0.0 || plan.cycles() > 2000 {
             return Ok(());
@@ -174,13 +174,13 @@ impl Case {
         Ok(())
     }
 
-    /// The same task, given again on the way, does not take another time.
+    /// Checks that the same task, planned again during the motion, takes the same time.
     fn check_replanned(&self, share: f64) -> Result<(), TestCaseError> {
         let plan = self.plan();
         let k = (share * plan.cycles() as f64) as u64;
         let again = Case { start: plan.at(k), ..*self }.plan();
         let left = plan.duration() - k as f64 * CYCLE;
-        // A cycle is to be more than the last digits of the time.
+        // A cycle must exceed the rounding error of the time.
         if k < plan.cycles() && plan.duration() < 1e4 {
             let difference = (again.duration() - left).abs();
             prop_assert!(difference < CYCLE, "cycle {k}: {} s instead of {left} s", again.duration());
@@ -221,7 +221,7 @@ fn magnitude(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low..high).prop_map(libm::exp10)
 }
 
-/// Of 1: mostly somewhere, sometimes at a mark.
+/// A number up to 1: usually any, sometimes a special one.
 fn share() -> impl Strategy<Value = f64> {
     prop_oneof![6 => -1.0..1.0_f64, 1 => Just(0.0), 1 => Just(1.0), 1 => Just(-1.0), 1 => -1e-12..1e-12_f64]
 }
@@ -244,7 +244,7 @@ fn shape() -> impl Strategy<Value = Shape> {
 }
 
 prop_compose! {
-    /// `excess`: how far a start may be beyond its limits; 1 for within them.
+    /// `excess`: largest factor by which a start may exceed its limits; 1: within them.
     fn case(excess: f64, ends: bool)(
         shape in shape(),
         (velocity, acceleration, deceleration) in (magnitude(1.0, 6.0), magnitude(1.0, 7.0), magnitude(1.0, 7.0)),
@@ -264,7 +264,7 @@ prop_compose! {
     }
 }
 
-/// As many as are asked for, else those of some seconds.
+/// Returns the requested number of cases, or a number for some seconds.
 fn config(cases: u32) -> ProptestConfig {
     let long = std::env::var_os("LINESHAFT_LONG").is_some();
     ProptestConfig::with_cases(if long { 30_000 } else { cases })
@@ -316,7 +316,7 @@ proptest! {
 }
 
 prop_compose! {
-    /// Numbers from 1e-6 to 1e15, in any ratio, and ways of up to 2^62 increments.
+    /// Numbers from 1e-6 to 1e15, in any ratio, and distances of up to 2^62 increments.
     fn extreme()(
         values in prop::array::uniform10(magnitude(-6.0, 15.0)),
         even in any::<bool>(),
@@ -339,7 +339,7 @@ prop_compose! {
 }
 
 impl Case {
-    /// What is left to ask where rounding may be any number of cycles.
+    /// Checks the properties that remain if rounding may be any number of cycles.
     fn check_extreme(&self, plan: &Plan, at_target: bool) -> Result<(), TestCaseError> {
         prop_assert!(plan.duration().is_finite() && plan.duration() >= 0.0, "{}", plan.duration());
         let end = plan.at(plan.cycles());
@@ -353,14 +353,14 @@ impl Case {
             let now = plan.at(plan.cycles() / 64 * share + share);
             prop_assert!(now.velocity.is_finite() && now.acceleration.is_finite() && now.jerk.is_finite(), "{now:?}");
             let run_out = match self.jerks() {
-                // As far as the acceleration carries it, whatever is done.
+                // The part that the acceleration adds in any plan.
                 Some(jerks) => {
                     0.5 * self.start.acceleration * self.start.acceleration / jerks.fall.min(jerks.brake_fall)
                 }
                 None => 0.0,
             };
             let most = self.limits.velocity.max(self.start.velocity.abs() + run_out);
-            // The time has no more digits than f64.
+            // The accuracy of the time is that of f64.
             let digits = now.acceleration.abs() * 1e-15 * plan.duration();
             prop_assert!(now.velocity.abs() <= most * (1.0 + 1e-6) + digits, "{now:?} beyond {most}");
             let most = self.limits.acceleration.max(self.limits.deceleration).max(self.start.acceleration.abs());

@@ -7,7 +7,7 @@ mod ruckig;
 mod sine;
 mod trapezoid;
 
-/// One cycle of a millisecond (ns).
+/// Cycle time of one millisecond (ns).
 const MS: u64 = 1_000_000;
 
 fn moving(position: f64, velocity: f64) -> Motion {

@@ -14,7 +14,7 @@ fn a_pass_goes_on_at_its_end_velocity() {
     assert!((after.position.to_f64() - 30.0).abs() < 1e-6);
 }
 
-/// 100 inc/s, then down to 50 inc/s in 0.05 s over 3.75 inc; 11.25 inc of cruise between.
+/// 100 inc/s, then down to 50 inc/s in 0.05 s over 3.75 inc; 11.25 inc at constant velocity between them.
 #[test]
 fn a_pass_slows_down_before_its_target() {
     let plan = to_pass(Motion::default(), Position::whole(20), 50.0, &trapezoid(), MS);
@@ -29,7 +29,7 @@ fn a_pass_slows_down_before_its_target() {
 
 #[test]
 fn a_pass_in_the_other_direction_comes_back() {
-    // Over 20 inc to a stop at 25 inc, and back to it with 5 inc of run-up.
+    // Over 20 inc to a stop at 25 inc, and back with a run-up of 5 inc.
     let plan = to_pass(Motion::default(), Position::whole(20), -100.0, &trapezoid(), MS);
     let (_, high) = plan.extent();
     assert_eq!(high, Position::whole(25));
@@ -38,7 +38,7 @@ fn a_pass_in_the_other_direction_comes_back() {
     assert!((end.position.to_f64() - (20.0 - 100.0 * plan.overshoot(plan.cycles()))).abs() < 1e-6);
 }
 
-/// What began a third of a cycle earlier is read a third of a cycle further on.
+/// A plan that began a third of a cycle earlier is evaluated a third of a cycle later.
 #[test]
 fn a_lead_shifts_what_is_read() {
     let limits = jerk_limits(1000.0, 5000.0, 50_000.0);
@@ -72,7 +72,7 @@ fn a_long_way_begins_and_ends_smoothly() {
     }
 }
 
-/// A plan from outside may hold anything.
+/// A plan from outside may contain any values.
 #[test]
 fn a_hostile_plan_does_not_panic() {
     let plan = to_rest(moving(0.0, -50.0), Position::whole(100), &jerk_limits(100.0, 400.0, 4000.0), MS);
@@ -95,7 +95,7 @@ fn a_hostile_plan_does_not_panic() {
     assert!(refused > 0);
 }
 
-/// A plan that runs at its target already, swings back and passes it: where it turns behind its start lies ahead of it.
+/// A plan that is already at its target, turns back and passes it: a reversal behind its start is still ahead.
 #[test]
 fn what_lies_ahead_is_told_from_every_place_of_a_plan_that_turns_twice() {
     let jerks = Jerks { rise: 1e6, fall: 1e6, brake_rise: 1e7, brake_fall: 1e6 };

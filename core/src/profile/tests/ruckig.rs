@@ -1,11 +1,11 @@
-//! Durations beside those of Ruckig, which finds the fastest plan under even limits in another way.
+//! Compares durations with those of Ruckig, which finds the fastest plan under symmetric limits by another method.
 
 use super::*;
 use rsruckig::prelude::*;
 
-/// Increments per unit of Ruckig: its tolerances are absolute, made for metres or radians.
+/// Increments per unit of Ruckig, whose tolerances are absolute, for metres or radians.
 const UNIT: f64 = 1e6;
-/// (s)
+/// Cycle time (s).
 const CYCLE: f64 = 1e-3;
 
 /// Random numbers (xorshift64*), the same in each run.
@@ -23,7 +23,7 @@ impl Random {
         (2.0 * self.unit() - 1.0) * bound
     }
 
-    /// Between 10^low and 10^high.
+    /// Returns a number between 10^low and 10^high.
     fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         libm::exp10(low + self.unit() * (high - low))
     }
@@ -42,7 +42,7 @@ struct Task {
 }
 
 impl Task {
-    /// `excess`: how far the start may be beyond its limits; 1 for within them.
+    /// `excess`: largest factor by which the start may exceed its limits; 1: within them.
     fn random(random: &mut Random, passes: bool, excess: f64) -> Self {
         let top = random.magnitude(-1.0, 1.5);
         let limit = top * random.magnitude(-0.5, 1.5);
@@ -59,7 +59,7 @@ impl Task {
         }
     }
 
-    /// Does the acceleration at the start carry it beyond its limit of velocity, whatever is done?
+    /// Whether the acceleration at the start leads beyond the velocity limit in any plan.
     fn overruns(&self) -> bool {
         let run_out = self.velocity + self.acceleration * self.acceleration.abs() / (2.0 * self.jerk);
         run_out.abs() > self.top || self.velocity.abs() > self.top || self.acceleration.abs() > self.limit
@@ -86,12 +86,12 @@ impl Task {
     }
 }
 
-/// How many states are judged: many when asked for.
+/// Returns the number of compared states, more of them in long tests.
 fn count() -> usize {
     if std::env::var_os("LINESHAFT_LONG").is_some() { 100_000 } else { 5_000 }
 }
 
-/// Judges states until there are enough; of some, Ruckig has no plan.
+/// Compares states until there are enough; for some of them Ruckig has no plan.
 fn compare(seed: u64, passes: bool, excess: f64, judge: impl Fn(&Task, f64, f64) -> bool) {
     let mut random = Random(seed);
     let mut ruckig = Ruckig::<1, ThrowErrorHandler>::new(None, CYCLE);
@@ -128,7 +128,7 @@ fn a_move_through_a_target_takes_the_time_of_ruckig() {
     compare(2, true, 1.0, is_equal);
 }
 
-/// Beyond its limits Ruckig brakes until it is below them, and then speeds up again.
+/// Beyond its limits Ruckig brakes until it is below them, and then accelerates again.
 #[test]
 fn a_start_beyond_the_limits_takes_no_longer_than_with_ruckig() {
     for passes in [false, true] {

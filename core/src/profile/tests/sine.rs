@@ -24,7 +24,8 @@ fn an_s_ramp_takes_half_of_pi_times_the_time_of_the_trapezoid() {
     }
 }
 
-/// 100 inc/s with 50 pi inc/s^2 up and 25 pi down: 1 s over 50 inc, 2 s over 100 inc; 50 inc of cruise in 0.5 s.
+/// 100 inc/s with 50 pi inc/s^2 up and 25 pi down: 1 s over 50 inc, 2 s over 100 inc; 50 inc at constant velocity in
+/// 0.5 s.
 #[test]
 fn a_move_has_two_s_ramps_and_a_cruise() {
     let plan = to_rest(Motion::default(), Position::whole(200), &limits(100.0, 50.0 * PI, 25.0 * PI), MS);
@@ -36,7 +37,7 @@ fn a_move_has_two_s_ramps_and_a_cruise() {
     assert!((plan.at(2500).acceleration + 25.0 * PI).abs() < 1e-6);
 }
 
-/// w = 2 A / V = 2/s: the acceleration of 50 inc/s^2 is worth 25 inc/s more.
+/// w = 2 A / V = 2/s: the acceleration of 50 inc/s^2 adds 25 inc/s.
 #[test]
 fn an_acceleration_at_the_start_ends_along_a_quarter_of_a_wave() {
     let start = Motion { velocity: 20.0, acceleration: 50.0, ..Motion::default() };

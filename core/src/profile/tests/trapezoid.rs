@@ -5,7 +5,7 @@ fn limits(velocity: f64, acceleration: f64, deceleration: f64) -> Limits {
     Limits { velocity, acceleration, deceleration, shape: Shape::Trapezoid }
 }
 
-/// The manual's defaults: VELMAX 1000 rpm, 2000 qc per turn, RAMPMIN 1000 ms, DFLTVEL 50, DFLTACC 50.
+/// The defaults of the manual: VELMAX 1000 rpm, 2000 qc per turn, RAMPMIN 1000 ms, DFLTVEL 50, DFLTACC 50.
 ///
 /// Proves: MACS-PROF-08, MACS-O-14
 #[test]
@@ -36,7 +36,7 @@ fn a_short_move_is_a_triangle() {
 
 #[test]
 fn different_rates_up_and_down_meet() {
-    // 100 inc/s in 0.1 s (5 inc), 90 inc cruise 0.9 s, down in 0.2 s over 10 inc.
+    // 100 inc/s in 0.1 s (5 inc), 90 inc at constant velocity in 0.9 s, down in 0.2 s over 10 inc.
     let plan = to_rest(Motion::default(), Position::whole(105), &limits(100.0, 1000.0, 500.0), MS);
     assert_eq!(plan.cycles(), 1200);
     assert_eq!(plan.at(1050).acceleration, -500.0);
@@ -130,8 +130,8 @@ fn a_short_way_takes_the_time_of_its_formula() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever the state: the target is met exactly, the limits hold (or a velocity beyond them falls), and position
-    /// changes by no more than the velocity allows.
+    /// In any state: the target is reached exactly, the limits are kept (or a velocity beyond them decreases), and the
+    /// position changes by at most the velocity limit.
     ///
     /// Proves: MACS-PROF-08
     #[test]

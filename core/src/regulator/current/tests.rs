@@ -8,7 +8,7 @@ const DC6_24: Winding =
 const DC3_48: Winding =
     Winding { beta: 0.1, sample: CURRENT_SAMPLE, voltage: 48.0, scale: DC3, inductance: 0.5e-3, resistance: 0.4 };
 
-/// One of gain makes 1/16 V of 1 A, so that 2 V/A and 1 V per A and sample are numbers by hand.
+/// One unit of gain gives 1/16 V per A, so that 2 V/A and 1 V per A and sample can be calculated by hand.
 const UNIT: CurrentGains =
     CurrentGains { proportional: 32.0, integral: 4.0, limit: 100.0, voltage: 16.0, scale: (1_u32 << 19) as f64 };
 
@@ -38,7 +38,7 @@ fn the_design_of_a_dc3_at_48_v() {
     near(design.integral, 19.74, 0.005);
 }
 
-/// The exact discretisation of L di/dt + R i = voltage, held over a sample.
+/// The exact discretization of L di/dt + R i = voltage, held over a sample.
 struct Plant {
     winding: Winding,
     decay: f64,
@@ -57,7 +57,8 @@ impl Plant {
     }
 }
 
-/// The gains of the design, and the same loop sampled `finer` times as often: CURKINT goes with Ts.
+/// Returns the gains of the design, and those of the same loop sampled `finer` times as often: CURKINT is proportional
+/// to Ts.
 fn designed(winding: Winding, finer: f64) -> (f64, CurrentGains) {
     let design = winding.design().unwrap();
     let gains = CurrentGains {
@@ -70,10 +71,10 @@ fn designed(winding: Winding, finer: f64) -> (f64, CurrentGains) {
     (design.bandwidth, gains)
 }
 
-/// Samples for each of the source: what is continuous shows within 1/1000 of the step.
+/// Factor for finer sampling, with which the error of the continuous model is below 1/1000 of the step.
 const FINE: f64 = 256.0;
 
-/// The double pole alone: a setpoint behind the lag that takes the zero of the loop away answers as 1 - (1 + w t) e^(-w t).
+/// The double pole alone: a setpoint through a lag that cancels the zero of the loop gives 1 - (1 + w t) e^(-w t).
 ///
 /// Proves: MACS-AMP-07
 #[test]
@@ -81,7 +82,7 @@ fn the_loop_has_a_double_pole_at_the_bandwidth() {
     for winding in [DC6_24, DC3_48] {
         let (w, gains) = designed(winding, FINE);
         let sample = winding.sample / FINE;
-        // The loop by its coefficients: K = 2 w L - R, its integral w^2 L.
+        // The coefficients of the loop: K = 2 w L - R, its integral w^2 L.
         let zero = (2.0 * w * winding.inductance - winding.resistance) / (w * w * winding.inductance);
         let lag = libm::exp(-sample / zero);
         let (mut regulator, mut plant, mut setpoint) = (CurrentLoop::default(), Plant::new(winding, sample), 1.0);
@@ -97,7 +98,8 @@ fn the_loop_has_a_double_pole_at_the_bandwidth() {
     }
 }
 
-/// A setpoint that steps answers as 1 - (1 + (R/L - w) t) e^(-w t); a voltage in the way moves the current by t e^(-w t) / L.
+/// The response to a step of the setpoint is 1 - (1 + (R/L - w) t) e^(-w t); a disturbance voltage moves the current by
+/// t e^(-w t) / L.
 #[test]
 fn the_loop_answers_steps_as_its_poles_and_zero_say() {
     for winding in [DC6_24, DC3_48] {
@@ -116,7 +118,7 @@ fn the_loop_answers_steps_as_its_poles_and_zero_say() {
     }
 }
 
-/// At the rate of the source the loop is not the continuous one any more; it settles, and nothing stays.
+/// At the sampling rate of the source the loop differs from the continuous one; it settles without remaining error.
 #[test]
 fn the_loop_settles_at_the_rate_of_the_source() {
     for winding in [DC6_24, DC3_48, Winding { beta: 0.3, ..DC6_24 }] {
@@ -132,7 +134,7 @@ fn the_loop_settles_at_the_rate_of_the_source() {
     }
 }
 
-/// 2 V/A of the error and 4 times 1/4 V of its sum, by hand.
+/// 2 V/A of the error and 4 times 1/4 V of its sum, calculated by hand.
 #[test]
 fn the_gains_weigh_the_error_and_four_times_its_sum() {
     let mut regulator = CurrentLoop::default();
@@ -167,7 +169,7 @@ fn the_sum_does_not_grow_at_the_limit_of_the_voltage() {
     near(regulator.step(&UNIT, -1.0), -2.0 + 9.0, 1e-12);
 }
 
-/// 10 of the sum become 5 with the bound; -20 of the error with them leave 1 of the voltage to the sum.
+/// The sum of 10 becomes 5 with the bound; -20 of the error and 5 leave 1 V for the sum.
 #[test]
 fn a_bound_that_falls_counts_before_the_room_is_measured() {
     let bounded = CurrentGains { limit: 5.0, ..UNIT };
@@ -243,20 +245,20 @@ fn a_state_beyond_what_the_loop_reaches_is_not_sound() {
     }
 }
 
-/// With 2 V/A and 1 V for each of the sum: an error of 1 A, and a sum of 4 of it, is 6 V. CURKINT twice as large keeps the integral part
-/// with half the sum, CURKPROP twice as large would add 2 V, which are made up for and fade within 64 samples. The error stands against
-/// an equal one of the other sense, so that the sum does not move.
+/// With 2 V/A and 1 V per unit of the sum: an error of 1 A, and a sum of 4, give 6 V. With doubled CURKINT the integral
+/// part remains with half the sum; doubled CURKPROP would add 2 V, which are compensated and fade within 64 samples.
+/// Each error is followed by the opposite one, so that the sum does not change.
 #[test]
 fn other_gains_do_not_step_the_voltage() {
     let mut regulator = CurrentLoop::default();
     near(last(&mut regulator, &UNIT, 1.0, 4), 6.0, 1e-12);
-    // In its sample the gains before make the voltage: 2 + 5.
+    // In its sample the gains before give the voltage: 2 + 5.
     let twice = CurrentGains { integral: 8.0, ..UNIT };
     near(regulator.step(&twice, 1.0), 7.0, 1e-12);
     near(regulator.sum, 2.5, 1e-12);
     near(regulator.step(&twice, 0.0), 5.0, 1e-12);
     let stiff = CurrentGains { proportional: 64.0, ..twice };
-    // 2 + 5 + 2 by the gains before; 4 + 7 by the new ones.
+    // 2 + 5 + 2 with the gains before; 4 + 7 with the new ones.
     near(regulator.step(&stiff, 1.0), 9.0, 1e-12);
     for sample in 0..64 {
         let rest = -2.0 * (1.0 - f64::from(sample) / 64.0);
@@ -264,13 +266,13 @@ fn other_gains_do_not_step_the_voltage() {
         assert!(regulator.is_sound());
     }
     near(regulator.step(&stiff, 0.0), 7.0, 1e-12);
-    // Without an integral part all of it fades.
+    // Without integral part all of it fades.
     near(regulator.step(&CurrentGains { integral: 0.0, ..stiff }, 0.0), 7.0, 1e-12);
     near(last(&mut regulator, &CurrentGains { integral: 0.0, ..stiff }, 0.0, 65), 0.0, 1e-12);
 }
 
 proptest! {
-    /// Whatever was in force before: the voltage of the sample in which gains change is that of the gains before.
+    /// With any gains before: the voltage of the sample in which gains change is that of the gains before.
     #[test]
     fn a_change_of_gains_makes_no_bump(
         before in prop::array::uniform3(-32_767.0..32_767.0_f64), behind in prop::array::uniform3(-32_767.0..32_767.0_f64),

@@ -2,7 +2,7 @@
 //!
 //! Law      velocity = change of the cycle
 //! Reads    the change (inc)
-//! Writes   the velocity (inc/cycle); of the middle of the cycle, so half a cycle late
+//! Writes   the velocity (inc/cycle), of the middle of the cycle: its delay is half a cycle
 //! Refuses  nothing
 
 use serde::{Deserialize, Serialize};

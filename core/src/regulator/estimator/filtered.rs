@@ -1,23 +1,23 @@
-//! The difference of two positions behind a low-pass of first order.
+//! The difference of two positions with a first-order low-pass filter.
 //!
-//! Law      velocity += (1 - e^(-T/time)) (change - velocity): what a lag makes of a change that is held over the cycle. A time of
-//!          0 is no filter
+//! Law      velocity += (1 - e^(-T/time)) (change - velocity): the response of a lag to a change that is held over the
+//!          cycle. A time of 0 is no filter
 //! Reads    the change of the cycle (inc)
-//! Writes   the velocity (inc/cycle); of a ramp it is T / (e^(T/time) - 1) + T/2 late, nearly the time
-//! Refuses  nothing: the settings are judged before
+//! Writes   the velocity (inc/cycle); its delay for a ramp is T / (e^(T/time) - 1) + T/2, nearly the time
+//! Refuses  nothing: the settings are checked before
 
 use serde::{Deserialize, Serialize};
 
 /// The estimator.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Filtered {
-    /// Part of the way that a cycle goes: above 0 up to 1.
+    /// Share of the difference that is added per cycle: above 0 up to 1.
     pub(super) share: f64,
     pub(super) velocity: f64,
 }
 
 impl Filtered {
-    /// With a time in cycles.
+    /// Returns a filter with a time in cycles.
     pub(super) fn new(time: f64) -> Self {
         let share = if time > 0.0 { -libm::expm1(-1.0 / time) } else { 1.0 };
         Self { share, velocity: 0.0 }

@@ -1,15 +1,16 @@
 //! The gains of a Kalman filter in its steady state.
 //!
-//! Law      x' = F x + G noise, position = H x + quantisation. Of constant velocity x is place and velocity, G = (1/2, 1) times an
-//!          acceleration; of constant acceleration x has that as well, G = (1/6, 1/2, 1) times a jerk. Both are held over a cycle
-//!          and independent from cycle to cycle. Quantisation is a variance of 1/12 inc^2.
-//!          The gain is P H' / (H P H' + R) with the P at which P = F (P - P H' H P / (H P H' + R)) F' + G G'
-//! Reads    the index: how far the noise moves the place, against the quantisation
+//! Law      x' = F x + G noise, position = H x + quantization. For constant velocity x is position and velocity,
+//!          G = (1/2, 1) times an acceleration; for constant acceleration x also contains that, G = (1/6, 1/2, 1) times
+//!          a jerk. Both are held over a cycle and independent from cycle to cycle. Quantization is a variance of 1/12
+//!          inc^2.
+//!          The gain is P H' / (H P H' + R) with the P for which P = F (P - P H' H P / (H P H' + R)) F' + G G'
+//! Reads    the index: effect of the noise on the position relative to the quantization
 //! Writes   gains of a track
-//! Refuses  what no iteration settles for: none of the indices that the settings permit
+//! Refuses  an index for which the iteration does not settle: none of the allowed indices
 //!
-//! The equation is iterated by doubling (Anderson's): each step does what as many steps of the filter do as all before it
-//! together. A slow filter needs a million of its own steps, and twenty of these.
+//! The equation is iterated by doubling (Anderson): each step is equivalent to as many steps of the filter as all steps
+//! before it together. A slow filter needs a million of its own steps, and twenty of these.
 
 use super::track::Gains;
 use nalgebra::SMatrix;
@@ -17,24 +18,24 @@ use nalgebra::SMatrix;
 /// Standard deviation of a position that is rounded to whole increments: 1/sqrt(12).
 pub(super) const QUANTISATION: f64 = 0.288_675_134_594_812_9;
 
-/// Steps after which the iteration ends in any case; it has settled long before.
+/// Steps after which the iteration ends in any case; it settles long before.
 const STEPS: usize = 60;
 
-/// Gains of a model of constant velocity; `index` is acceleration * T^2 / quantisation.
+/// Returns the gains for a model of constant velocity; `index` is acceleration * T^2 / quantization.
 pub(super) fn constant_velocity(index: f64) -> Option<Gains> {
     let ahead = SMatrix::<f64, 2, 2>::new(1.0, 1.0, 0.0, 1.0);
     let [place, velocity] = steady(&ahead, &[0.5 * index, index])?;
     Some(Gains { place, velocity, acceleration: 0.0 })
 }
 
-/// Gains of a model of constant acceleration; `index` is jerk * T^3 / quantisation.
+/// Returns the gains for a model of constant acceleration; `index` is jerk * T^3 / quantization.
 pub(super) fn constant_acceleration(index: f64) -> Option<Gains> {
     let ahead = SMatrix::<f64, 3, 3>::new(1.0, 1.0, 0.5, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0);
     let [place, velocity, acceleration] = steady(&ahead, &[index / 6.0, index / 2.0, index])?;
     Some(Gains { place, velocity, acceleration })
 }
 
-/// The gain in the steady state, where the variance of the position is 1.
+/// Returns the gain in the steady state, for a variance of the position of 1.
 fn steady<const N: usize>(ahead: &SMatrix<f64, N, N>, noise: &[f64; N]) -> Option<[f64; N]> {
     let noise = SMatrix::<f64, N, 1>::from(*noise);
     let mut step = ahead.transpose();
@@ -47,7 +48,7 @@ fn steady<const N: usize>(ahead: &SMatrix<f64, N, N>, noise: &[f64; N]) -> Optio
         let next = variance + step.transpose() * variance * through;
         seen += step * inverse * seen * step.transpose();
         step *= through;
-        // Both are symmetric; rounding must not add up to what is not.
+        // Both are symmetric; rounding must not make them asymmetric.
         seen = (seen + seen.transpose()) / 2.0;
         let settled = next == variance;
         variance = (next + next.transpose()) / 2.0;
@@ -67,7 +68,7 @@ mod tests {
     const LEAST: i32 = -40;
     const MOST: i32 = 12;
 
-    /// Each index that is permitted, four in a decade.
+    /// Returns the allowed indices, four per decade.
     fn indices() -> impl Iterator<Item = f64> {
         (LEAST..=MOST).map(|quarter| libm::exp10(f64::from(quarter) / 4.0))
     }
@@ -76,8 +77,8 @@ mod tests {
         assert!((actual / expected - 1.0).abs() < relative, "{actual:e}, not {expected:e}");
     }
 
-    /// Kalata's solution for the same noise: r = (4 + L - sqrt(8 L + L^2)) / 4, alpha = 1 - r^2,
-    /// beta = 2 (2 - alpha) - 4 sqrt(1 - alpha), which is 2 (1 - r)^2.
+    /// Kalata's solution for the same noise: r = (4 + L - sqrt(8 L + L^2)) / 4, alpha = 1 - r^2, beta = 2
+    /// (2 - alpha) - 4 sqrt(1 - alpha), which is 2 (1 - r)^2.
     #[test]
     fn the_gains_of_constant_velocity_are_those_of_the_tracking_index() {
         for index in indices() {
@@ -99,8 +100,9 @@ mod tests {
         near(gains.velocity, 0.5, 1e-14);
     }
 
-    /// By spectral factorisation: on the unit circle |closed|^2 / (1 - a) = |z - 1|^6 + index^2 |(z^2 + 4 z + 1) / 6|^2, where the
-    /// closed polynomial is that of the error of the observer.
+    /// By spectral factorisation: on the unit circle
+    /// |closed|^2 / (1 - a) = |z - 1|^6 + index^2 |(z^2 + 4 z + 1) / 6|^2, where `closed` is the characteristic
+    /// polynomial of the error of the observer.
     #[test]
     fn the_gains_of_constant_acceleration_factor_the_spectrum() {
         for index in indices() {

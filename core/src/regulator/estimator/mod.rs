@@ -1,12 +1,12 @@
 //! Velocity of an axis from its counted positions.
 //!
-//! Law      one of four: [`VelocityMethod`]. Each sees the exact change of the position since the last cycle
+//! Law      one of four: [`VelocityMethod`]. Each uses the exact change of the position since the last cycle
 //! Reads    a position each cycle (inc)
-//! Writes   the velocity (inc/s) of the cycle's instant, as far as the method is not late
+//! Writes   the velocity (inc/s) at the instant of the cycle, apart from the delay of the method
 //! Refuses  settings beyond their range ([`EstimatorError`])
 //!
-//! The first position moves nothing: an estimator begins at rest. A velocity that is constant is found without a bias by
-//! all four. What each makes of quantisation, and how late it is, its test `table` prints.
+//! The first position causes no motion: an estimator begins at rest. All four find a constant velocity without bias.
+//! Their noise by quantization and their delays are printed by the test `table`.
 
 mod alpha_beta;
 mod difference;
@@ -20,68 +20,68 @@ use filtered::Filtered;
 use serde::{Deserialize, Serialize};
 use track::{Gains, Track};
 
-/// How the velocity is found.
+/// Method for calculating the velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum VelocityMethod {
     /// The change of the cycle.
     Difference,
-    /// The change of the cycle behind a lag of first order.
+    /// The change of the cycle with a first-order lag.
     Filtered {
-        /// Of the lag (s): 0 to 1000; 0 is no lag.
+        /// Time constant of the lag (s): 0 to 1000; 0 is no lag.
         time: f64,
     },
-    /// An observer of place and velocity, critically damped.
+    /// An observer of position and velocity, critically damped.
     AlphaBeta {
-        /// Of its double pole (rad/s): 0.001 to 1000000.
+        /// Bandwidth of its double pole (rad/s): 0.001 to 1000000.
         bandwidth: f64,
     },
     /// A Kalman filter in its steady state, for positions that are rounded to whole increments.
     Kalman {
-        /// What moves the axis.
+        /// Model of the motion.
         model: MotionModel,
     },
 }
 
-/// What a Kalman filter takes for the reason that a motion is not as before.
+/// Model of the changes of a motion in a Kalman filter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum MotionModel {
-    /// The velocity is constant, but for an acceleration that is new in each cycle.
+    /// The velocity is constant, apart from an independent acceleration in each cycle.
     ConstantVelocity {
-        /// Its standard deviation (inc/s^2): an index acceleration T^2 sqrt(12) of 1e-10 to 1000 inc.
+        /// Standard deviation of the acceleration (inc/s^2): an index acceleration T^2 sqrt(12) of 1e-10 to 1000 inc.
         acceleration: f64,
     },
-    /// The acceleration is constant, but for a jerk that is new in each cycle.
+    /// The acceleration is constant, apart from an independent jerk in each cycle.
     ConstantAcceleration {
-        /// Its standard deviation (inc/s^3): an index jerk T^3 sqrt(12) of 1e-10 to 1000 inc.
+        /// Standard deviation of the jerk (inc/s^3): an index jerk T^3 sqrt(12) of 1e-10 to 1000 inc.
         jerk: f64,
     },
 }
 
-/// Why there is no estimator.
+/// Error in the settings of an estimator.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum EstimatorError {
-    /// A setting lies beyond its range.
+    /// A setting is out of range.
     #[error("{name} is {value} {unit}; {least} to {most} {unit} is permitted")]
     Range {
-        /// Which.
+        /// Name of the setting.
         name: &'static str,
-        /// What was given.
+        /// Given value.
         value: f64,
-        /// Of all three.
+        /// Unit of all three values.
         unit: &'static str,
-        /// Smallest that is permitted.
+        /// Smallest allowed value.
         least: f64,
-        /// Largest that is permitted.
+        /// Largest allowed value.
         most: f64,
     },
-    /// The gains of a Kalman filter were not found. No setting that is permitted is known to come to this.
+    /// The gains of a Kalman filter were not found. No allowed setting is known to cause this.
     #[error("{name} is {value} {unit}, for which a Kalman filter has no steady state in double precision")]
     Unsettled {
-        /// Which.
+        /// Name of the setting.
         name: &'static str,
-        /// What was given.
+        /// Given value.
         value: f64,
-        /// Of it.
+        /// Unit of the value.
         unit: &'static str,
     },
 }
@@ -89,7 +89,7 @@ pub enum EstimatorError {
 /// Indices of a Kalman filter for which its gains are found to ten digits.
 const INDEX: (f64, f64) = (1e-10, 1e3);
 
-/// Refuses what lies beyond the range; no number lies in none.
+/// Returns an error if the value is out of range; NaN is out of every range.
 fn judge(name: &'static str, value: f64, unit: &'static str, least: f64, most: f64) -> Result<(), EstimatorError> {
     let error = EstimatorError::Range { name, value, unit, least, most };
     if (least..=most).contains(&value) { Ok(()) } else { Err(error) }
@@ -102,10 +102,10 @@ enum Law {
     Observer(Gains, Track),
 }
 
-/// An estimator between two cycles.
+/// State of an estimator between two cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VelocityEstimator {
-    /// s
+    /// Cycle time (s).
     cycle: f64,
     /// Position of the last cycle; none before the first.
     last: Option<i64>,
@@ -113,7 +113,7 @@ pub struct VelocityEstimator {
 }
 
 impl VelocityEstimator {
-    /// At rest, for a cycle time (s) of 0.000001 to 1.
+    /// Returns an estimator at rest, for a cycle time (s) of 0.000001 to 1.
     ///
     /// # Errors
     /// A value beyond its range.
@@ -134,9 +134,9 @@ impl VelocityEstimator {
         Ok(Self { cycle, last: None, law })
     }
 
-    /// One cycle: the velocity (inc/s) with this position (inc).
+    /// Advances by one cycle with this position (inc) and returns the velocity (inc/s).
     pub fn step(&mut self, position: i64) -> f64 {
-        // Positions within +-2^62 differ by what fits; beyond, the sign at least is right.
+        // Differences of positions within +-2^62 fit; beyond, at least the sign is right.
         let change = self.last.map_or(0, |last| position.saturating_sub(last)) as f64;
         self.last = Some(position);
         match &mut self.law {
@@ -147,7 +147,7 @@ impl VelocityEstimator {
         self.velocity()
     }
 
-    /// The velocity of the last cycle (inc/s).
+    /// Returns the velocity of the last cycle (inc/s).
     pub fn velocity(&self) -> f64 {
         let velocity = match &self.law {
             Law::Difference(law) => law.velocity,
@@ -157,7 +157,7 @@ impl VelocityEstimator {
         velocity / self.cycle
     }
 
-    /// The acceleration that the method knows (inc/s^2); 0 where it knows none.
+    /// Returns the acceleration of the method (inc/s^2); 0 if it has none.
     pub fn acceleration(&self) -> f64 {
         match &self.law {
             Law::Observer(_, track) => track.acceleration / (self.cycle * self.cycle),
@@ -165,12 +165,12 @@ impl VelocityEstimator {
         }
     }
 
-    /// The coordinate is shifted: each position is `by` more from now on (inc). The velocity is as it was.
+    /// Increases all positions by `by` (inc). The velocity does not change.
     pub fn shift(&mut self, by: i64) {
         self.last = self.last.map(|last| last.saturating_add(by));
     }
 
-    /// At rest again, with the next position as the first.
+    /// Resets to rest, with the next position as the first.
     pub fn restart(&mut self) {
         self.last = None;
         match &mut self.law {
@@ -180,9 +180,9 @@ impl VelocityEstimator {
         }
     }
 
-    /// Is it a state that an estimator can be in?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
-        // A change has 64 bits, and a lag goes no further.
+        // A change has 64 bits, and a lag does not exceed it.
         let moves = |velocity: f64| velocity.abs() <= 2.0 * Position::LIMIT as f64;
         let law = match &self.law {
             Law::Difference(law) => moves(law.velocity),

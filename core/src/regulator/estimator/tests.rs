@@ -4,7 +4,7 @@ use proptest::prelude::*;
 mod edges;
 mod measured;
 
-/// Of all tests that name no other (s).
+/// Cycle time of all tests that name no other (s).
 const MS: f64 = 1e-3;
 
 const ALPHA_BETA: VelocityMethod = VelocityMethod::AlphaBeta { bandwidth: 400.0 };
@@ -22,10 +22,10 @@ fn near(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual}, not {expected}");
 }
 
-/// 1 - p of the observer of 400 rad/s at 1 ms, as a number: 1 - e^(-0.4).
+/// 1 - p of the observer of 400 rad/s at 1 ms: 1 - e^(-0.4).
 const REST: f64 = 0.329_679_953_964_360_7;
 
-/// Gains of Kalata's solution at an index of acceleration T^2 sqrt(12).
+/// Returns the gains of Kalata's solution at an index of acceleration T^2 sqrt(12).
 fn kalata(acceleration: f64) -> (f64, f64) {
     let index = acceleration * MS * MS * 12.0_f64.sqrt();
     let r = (4.0 + index - (8.0 * index + index * index).sqrt()) / 4.0;
@@ -41,7 +41,7 @@ fn the_difference_is_the_change_by_the_cycle() {
     assert_eq!([7, 9].map(|position| fine.step(position)), [0.0, 16_000.0]);
 }
 
-/// What a lag of 5 ms has left of a step after one and five of its times: e^-1, e^-5.
+/// Rest of a step after one and five time constants with a lag of 5 ms: e^-1, e^-5.
 #[test]
 fn the_lag_is_that_of_its_time() {
     for cycle in [0.000_125, 0.001, 0.005] {
@@ -64,7 +64,7 @@ fn a_time_of_0_is_no_lag() {
     }
 }
 
-/// The step of a double pole: 1 - (n + 1) p^n + n p^(n+1) after n cycles. Nothing swings.
+/// The step response of a double pole: 1 - (n + 1) p^n + n p^(n+1) after n cycles, without overshoot.
 #[test]
 fn the_observer_answers_a_step_as_its_double_pole_does() {
     let mut estimator = estimator(ALPHA_BETA);
@@ -79,7 +79,7 @@ fn the_observer_answers_a_step_as_its_double_pole_does() {
 }
 
 proptest! {
-    /// The same observer without its place: v(k) = 2 p v(k-1) - p^2 v(k-2) + (1 - p)^2 d(k).
+    /// The same observer without its position: v(k) = 2 p v(k-1) - p^2 v(k-2) + (1 - p)^2 d(k).
     #[test]
     fn the_observer_is_a_filter_of_the_difference(changes in prop::collection::vec(-5000_i64..5000, 1..80)) {
         let mut estimator = estimator(ALPHA_BETA);
@@ -93,7 +93,7 @@ proptest! {
         }
     }
 
-    /// A Kalman filter of constant velocity is that, with Kalata's gains: poles by a + b - 2 and 1 - a.
+    /// A Kalman filter of constant velocity is the same observer with Kalata's gains: poles from a + b - 2 and 1 - a.
     #[test]
     fn the_kalman_filter_of_constant_velocity_has_the_gains_of_the_tracking_index(
         acceleration in 1.0..1e7_f64, changes in prop::collection::vec(-5000_i64..5000, 1..80),
@@ -112,7 +112,7 @@ proptest! {
     }
 }
 
-/// A velocity of whole increments is found exactly, one between them in the mean of its period.
+/// A velocity of whole increments is found exactly, one between them as the mean of its period.
 #[test]
 fn a_constant_velocity_has_no_bias() {
     for method in METHODS {
@@ -131,7 +131,8 @@ fn a_constant_velocity_has_no_bias() {
     }
 }
 
-/// x = k^2: 2 inc/cycle^2, which is 2e6 inc/s^2; late by a time, the velocity is behind by as much of it.
+/// x = k^2: 2 inc/cycle^2, which is 2e6 inc/s^2; with a delay the velocity is behind by the acceleration times the
+/// delay.
 #[test]
 fn a_ramp_is_late_by_what_the_method_says() {
     let (a, b) = kalata(20_000.0);

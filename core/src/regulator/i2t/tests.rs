@@ -1,20 +1,20 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Supervised with 1000 ms and 5000, at 1 ms.
+/// Supervision with 1000 ms and 5000, at 1 ms.
 const SECOND: I2tSettings = I2tSettings { time: 1000, limit: 5000, shown_time: 0, cycle: 1.0 };
 
 fn near(actual: f64, expected: f64, relative: f64) {
     assert!((actual - expected).abs() <= relative * expected.abs(), "{actual}, not {expected}");
 }
 
-/// The first sample, from 1 on, that is what is looked for.
+/// Returns the first sample, from 1 on, with that result.
 fn first(settings: I2tSettings, current: f64, looked_for: Heat) -> Option<u32> {
     let (law, mut filter) = (I2t::new(settings), HeatFilter::default());
     (1..=100_000).find(|_| filter.step(&law, current) == looked_for)
 }
 
-/// Each ms as the source prints it: y + (x - y) / tau with x = I^2 / 1000.
+/// Each ms as printed in the source: y + (x - y) / tau with x = I^2 / 1000.
 ///
 /// Proves: MACS-I2T-02
 #[test]
@@ -26,7 +26,7 @@ fn each_ms_is_one_step_of_the_printed_filter() {
         value += (current * current / 1000.0 - value) / 20.0;
         near(filter.value(), value, 1e-14);
     }
-    // 9000 of 3 A, a twentieth of it; then a twentieth of the way to 1000.
+    // A twentieth of the 9000 for 3 A; then a twentieth of the difference to 1000.
     let mut filter = HeatFilter::default();
     filter.step(&law, 3000.0);
     near(filter.value(), 450.0, 1e-14);
@@ -34,7 +34,7 @@ fn each_ms_is_one_step_of_the_printed_filter() {
     near(filter.value(), 477.5, 1e-14);
 }
 
-/// The value of the source, and the 95 % that three times the filter time leave of it.
+/// The value of the source, and 95 % of it after three times the filter time.
 ///
 /// Proves: MACS-O-30
 #[test]
@@ -57,11 +57,11 @@ fn the_limit_is_passed_at_sample_1609() {
     assert_eq!(first(SECOND, 2500.0, Heat::Warning), Some(1273));
     assert_eq!(Heat::TooMuch.code().0, 99);
     assert_eq!([Heat::Fine, Heat::Warning].map(Heat::code), [Code::NONE; 2]);
-    // What comes to the limit is not above it.
+    // A value that only reaches the limit is not above it.
     assert_eq!(first(I2tSettings { limit: 6250, ..SECOND }, 2500.0, Heat::TooMuch), None);
 }
 
-/// 2500 mA come to 6250: the limit is passed where I2TFTIME is above 0, and nothing is where it is 0.
+/// 2500 mA give 6250: the limit is exceeded if I2TFTIME is above 0, and not if it is 0.
 ///
 /// Proves: MACS-I2T-01
 #[test]
@@ -94,7 +94,7 @@ fn a_heat_that_falls_is_fine_again() {
     assert_eq!(filter.step(&law, 0.0), Heat::Fine);
 }
 
-/// ln(0.2) / ln(0.999) = 1608.633 ms: the first cycle that ends behind it.
+/// ln(0.2) / ln(0.999) = 1608.633 ms: the first cycle that ends after it.
 #[test]
 fn the_time_course_does_not_depend_on_the_cycle() {
     for (cycle, sample) in [(0.125, 12_870), (0.25, 6435), (0.5, 3218), (2.0, 805), (4.0, 403), (10.0, 161)] {
@@ -102,7 +102,7 @@ fn the_time_course_does_not_depend_on_the_cycle() {
     }
 }
 
-/// 8 ms: an eighth of the way each ms.
+/// 8 ms: an eighth of the difference each ms.
 #[test]
 fn curftime_filters_the_current_that_is_shown_and_squared() {
     let law = I2t::new(I2tSettings { time: 1, limit: 1_000_000, shown_time: 8, cycle: 1.0 });
@@ -153,7 +153,7 @@ fn what_the_law_cannot_be_is_not_sound() {
     assert!(!HeatFilter { value: 0.0, current: f64::NAN }.is_sound());
 }
 
-/// The power of the coefficient differs in the last bit at some times: 3, 4, 32, 64, 256 ms.
+/// The power function differs in the last bit at some times: 3, 4, 32, 64, 256 ms.
 #[test]
 fn a_ms_goes_the_printed_share_to_the_last_bit() {
     for time in (1..=5000).chain([MLONG]) {
@@ -162,7 +162,8 @@ fn a_ms_goes_the_printed_share_to_the_last_bit() {
 }
 
 proptest! {
-    /// As many cycles as a ms has, under a current that is held, are one step of a ms; as many ms as a cycle has, one cycle.
+    /// At constant current the cycles of a ms are equal to one step of a ms, and the ms of a cycle are equal to one
+    /// cycle.
     #[test]
     fn cycles_of_any_length_add_up(
         time in 1..=MLONG, currents in prop::collection::vec(-60_000.0..60_000.0_f64, 1..20), parts in 2_u32..=10,

@@ -1,7 +1,7 @@
-//! When the integral part acts: the bound of its sum, and how that comes and goes with motion.
+//! The bound of the integral part, and its change with motion.
 //!
-//! Law      bound = KILIM * share. KILIMTIME 0: share 1. Above 0 it rises to 1 within that time once the command moves, and falls
-//!          to 0 within it once that stands; below 0 the other way round
+//! Law      bound = KILIM * share. KILIMTIME 0: share 1. Above 0 the share rises to 1 within that time once the command
+//!          moves, and falls to 0 within it once the command is at rest; below 0 the other way round
 //! Reads    whether the command moves, the time since the last sample
 //! Writes   the share, 0 to 1
 //! Refuses  nothing: the rows do
@@ -9,15 +9,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The share of the bound that is in force.
+/// The active share of the bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Share {
-    /// None before the first sample: then it is where that leads.
+    /// None before the first sample, which begins with the final share.
     now: Option<f64>,
 }
 
 impl Share {
-    /// One sample, `elapsed_ms` after the one before.
+    /// Advances by one sample, `elapsed_ms` after the one before.
     pub(super) fn step(&mut self, limit_time_ms: i64, moves: bool, elapsed_ms: f64) -> f64 {
         let aim = if limit_time_ms == 0 || moves == (limit_time_ms > 0) { 1.0 } else { 0.0 };
         let before = self.now.unwrap_or(aim);

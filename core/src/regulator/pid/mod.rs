@@ -2,12 +2,13 @@
 //!
 //! Law      every TIMER: u = clamp((KPROP e + KDER (e - e') + KINT sum e) / [`K_OUT`], +-BANDWIDTH/1000)
 //!                         + FFVEL/1000 v/VELMAX + FFACC/1000 a/amax, clamped to +-1.
-//!          e' is the error of the sample before; no division by time, so that a longer TIMER halves KDER and doubles KINT.
-//!          The sum is clamped to KILIM, as its time lets it; outside the window the loop, not the feed-forward, is off and its
-//!          sum 0. New gains make no step: what they would make is faded out in 64 samples
+//!          e' is the error of the sample before; there is no division by time, so that the same loop with a doubled
+//!          TIMER needs half the KDER and twice the KINT.
+//!          The sum is clamped to KILIM times the share of KILIMTIME. Outside the window the loop, but not the
+//!          feed-forward, is off and its sum is 0. New gains cause no step: the difference fades within 64 samples
 //! Reads    error and command of the sample; between two samples nothing
 //! Writes   u, 1 for the full reference of the drive, held between two samples
-//! Refuses  nothing: the rows of its parameters do. What is no number counts as 0
+//! Refuses  nothing: the rows of its parameters do. NaN counts as 0
 //! Source   MACS-REG-01..12, A-22..A-26
 
 mod limit;
@@ -18,20 +19,20 @@ use limit::Share;
 use serde::{Deserialize, Serialize};
 pub use window::Window;
 
-/// What the sum of the parts is divided by: with the KPROP of a new controller, 30, an error of 2000 inc, one revolution of
-/// an encoder of 500 lines, asks for the full reference.
+/// Divisor of the sum of the parts: with the KPROP of a new controller, 30, an error of 2000 inc, one revolution
+/// of an encoder of 500 lines, gives the full reference.
 pub const K_OUT: f64 = 60_000.0;
 
 /// Parameters, each within the range of its row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PidGains {
-    /// KPROP
+    /// KPROP: proportional gain.
     pub proportional: i64,
-    /// KDER
+    /// KDER: derivative gain.
     pub derivative: i64,
-    /// KINT
+    /// KINT: integral gain.
     pub integral: i64,
-    /// KILIM: bound of the sum of errors (inc); 0 is no integral part.
+    /// KILIM: bound of the sum of errors (inc); 0 switches the integral part off.
     pub limit: i64,
     /// KILIMTIME (ms)
     pub limit_time: i64,
@@ -47,30 +48,30 @@ pub struct PidGains {
     pub period_ms: i64,
 }
 
-/// What one sample sees.
+/// Inputs of one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PidInput {
     /// Command minus actual position (inc).
     pub error: f64,
-    /// Command velocity in parts of VELMAX.
+    /// Command velocity as a fraction of VELMAX.
     pub velocity: f64,
-    /// Command acceleration in parts of the largest one.
+    /// Command acceleration as a fraction of the largest one.
     pub acceleration: f64,
 }
 
-/// The loop between two samples.
+/// State of the loop between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pid {
     sum: f64,
     /// Error of the sample before; none before the first.
     before: Option<f64>,
     share: Share,
-    /// The window has switched it off.
+    /// Whether the window has switched it off.
     is_out: bool,
     /// Cycles until the next sample.
     wait: u32,
     fade: Fade,
-    /// What the last sample has used; a first sample compares with nothing.
+    /// Gains of the last sample; the first sample has none to compare with.
     used: Option<PidGains>,
     output: f64,
 }
@@ -89,7 +90,7 @@ impl Parts {
 }
 
 impl Pid {
-    /// One cycle of `cycles` that a period has: the output, held between two samples.
+    /// Advances by one of the `cycles` of a period and returns the output, which is held between two samples.
     pub fn step(&mut self, gains: &PidGains, cycles: u32, input: PidInput) -> f64 {
         if self.wait > 0 {
             self.wait -= 1;
@@ -104,7 +105,7 @@ impl Pid {
         let error = input.error;
         let before = self.before.unwrap_or(error);
         if let Some(used) = self.used.filter(|used| used != gains) {
-            // Both laws on the same past and the same present: the difference is of the gains alone.
+            // Both laws with the same history and the same inputs: the difference comes only from the gains.
             let (mut old, mut new) = (*self, *self);
             let step = new.parts(gains, input, before).total() - old.parts(&used, input, before).total();
             self.fade.make_up_for(step);
@@ -119,7 +120,7 @@ impl Pid {
         let error = input.error;
         let share = self.share.step(gains.limit_time, input.velocity != 0.0, gains.period_ms as f64);
         let bound = gains.limit as f64 * share;
-        // Without an integral part nothing is kept that a new gain could let loose.
+        // Without integral part no sum is kept that a new gain could release.
         self.sum = if gains.integral == 0 { 0.0 } else { (self.sum + error).clamp(-bound, bound) };
         self.is_out = !gains.window.step(!self.is_out, error);
         let bandwidth = gains.bandwidth as f64 / 1000.0;
@@ -137,22 +138,22 @@ impl Pid {
         Parts { loop_output, forward }
     }
 
-    /// What was under way is over, and its sum stands: the next cycle samples, and the error before it is no past.
+    /// Called after an interruption; the sum remains. The next cycle takes a sample without an earlier error.
     pub fn forget_past(&mut self) {
         (self.before, self.wait) = (None, 0);
     }
 
-    /// The sum of errors (inc).
+    /// Returns the sum of errors (inc).
     pub fn sum(&self) -> f64 {
         self.sum
     }
 
-    /// Has the window switched it off?
+    /// Whether the window has switched it off.
     pub fn is_out(&self) -> bool {
         self.is_out
     }
 
-    /// Could its state have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         self.sum.abs() <= MOST_SUM
             && self.before.is_none_or(f64::is_finite)
@@ -170,7 +171,7 @@ const MOST_SUM: f64 = 65_000.0;
 const MOST_CYCLES: u32 = 8_000;
 
 impl PidGains {
-    /// Are they within the ranges of their rows, as far as the law depends on it?
+    /// Whether the values that the law depends on are within the ranges of their rows.
     fn is_sound(&self) -> bool {
         let Self { proportional, derivative, integral, limit, bandwidth, velocity, acceleration, .. } = *self;
         let gains = [proportional, derivative, integral, limit].iter().all(|gain| (0..=65_000).contains(gain));

@@ -1,10 +1,10 @@
-//! The law by numbers, and what holds for all gains and errors.
+//! The law with numbers, and properties for all gains and errors.
 
 use super::super::fade::SAMPLES;
 use super::*;
 use proptest::prelude::*;
 
-/// As a new controller has them, with KPROP alone.
+/// Gains of a new controller, with KPROP alone.
 const NEW: PidGains = PidGains {
     proportional: 30,
     derivative: 0,
@@ -22,7 +22,7 @@ fn at(error: f64) -> PidInput {
     PidInput { error, ..PidInput::default() }
 }
 
-/// The outputs for errors, a sample in each cycle.
+/// Returns the outputs for errors, with a sample in each cycle.
 fn run<const N: usize>(gains: &PidGains, errors: [f64; N]) -> [f64; N] {
     let mut pid = Pid::default();
     errors.map(|error| pid.step(gains, 1, at(error)))
@@ -34,17 +34,17 @@ fn assert_near(seen: &[f64], expected: &[f64]) {
     assert!(near, "{seen:?} is not {expected:?}");
 }
 
-/// Ratios that hold whatever K_OUT is: twice the error, twice the output; KPROP 30 at 2000 inc is all of it here.
+/// Ratios independent of K_OUT: twice the error gives twice the output; KPROP 30 at 2000 inc is the full output here.
 ///
 /// Proves: MACS-REG-01
 #[test]
 fn the_proportional_part_is_the_error_times_its_gain() {
     assert_near(&run(&NEW, [200.0, 400.0, -400.0, 2000.0]), &[0.1, 0.2, -0.2, 1.0]);
-    // The full reference is the end.
+    // The output ends at the full reference.
     assert_near(&run(&NEW, [2500.0, -1e18]), &[1.0, -1.0]);
 }
 
-/// e = 0, 100, 100, 60: KDER 600 is 0.01 an increment of change.
+/// e = 0, 100, 100, 60: KDER 600 is 0.01 per increment of change.
 ///
 /// Proves: MACS-REG-01, MACS-REG-02
 #[test]
@@ -54,7 +54,7 @@ fn the_derivative_part_is_the_change_of_the_error() {
     let d = |change: f64| change * 599.0 / 60_000.0;
     let expected = [0.0, p(100.0) + d(100.0), p(100.0), p(60.0) + d(-40.0)];
     assert_near(&run(&gains, [0.0, 100.0, 100.0, 60.0]), &expected);
-    // No error stood before the first one: that is no change.
+    // There is no error before the first one: that is no change.
     assert_near(&run(&gains, [60.0]), &[p(60.0)]);
 }
 
@@ -69,7 +69,7 @@ fn the_sum_grows_by_each_error_up_to_its_bound_and_comes_back_from_there() {
     assert_near(&run(&none, [10.0, 10.0]), &[p, p]);
 }
 
-/// Twice the resolution and gains halved is the same loop: here 30 and 15, and the same for the others.
+/// Twice the resolution and half the gains give the same loop: here 30 and 15, and the same for the others.
 ///
 /// Proves: MACS-REG-02, MACS-O-21
 #[test]
@@ -80,8 +80,8 @@ fn a_finer_encoder_takes_smaller_gains() {
     assert_near(&run(&coarse, errors), &run(&fine, errors.map(|error| error * 2.0)));
 }
 
-/// An error that grows steadily, seen every ms and every 2 ms: KDER 100 and 50 give the same derivative part, KINT 10 and 20 the
-/// same integral in the mean, KPROP is as it was.
+/// A steadily increasing error, sampled every ms and every 2 ms: KDER 100 and 50 give the same derivative part, KINT 10
+/// and 20 the same mean integral part, KPROP does not change.
 ///
 /// Proves: MACS-REG-02, MACS-REG-04, MACS-O-21
 #[test]
@@ -116,7 +116,7 @@ fn nothing_is_read_between_two_samples() {
     assert_near(&seen, &[0.05, 0.05, 0.05, 0.05, 0.1, 0.1]);
 }
 
-/// In motion the bound rises by a quarter of 40 a sample; at rest it falls, and takes the sum with it.
+/// In motion the bound rises by a quarter of 40 per sample; at rest it falls, and limits the sum.
 ///
 /// Proves: MACS-REG-06, MACS-REG-07
 #[test]
@@ -139,7 +139,7 @@ fn the_sum_is_clamped_with_a_bound_that_falls() {
     assert_eq!(pid.sum(), 30.0);
 }
 
-/// Half of the output is the loop's, feed-forward comes on top of it.
+/// The loop is limited to half of the output; the feed-forward is added to it.
 ///
 /// Proves: MACS-REG-08, MACS-REG-09
 #[test]
@@ -153,7 +153,7 @@ fn the_bandwidth_bounds_the_loop_and_not_the_feed_forward() {
     assert_near(&run(&closed, [2000.0]), &[0.0]);
 }
 
-/// A drive that makes 4000 rpm of 10 V, VELMAX 3000: FFVEL 750, and 0.5 VELMAX are 3.75 V.
+/// A drive with 4000 rpm at 10 V, VELMAX 3000: FFVEL 750, and 0.5 VELMAX are 3.75 V.
 ///
 /// Proves: MACS-REG-09, MACS-REG-10
 #[test]
@@ -223,7 +223,7 @@ proptest! {
         }
     }
 
-    /// The mirror of all errors is the mirror of all outputs.
+    /// Opposite errors give opposite outputs.
     #[test]
     fn it_knows_no_side(gains in gains(), errors in prop::collection::vec(-3000.0..3000.0_f64, 1..40)) {
         let (mut one, mut other) = (Pid::default(), Pid::default());
@@ -233,8 +233,8 @@ proptest! {
         }
     }
 
-    /// Where the error stands still, new gains make no step: the first sample with them is the last one without, and each of the
-    /// following ones moves by no more than the 64th part of what there is to fade, beside the sum that grows.
+    /// At constant error new gains cause no step: the first sample with them is equal to the last one without, and each
+    /// of the following ones changes by at most the 64th part of the fading rest, apart from the sum that grows.
     #[test]
     fn new_gains_make_no_bump(old in gains(), new in gains(), error in -3000.0..3000.0_f64) {
         let still = |gains: PidGains| PidGains { integral: 0, limit_time: 0, period_ms: 1, ..gains };

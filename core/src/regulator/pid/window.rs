@@ -1,7 +1,7 @@
-//! The control window: near its command the loop is off.
+//! The control window: near the command the loop is off.
 //!
-//! Law      |error| <= REGWMIN switches the loop off, |error| > REGWMAX on again, and between it stays; both 0: always on. A
-//!          REGWMAX below REGWMIN counts as REGWMIN
+//! Law      |error| <= REGWMIN switches the loop off, |error| > REGWMAX on again, between them it does not change; both
+//!          0: always on. A REGWMAX below REGWMIN counts as REGWMIN
 //! Reads    the error (inc)
 //! Writes   on or off
 //! Refuses  nothing: the rows do
@@ -9,17 +9,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Its two bounds (inc).
+/// Bounds of the window (inc).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
-    /// REGWMIN
+    /// REGWMIN: lower bound.
     pub min: i64,
-    /// REGWMAX
+    /// REGWMAX: upper bound.
     pub max: i64,
 }
 
 impl Window {
-    /// Is the loop on, which was `on` before?
+    /// Whether the loop is on, given whether it was `on` before.
     pub(super) fn step(self, on: bool, error: f64) -> bool {
         let (min, max) = (self.min as f64, self.max.max(self.min) as f64);
         let far = error.abs();
@@ -51,7 +51,7 @@ mod tests {
         let window = Window { min: 5, max: 20 };
         assert_eq!(run(window, [3.0, 10.0, 21.0, 10.0, 4.0]), [false, false, true, true, false]);
         assert_eq!(run(window, [-3.0, -10.0, -21.0, -10.0, -4.0]), [false, false, true, true, false]);
-        // On the bounds themselves: inside, and not yet exceeded.
+        // At the bounds themselves: inside, and not exceeded yet.
         assert_eq!(run(window, [5.0, 20.0, 20.5, 5.5]), [false, false, true, true]);
     }
 

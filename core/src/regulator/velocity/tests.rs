@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// The defaults of the rows, at 1 ms.
+/// Defaults of the rows, at 1 ms.
 const DEFAULT: VelocityGains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };
 
 fn near(actual: f64, expected: f64) {
@@ -12,7 +12,7 @@ fn last(regulator: &mut VelocityLoop, gains: &VelocityGains, error: f64, samples
     (0..samples).fold(0.0, |_, _| regulator.step(gains, error))
 }
 
-/// 200/100 of the error and 5/100 of its sum, by hand: 0.2 + 0.005, then -0.4 - 0.005.
+/// 200/100 of the error and 5/100 of its sum, calculated by hand: 0.2 + 0.005, then -0.4 - 0.005.
 #[test]
 fn the_gains_weigh_the_error_and_its_sum() {
     let mut regulator = VelocityLoop::default();
@@ -29,7 +29,7 @@ fn the_integral_part_equals_the_proportional_one_after_40_ms() {
     near(last(&mut regulator, &DEFAULT, 0.01, 40), 0.02 + 0.02);
 }
 
-/// VELKILIM 10 is a sum of 0.2, worth 0.01 with VELKINT 5; 1000 is worth the whole output.
+/// VELKILIM 10 is a sum of 0.2, which gives 0.01 with VELKINT 5; 1000 gives the whole output.
 ///
 /// Proves: MACS-AMP-05
 #[test]
@@ -59,7 +59,7 @@ fn the_sum_does_not_grow_at_the_limit_of_the_output() {
     near(regulator.step(&DEFAULT, 0.1), 0.205);
 }
 
-/// An error of 0.3 makes 0.6 and leaves 0.4 for the sum: 8 ms. The last growth is cut to meet the limit.
+/// An error of 0.3 gives 0.6 and leaves 0.4 for the sum: 8 ms. The last growth is cut at the limit.
 #[test]
 fn the_sum_brings_the_output_to_its_limit_and_no_further() {
     let mut regulator = VelocityLoop::default();
@@ -75,7 +75,7 @@ fn negative_gains_are_taken_as_they_stand() {
     let mut regulator = VelocityLoop::default();
     near(regulator.step(&gains, 0.1), -0.205);
     near(last(&mut regulator, &gains, 1.0, 5000), -1.0);
-    // What was summed before the limit was reached, and this sample.
+    // The sum before the limit was reached, and this sample.
     near(regulator.step(&gains, -0.1), 0.2 - 0.05 * (0.1 - 0.1));
 }
 
@@ -89,7 +89,7 @@ fn eight_samples_of_an_eighth_sum_what_one_of_a_ms_does() {
     }
 }
 
-/// 0.4 with VELKPROP 200, 0.2 with 100: half of the way after half of the time.
+/// 0.4 with VELKPROP 200, 0.2 with 100: half of the difference after half of the time.
 #[test]
 fn the_offset_of_a_change_falls_to_nothing_in_its_time() {
     let before = VelocityGains { integral: 0, ..DEFAULT };
@@ -116,13 +116,13 @@ fn a_load_that_is_held_stays_held_when_velkint_changes() {
     for _ in 0..200 {
         near(regulator.step(&after, 0.0), held);
     }
-    // The bound of the sum is worth 0.2 now: the rest is given back slowly.
+    // The bound of the sum now gives 0.2: the rest decreases slowly.
     let bounded = VelocityGains { limit: 50, ..after };
     near(regulator.step(&bounded, 0.0), held);
     near(last(&mut regulator, &bounded, 0.0, 200), 0.2);
 }
 
-/// 1.2 and more of the law with an offset of -0.9 would be below the limit: the sum must not take that for room.
+/// A law of 1.2 or more with an offset of -0.9 would be below the limit: the sum must not treat that as room.
 #[test]
 fn an_offset_hides_no_saturation_from_the_sum() {
     let before = VelocityGains { proportional: 25, integral: 0, ..DEFAULT };
@@ -134,7 +134,7 @@ fn an_offset_hides_no_saturation_from_the_sum() {
     near(regulator.step(&after, 0.0), 0.0);
 }
 
-/// A mass that full current brings to full speed in 40 ms, under a load of 30 %.
+/// A mass that full current accelerates to full speed in 40 ms, with a load of 30 %.
 #[test]
 fn a_drive_reaches_its_speed_without_an_error_that_stays() {
     let (mut regulator, mut speed) = (VelocityLoop::default(), 0.0);
@@ -195,7 +195,7 @@ fn mild() -> impl Strategy<Value = VelocityGains> {
 }
 
 proptest! {
-    /// The loop that changes its gains puts out what the one that keeps them does, in that sample.
+    /// A loop whose gains change has the same output in that sample as one whose gains stay.
     #[test]
     fn a_change_of_gains_moves_nothing(
         first in prop_oneof![gains(), mild()], second in prop_oneof![gains(), mild()], third in prop_oneof![gains(), mild()],
@@ -231,7 +231,7 @@ proptest! {
         }
     }
 
-    /// At its limit the output holds the sum, whatever the signs of the gains.
+    /// At its limit the output holds the sum, with any signs of the gains.
     #[test]
     fn a_saturated_output_stops_the_sum(
         gains in mild(), errors in prop::collection::vec(-2.0..2.0_f64, 1..60),
@@ -249,8 +249,8 @@ proptest! {
     }
 }
 
-/// Within a smaller limit the sum stops where the output is at that limit: 2 e makes 0.4, and the sum the 0.1 that are left to 0.5. At the
-/// first error of the other sign the output comes away from it.
+/// With a smaller limit the sum stops when the output reaches that limit: 2 e gives 0.4, and the sum the remaining 0.1
+/// up to 0.5. With the first error of the opposite sign the output leaves the limit.
 #[test]
 fn a_smaller_limit_winds_nothing_up() {
     let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };

@@ -17,7 +17,7 @@ fn approach(ratio: Ratio, length: i64, begin: Begin) -> Approach {
     Approach::new(ratio, length, begin).expect("an approach").0
 }
 
-/// The curve by its boundary values, each times the polynomial of 5th order that has it alone (Hermite).
+/// The curve from its boundary values, each times its own polynomial of 5th order (Hermite).
 fn hermite(ratio: f64, length: f64, begin: Begin, s: f64) -> f64 {
     let Begin { place, slope, bend } = begin;
     let s3 = s * s * s;
@@ -28,7 +28,7 @@ fn hermite(ratio: f64, length: f64, begin: Begin, s: f64) -> f64 {
         + ratio * length * (-4.0 * s3 + 7.0 * s4 - 3.0 * s5)
 }
 
-/// Half a way of 256 inc at 1 : 2 over 1024: 256 (10/8 - 15/16 + 6/32) - 512 * 5/32 = 128 - 80.
+/// At half of a distance of 256 inc at 1 : 2 over 1024: 256 (10/8 - 15/16 + 6/32) - 512 * 5/32 = 128 - 80.
 #[test]
 fn the_middle_of_a_way_from_rest_is_where_the_polynomial_has_it() {
     for sign in [1, -1] {
@@ -41,6 +41,7 @@ fn the_middle_of_a_way_from_rest_is_where_the_polynomial_has_it() {
 }
 
 /// From rest to the velocity of the leader, v T / 2 before: s = v T (x^3 - x^4 / 2), at most 1.5 v / T and 6 v / T^2.
+///
 /// Proves: MACS-MARK-17
 #[test]
 fn half_the_way_of_its_leader_is_the_way_that_it_takes_by_itself() {
@@ -57,7 +58,7 @@ fn half_the_way_of_its_leader_is_the_way_that_it_takes_by_itself() {
     }
 }
 
-/// Down, the other way round: the leader comes from above.
+/// The same curve reversed: the leader comes from above.
 #[test]
 fn a_leader_from_above_goes_the_same_curve_the_other_way() {
     let mut down = from_rest(ratio(1, 2), -1_024, 256);
@@ -66,7 +67,7 @@ fn a_leader_from_above_goes_the_same_curve_the_other_way() {
     assert_eq!(down.step(Position::whole(-512)).0, Position::whole(-208));
 }
 
-/// It holds before its start, and goes on from there; behind the pair it stays a gear.
+/// It holds before its start, and continues from there; after the pair it stays a gear.
 #[test]
 fn before_its_start_it_holds_and_behind_the_pair_it_is_a_gear() {
     let mut of = Transmission::Approach(from_rest(ratio(1, 2), 1_024, -256));
@@ -83,21 +84,23 @@ fn before_its_start_it_holds_and_behind_the_pair_it_is_a_gear() {
     assert_eq!(step(-300), (Position::whole(-150), false));
 }
 
-/// From rest to the slope r over L: a bend of 60 d / L^2 and so on is what the shape finds in its places. A way of r L / 2 needs the least:
-/// y'' = r / L (60 (s - 3 s^2 + 2 s^3) / 2 + (-24 s + 84 s^2 - 60 s^3)) = r / L (6 s - 6 s^2), at most 1.5 r / L at the middle.
+/// From rest to the slope r over L: the shape finds the extrema of the bend, which contains terms such as 60 d / L^2. A
+/// distance d of r L / 2 has the least bend:
+/// y'' = r / L (60 (s - 3 s^2 + 2 s^3) / 2 + (-24 s + 84 s^2 - 60 s^3)) = r / L (6 s - 6 s^2), at most 1.5 r / L at the
+/// middle.
 #[test]
 fn the_even_way_from_rest_has_its_bend_in_the_middle() {
     let shape = from_rest(ratio(3, 1), 1_000, -1_500).shape();
     assert!((shape.bend - 1.5 * 3.0 / 1_000.0).abs() < 1e-12, "{shape:?}");
     assert!(shape.least.abs() < 1e-12 && (shape.most - 3.0).abs() < 1e-12, "{shape:?}");
-    // The same way and no more: it has to go back first.
+    // Without a distance of the slave: it has to move back first.
     let back = from_rest(ratio(3, 1), 1_000, 0);
     assert!(back.shape().least < -0.5 && !back.keeps_sense(1.0) && !back.keeps_sense(-1.0), "{:?}", back.shape());
 }
 
 #[test]
 fn a_length_that_is_enough_is_found() {
-    // 10 * 2^17 = 1310720 is the first; of what lies below, 983040 and then 1146880 do not fit.
+    // 10 * 2^17 = 1310720 is the first; of the lengths below, 983040 and then 1146880 do not fit.
     assert_eq!(enough_length(10, |length| length >= 1_234_567), Some(1_310_720));
     assert_eq!(enough_length(10, |length| length >= Gear::MAX_CHANGE), Some(Gear::MAX_CHANGE));
     assert_eq!(enough_length(10, |_| false), None);
@@ -119,12 +122,12 @@ fn ratios() -> impl Strategy<Value = Ratio> {
     let prime = prop::sample::select(vec![1_i64, 2, 3, 7, 113, 355, 997, 7_919, 104_729]);
     (prime.clone(), prime, any::<bool>()).prop_map(|(numerator, denominator, turns)| {
         let numerator = if turns { -numerator } else { numerator };
-        // Steeper ones no machine has.
+        // Steeper ratios do not occur in machines.
         ratio(numerator, denominator.max(numerator.abs() / 1_000 + 1))
     })
 }
 
-/// Any start: a slave that rests, goes on, speeds up, on either side.
+/// Any start: a slave at rest, in motion or accelerating, on either side.
 fn begins() -> impl Strategy<Value = Begin> {
     (-(1_i128 << 52)..1 << 52, -3.0..3.0_f64, -1e-3..1e-3_f64).prop_map(|(place, slope, bend)| Begin {
         place: Position::from_raw(place),
@@ -136,7 +139,7 @@ fn begins() -> impl Strategy<Value = Begin> {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// Within a quarter of the shortest one, in a number of questions that does not grow with it.
+    /// At most a quarter longer than the shortest one, with a number of tests that does not grow with it.
     #[test]
     fn an_answer_is_enough_and_no_quarter_too_long(asked in 1_i64..1 << 31, least in 1_i64..1 << 31) {
         let questions = std::cell::Cell::new(0);
@@ -151,8 +154,8 @@ proptest! {
         }
     }
 
-    /// Whatever ratio and start, and however the leader came there: behind the pair the slave is at floor(ratio * (leader - pair)) in units of
-    /// 2^-32 inc, without end.
+    /// With any ratio and start, and any motion of the leader: after the pair the slave is at
+    /// floor(ratio * (leader - pair)) in units of 2^-32 inc, without limit of distance.
     #[test]
     fn behind_the_pair_it_is_exact(
         ratio in ratios(),
@@ -177,8 +180,8 @@ proptest! {
         }
     }
 
-    /// The curve has the boundary values that it is to have, and it is one of the leader's place: the way there, and back and forth before, leave
-    /// nothing but rounding.
+    /// The curve has its boundary values, and depends only on the position of the leader: motion back and forth before
+    /// changes nothing but rounding.
     #[test]
     fn it_is_the_polynomial_of_its_boundary_values(
         ratio in ratios(),
@@ -205,7 +208,7 @@ proptest! {
         }
     }
 
-    /// No slope and no bend on the way is beyond what the shape tells, and each is met somewhere.
+    /// No slope and no bend exceeds the shape, and each extremum is reached.
     #[test]
     fn its_shape_is_what_the_way_asks_for(ratio in ratios(), begin in begins(), length in 1_000_i64..2_000_000) {
         let of = approach(ratio, length, begin);
@@ -217,17 +220,17 @@ proptest! {
         let slopes: Vec<f64> = grid().map(|s| value(&first, s) / long).collect();
         let (low, high) = slopes.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
         let bend = grid().map(|s| (value(&second, s) / long / long).abs()).fold(0.0, f64::max);
-        // Between two of 2000 places a polynomial of 4th order has no more than that of its range.
+        // Between two of 2000 positions a polynomial of 4th order differs by no more than this part of its range.
         let (room, fine) = ((high - low).max(1e-12), 1e-9);
         prop_assert!(shape.least <= low + fine * room && shape.least >= low - 1e-4 * room, "{} {}", shape.least, low);
         prop_assert!(shape.most >= high - fine * room && shape.most <= high + 1e-4 * room, "{} {}", shape.most, high);
         prop_assert!(shape.bend >= bend * (1.0 - fine) && shape.bend <= bend * (1.0 + 1e-3) + 1e-18, "{} {}", shape.bend, bend);
-        // The boundary values lie within.
+        // The boundary values are within.
         let ends = [begin.slope, ratio.to_f64()];
         prop_assert!(ends.iter().all(|end| shape.least <= end + 1e-9 && shape.most >= end - 1e-6 * (1.0 + end.abs())));
     }
 
-    /// One that rises all the way never falls by what rounding leaves, in steps however small.
+    /// A curve that rises throughout never falls by rounding, in steps of any size.
     #[test]
     fn what_rises_never_falls(
         ratio in ratios(),

@@ -23,7 +23,7 @@ fn cam(tables: &[Arc<Table>], place: i64) -> Cam {
     Cam::new(0, (Ratio::ONE, Ratio::ONE), Position::whole(place), tables).expect("a cam")
 }
 
-/// y(2500) = 600; y(12500) = 1200 + 18800 / 2 = 10600; a period makes 20000.
+/// y(2500) = 600; y(12500) = 1200 + 18800 / 2 = 10600; a period is 20000.
 #[test]
 fn the_slave_is_where_the_table_says_period_by_period() {
     let tables = xy(&KNIFE);
@@ -43,7 +43,8 @@ fn the_slave_is_where_the_table_says_period_by_period() {
     assert_eq!(slave.floor(), 20_000_000_000 + 16_866);
 }
 
-/// A million changes of the table, each at an end, both ways: place and way are those of the sums, to the last bit.
+/// A million changes of the table, each at an end, in both directions: position and travel are equal to the sums, bit
+/// by bit.
 #[test]
 fn nothing_is_lost_from_table_to_table() {
     let tables = [xy(&KNIFE), xy(&[(0, 0), (2000, -500), (7000, -1234)])].concat();
@@ -106,7 +107,7 @@ fn one_that_is_not_cyclic_rests_at_its_end_and_waits_before_its_beginning() {
     assert_eq!((slave.floor(), cam.has_ended(&tables)), (50, false));
 }
 
-/// What the two tables differ by at that place, and no more.
+/// By exactly the difference of both tables at that position.
 #[test]
 fn another_table_moves_the_slave_by_what_both_differ_there() {
     let (first, second) = (xy(&[(0, 0), (100, 1000)]), xy(&[(0, 0), (50, 700), (100, 1000)]));
@@ -152,8 +153,8 @@ fn splined(tables: &[Arc<Table>], interpolation: Interpolation) -> Vec<Arc<Table
     tables.iter().map(with).collect()
 }
 
-/// 1000 (1 - cos x) / 2 at 8 points of a turn of 4000 inc, which a periodic spline meets better than 1 % of its stroke between them; straight
-/// lines miss it by 3.8 %.
+/// 1000 (1 - cos x) / 2 at 8 points of a turn of 4000 inc: between them a periodic spline is exact to 1 % of its
+/// stroke, straight lines to 3.8 %.
 #[test]
 fn a_spline_goes_through_its_points_and_does_not_jump_at_the_period() {
     let linear = even(&[0, 146, 500, 854, 1000, 854, 500, 146, 0], 4000, true);
@@ -218,7 +219,7 @@ fn tables_within(most: i64) -> impl Strategy<Value = Vec<Arc<Table>>> {
     prop_oneof![far, (values, 1_i64..100_000).prop_map(|(y, length)| even(&y, length, true))]
 }
 
-/// The way of the table from its beginning, over whole periods, in units of 2^-32.
+/// Returns the value of the table from its start, over whole periods, in units of 2^-32.
 fn total(table: &Table, x: i128) -> i128 {
     let shape = table.cam().expect("a cam");
     let length = i128::from(shape.length) << 32;
@@ -242,7 +243,7 @@ fn even_value(table: &Table, x: i128, length: i128) -> i128 {
 proptest! {
     #![proptest_config(crate::machine::rig::cases(300))]
 
-    /// Whatever the ratios, the table and the reversals: the way is that of the place, to the last 2^-32.
+    /// For any ratios, table and reversals: the travel depends only on the position, to 2^-32.
     #[test]
     fn nothing_adds_up(
         tables in any_tables(),
@@ -270,7 +271,7 @@ proptest! {
         prop_assert!(cam.is_sound());
     }
 
-    /// The same for splines, whose value is that of the place alone.
+    /// The same for splines, whose value depends only on the position.
     #[test]
     fn nothing_adds_up_between_the_points_of_a_spline(
         tables in tables_within(1 << 12),
@@ -295,7 +296,7 @@ proptest! {
         prop_assert_eq!(way.raw(), scaled);
     }
 
-    /// Where the search begins changes nothing.
+    /// The hint for the search does not change the result.
     #[test]
     fn a_hint_changes_nothing(tables in any_tables(), near in any::<u32>(), place in 0.0_f64..1.0, step in -1.0_f64..1.0) {
         let length = tables[0].cam().expect("a cam").length as f64;
@@ -306,7 +307,7 @@ proptest! {
         prop_assert_eq!(fresh.near, misled.near);
     }
 
-    /// A state from outside may hold anything, and a table may be exchanged for any other.
+    /// A state from outside may contain any values, and a table may be replaced by any other.
     #[test]
     fn nothing_panics(
         tables in (any_tables(), tables_within(1 << 12)),

@@ -1,4 +1,4 @@
-//! The filter of a master against its law.
+//! The filter of a master compared with its law.
 
 use super::*;
 use proptest::prelude::*;
@@ -9,7 +9,8 @@ fn keeping(tau: f64) -> Filtering {
     Filtering { tau, keeps: Keeps::Position, limit: 0.0 }
 }
 
-/// cmd = old + (act - old) / tau per ms: with 4 ms a quarter of what is missing comes each time.
+/// cmd = old + (act - old) / tau per ms: with 4 ms a quarter of the difference per ms.
+///
 /// Proves: MACS-SYNC-07, MACS-SYNC-08
 #[test]
 fn a_velocity_comes_by_its_share_each_ms() {
@@ -20,12 +21,13 @@ fn a_velocity_comes_by_its_share_each_ms() {
     // In half the time half of it: tau is a time, not a number of cycles.
     let mut filter = MasterFilter::default();
     assert_eq!(filter.step(Position::whole(32), &filtering, MS / 2.0).to_f64(), 4.0);
-    // Faster than a cycle there is nothing to filter.
+    // A tau below a cycle does not filter.
     let mut filter = MasterFilter::default();
     assert_eq!(filter.step(Position::whole(64), &keeping(400.0), MS).to_f64(), 64.0);
 }
 
-/// |tau| 100000 us gives 1/1000 of the error back per ms, 50000 us 2/1000.
+/// |tau| 100000 us gives back 1/1000 of the error per ms, 50000 us 2/1000.
+///
 /// Proves: MACS-SYNC-09, MACS-O-37
 #[test]
 fn what_is_owed_comes_back_in_ten_tau() {
@@ -38,7 +40,9 @@ fn what_is_owed_comes_back_in_ten_tau() {
     }
 }
 
-/// By hand, tau 10 ms, 100 inc in a ms from rest: 10 come, 90 are owed, of which 1/100 comes at once.
+/// Calculated by hand, tau 10 ms, 100 inc in a ms from rest: 10 are given, 90 are owed, of which 1/100 is given at
+/// once.
+///
 /// Proves: MACS-SYNC-09
 #[test]
 fn the_first_step_of_a_filter_that_keeps() {
@@ -52,7 +56,7 @@ fn the_first_step_of_a_filter_that_keeps() {
 fn beyond_its_limit_it_becomes_faster_and_comes_back() {
     let filtering = Filtering { limit: 50.0, ..keeping(20_000.0) };
     let mut filter = MasterFilter::default();
-    // From rest 100 inc per ms: 95 are owed, 0.475 of that comes.
+    // From rest 100 inc per ms: 95 are owed, 0.475 of that is given.
     filter.step(Position::whole(100), &filtering, MS);
     assert!(filter.owed().to_f64() > 50.0);
     assert_eq!(filter.tau(&filtering), 19_000.0);
@@ -65,7 +69,7 @@ fn beyond_its_limit_it_becomes_faster_and_comes_back() {
     }
     // Not below 5 ms.
     assert_eq!(filter.tau(&filtering), 5_000.0);
-    // A filter that has kept 20 ms owes 100 * 19 at most, and gives it back in 200 ms: below 10 it comes back.
+    // A filter with constant 20 ms owes at most 100 * 19, and gives it back in 200 ms: below 10 its tau increases.
     let mut cycles = 0;
     while filter.tau(&filtering) == 5_000.0 {
         filter.step(Position::whole(100), &filtering, MS);
@@ -81,8 +85,9 @@ fn beyond_its_limit_it_becomes_faster_and_comes_back() {
     assert_eq!(filter.tau(&filtering), 20_000.0);
 }
 
-/// By marks nothing is owed: 100 inc per ms at 20 ms hold 1900 back in all, beyond 50 the filter becomes faster. Every 20 ms it is added up anew,
-/// and behind 20 ms that stayed below it comes back.
+/// By marks nothing is owed: 100 inc per ms at 20 ms hold back 1900 in total, and beyond 50 the filter becomes faster.
+/// The sum starts again every 20 ms, and after 20 ms below the limit tau increases.
+///
 /// Proves: MACS-SYNC-11
 #[test]
 fn by_marks_the_limit_is_judged_anew_every_tau() {
@@ -94,7 +99,7 @@ fn by_marks_the_limit_is_judged_anew_every_tau() {
     }
     assert_eq!((filter.owed(), filter.tau(&filtering)), (Position::ZERO, 5_000.0));
     assert!(given < Position::whole(2_000));
-    // It has settled by the end of the next tau or so: from then on it comes back by 1 ms per ms.
+    // It has settled about at the end of the next tau: from then on tau increases by 1 ms per ms.
     let mut taus = vec![];
     for _ in 0..80 {
         filter.step(Position::whole(100), &filtering, MS);
@@ -105,7 +110,8 @@ fn by_marks_the_limit_is_judged_anew_every_tau() {
     assert_eq!(taus[first..first + 15], (6..=20).map(|ms| f64::from(ms) * MS).collect::<Vec<_>>());
 }
 
-/// A tau below 5 ms has nowhere to fall to.
+/// A tau below 5 ms is not reduced.
+///
 /// Proves: MACS-SYNC-11
 #[test]
 fn a_short_tau_stays() {
@@ -116,7 +122,9 @@ fn a_short_tau_stays() {
 }
 
 proptest! {
-    /// Whatever the master does, what was given and what is owed are its way, to the last 2^-32 inc; and once it stands, all of it comes.
+    /// In any motion the given and the owed distance add up to that of the master, to 2^-32 inc; once it is at rest,
+    /// all of it is given.
+    ///
     /// Proves: MACS-SYNC-09
     #[test]
     fn nothing_is_lost(
@@ -137,7 +145,7 @@ proptest! {
         }
     }
 
-    /// Of a master at constant velocity nothing is owed in the end.
+    /// At constant velocity of the master nothing is owed in the end.
     #[test]
     fn all_of_it_comes_in_time(change in -(1_i128 << 44)..(1_i128 << 44), tau in 1_000.0..20_000.0_f64) {
         let mut filter = MasterFilter::default();

@@ -21,7 +21,8 @@ fn lead(change: i64) -> Lead {
     Lead { change: Position::whole(change), uneven: 1.0, valid: true, ..Lead::default() }
 }
 
-/// A lead that is made of another one may differ by more than a count from cycle to cycle, and says so: then that is no acceleration.
+/// A lead calculated from another one may vary by more than a count from cycle to cycle. With that unevenness the
+/// variation is no acceleration.
 #[test]
 fn how_uneven_a_lead_is_says_the_lead() {
     let lost = |uneven: f64| {
@@ -31,7 +32,7 @@ fn how_uneven_a_lead_is_says_the_lead() {
         let mut slave = Motion::default();
         (0..4000)
             .filter(|cycle| {
-                // Twice what an encoder counts: 14, 16, 14, 16.
+                // Twice the counts of an encoder: 14, 16, 14, 16.
                 let lead = Lead { uneven, ..lead(14 + 2 * (cycle % 2)) };
                 slave = follower.step(slave, (lead, &[]), T, Reserve::default(), Rule::Always);
                 *cycle >= 3000 && follower.phase() != Phase::Synchronized
@@ -53,7 +54,7 @@ fn on_the_run_the_slave_catches_up_what_it_lost_while_it_sped_up() {
         let before = slave;
         slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), Rule::Always);
         assert!(slave.velocity <= 5e4 + 1e-6 && slave.velocity >= 0.0, "cycle {k}: {}", slave.velocity);
-        // 1e5 inc/s^2; only the leader's own start, in the first cycle, may add a count.
+        // 1e5 inc/s^2; only the start of the leader itself, in the first cycle, may add a count.
         let uneven = if k == 0 { 1.0 / T } else { 0.0 };
         assert!((slave.velocity - before.velocity).abs() <= 1e5 * T + uneven + 1e-6, "cycle {k}");
     }
@@ -86,7 +87,7 @@ fn a_slave_at_rest_is_coupled_at_once_and_follows_every_fraction() {
     let mut slave = Motion::default();
     let mut master = 0_i64;
     for k in 0..5000_i64 {
-        // Up to 30 inc a cycle and back through zero, one more or less every ten cycles.
+        // Up to 30 inc per cycle and back through zero, one more or less every ten cycles.
         let step = (k / 10 + 30).rem_euclid(120);
         let step = (step - 60).abs() - 30;
         master += step;
@@ -128,7 +129,7 @@ fn an_offset_is_worked_off_and_kept() {
     assert_eq!(slave.position, Position::whole(3000 - 777));
 }
 
-/// The short way, where it is taken.
+/// The fast path, if it is possible.
 fn shortly(
     follower: &Follower,
     slave: Motion,
@@ -155,8 +156,8 @@ fn shortly(
 }
 
 proptest! {
-    /// However the leader moves within what the slave can do: once the leader is steady the slave arrives, exactly, and
-    /// it never leaves its velocity or acceleration while it catches up.
+    /// For any motion of the leader within the limits of the slave: once the leader is steady the slave arrives
+    /// exactly, and it never exceeds its velocity or acceleration while it catches up.
     #[test]
     fn the_slave_arrives_exactly(
         start_velocity in -4e4..4e4_f64,
@@ -175,7 +176,7 @@ proptest! {
             slave = follower.step(slave, (lead(leader_step), &[]), T, Reserve::default(), Rule::Always);
             prop_assert!(slave.velocity.abs() <= BOUNDS.velocity + 1e-3);
             prop_assert!((slave.velocity - before).abs() <= BOUNDS.acceleration * T + uneven + 1e-3);
-            // The leader has one speed: it is uneven in its first cycle only.
+            // The speed of the leader is constant: it is uneven only in its first cycle.
             uneven = 0.0;
         }
         prop_assert_eq!(follower.phase(), Phase::Synchronized);
@@ -183,7 +184,7 @@ proptest! {
         prop_assert_eq!(slave.position, offset + Gear::new(ratio).step(total));
     }
 
-    /// The short way is the long one, bit for bit, in what it makes of the slave and of the follower; and a slave that follows takes it.
+    /// The fast path gives the same slave and follower as the full step, bit by bit, and a slave that follows uses it.
     #[test]
     fn who_follows_makes_the_same_step(
         numerator in prop_oneof![-1000_i64..-1, 1_i64..1000],
@@ -217,7 +218,7 @@ proptest! {
                 steady += 1;
             }
         }
-        // At corners of a cam it may not follow.
+        // At corners of a cam it may not be able to follow.
         let may_follow = !is_cam && step.abs() < 90.0 && (rule != Rule::Never || step >= 0.0);
         prop_assert!(steady > 0 || slow == 1 || !may_follow, "it never followed");
     }

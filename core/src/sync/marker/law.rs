@@ -1,11 +1,12 @@
-//! What is corrected at a pair of marks: filters of distances and corrections, and the part of the start.
+//! Corrections at a pair of marks: filters of distances and corrections, and the correction of the start.
 //!
-//! Law      of MACS-MARK-09 to -13 and -18, in the reading of. PT1 is state + (value - state) / tau, with tau in marks.
-//!          Distances of the master are averaged; by what they lie beside the nominal one the gear is corrected. What the single mark trembles
-//!          around the average is taken out of the error; the rest is filtered, and the error of the start is split beside that
-//! Reads    parameters, the master's velocity, errors in increments of the slave
+//! Law      of MACS-MARK-09 to -13 and -18, as interpreted in. PT1 is state + (value - state) / tau, with
+//!          tau in marks. Distances of the master are averaged; their difference from the nominal one corrects the
+//!          gear. The deviation of a single mark from the average is subtracted from the error; the rest is filtered.
+//!          The error of the start is split separately
+//! Reads    parameters, the velocity of the master, errors in increments of the slave
 //! Writes   the correction of a pair; the correction of the gear
-//! Refuses  nothing: corrections stay within SYNCMMAXCORR
+//! Refuses  nothing: corrections are limited to SYNCMMAXCORR
 //! Source   MACS-MARK-03, -08 to -13, -18, -19
 
 use crate::parameter::{Marks, Synchronization};
@@ -13,33 +14,33 @@ use serde::{Deserialize, Serialize};
 
 /// Bits of SYNCMFPAR.
 mod option {
-    /// A filter that does not follow the velocity.
+    /// A filter that does not depend on the velocity.
     pub(super) const CONSTANT: i64 = 1;
     /// No correction of the gear.
     pub(super) const NO_GEAR: i64 = 2;
-    /// Corrections are filtered as distances are.
+    /// Corrections are filtered like distances.
     pub(super) const OWN_FILTER: i64 = 4;
     /// No average, and no deviation from it.
     pub(super) const NO_AVERAGE: i64 = 16;
 }
 
-/// Least number of marks that distances are averaged over.
+/// Least number of marks over which distances are averaged.
 const LEAST_AVERAGE: f64 = 100.0;
-/// Share of the nominal distance by which a measured one may lie beside it.
+/// Share of the nominal distance by which a measured one may differ from it.
 const MOST_OFF: f64 = 0.5;
-/// A PT1 has settled in so many of its tau.
+/// Multiple of its tau after which a PT1 has settled.
 const SETTLED: f64 = 3.0;
 /// Divisor of SYNCMFTIME for a constant filter.
 const CONSTANT_DIVISOR: f64 = 300.0;
 
-/// What the law is asked with.
+/// Inputs of the law.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'p> {
-    /// Of the axis.
+    /// Parameters of synchronization of the axis.
     pub sync: &'p Synchronization,
-    /// Of the axis.
+    /// Parameters of marks of the axis.
     pub marks: &'p Marks,
-    /// Of the master, filtered (inc per ms), without its sign.
+    /// Filtered velocity of the master (inc per ms), without sign.
     pub speed: f64,
     /// Increments of the slave per increment of the master.
     pub ratio: f64,
@@ -50,44 +51,44 @@ impl Asked<'_> {
         self.marks.options & option != 0
     }
 
-    /// Nominal distance of the master's marks (inc); none where nobody knows it.
+    /// Returns the nominal distance between marks of the master (inc); none if unknown.
     fn distance(&self) -> Option<f64> {
         Some(self.sync.mark_distance as f64).filter(|distance| *distance > 0.0)
     }
 
-    /// SYNCMFTIME (ms), where it says something.
+    /// Returns SYNCMFTIME (ms), if set.
     pub fn filter_time(&self) -> Option<f64> {
         self.distance().and(Some(self.marks.filter_time as f64)).filter(|time| *time > 0.0)
     }
 
-    /// Marks that pass in a time (ms), at least 1.
+    /// Returns the number of marks that pass in a time (ms), at least 1.
     fn marks_in(&self, time: f64) -> f64 {
         self.distance().map_or(1.0, |distance| (self.speed * time / distance).max(1.0))
     }
 
-    /// Marks that pass in SYNCOFFTIME.
+    /// Returns the number of marks that pass in SYNCOFFTIME.
     fn marks_in_offset_time(&self) -> f64 {
         self.marks_in(self.sync.offset_time as f64)
     }
 
-    /// MARKERFILTER: tau of a filter that settles in `time` (ms).
+    /// Returns MARKERFILTER: tau of a filter that settles in `time` (ms).
     fn tau_of(&self, time: f64) -> f64 {
         let tau = if self.has(option::CONSTANT) { time / CONSTANT_DIVISOR } else { self.marks_in(time) / SETTLED };
         tau.max(1.0)
     }
 
-    /// Is the gear corrected?
+    /// Whether the gear is corrected.
     fn corrects_gear(&self) -> bool {
         let corrects = self.marks.largest >= 0 && !self.has(option::NO_GEAR) && !self.has(option::NO_AVERAGE);
         self.filter_time().is_some() && corrects
     }
 
-    /// The way of the master over which a correction is spread (inc), where corrections are filtered.
+    /// Returns the distance of the master over which a correction is spread (inc), if corrections are filtered.
     pub fn spread(&self) -> Option<f64> {
         self.filter_time().and(self.distance())
     }
 
-    /// A correction within SYNCMMAXCORR.
+    /// Returns a correction limited to SYNCMMAXCORR.
     pub fn bound(&self, correction: f64) -> f64 {
         let most = self.marks.largest as f64;
         match self.marks.largest {
@@ -102,14 +103,14 @@ fn pt1(state: f64, value: f64, tau: f64) -> f64 {
     state + (value - state) / tau
 }
 
-/// The average distance of the marks of a side, and how far its marks were from where they should be.
+/// Average distance between marks of a side, and deviation of its marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Average {
-    /// (inc); 0: none yet.
+    /// Average distance (inc); 0: not known yet.
     distance: f64,
     /// Sum of the deviations (inc of the slave).
     sum: f64,
-    /// The same, filtered.
+    /// Filtered sum of the deviations (inc of the slave).
     slow: f64,
 }
 
@@ -124,8 +125,9 @@ impl Average {
         }
     }
 
-    /// A measured distance, below 0 of a side that went backwards, with tau of the filter of marks; `reference` is what it is held against, none: the
-    /// average. One that is far from the nominal one is none from mark to mark.
+    /// Adds a measured distance, negative for a side that moved backward, with the tau of the filter of marks.
+    /// `reference`: distance for comparison, none: the average. A distance that differs too much from the nominal one
+    /// is not between successive marks and does not count.
     fn take(&mut self, measured: f64, (tau, nominal): (f64, f64), reference: Option<f64>, scale: f64) {
         let (measured, scale) = (measured.abs(), scale * measured.signum());
         // NaN fails the comparison.
@@ -138,19 +140,19 @@ impl Average {
         self.distance = pt1(self.distance, measured, marks / SETTLED);
     }
 
-    /// What the last marks tremble.
+    /// Returns the deviation of the last marks.
     fn jitter(&mut self, tau: f64) -> f64 {
         self.slow = pt1(self.slow, self.sum, tau);
         self.sum - self.slow
     }
 }
 
-/// The state of the law.
+/// State of the law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Law {
     master: Average,
     slave: Average,
-    /// KORREKTUR, without the part of the start (inc of the slave).
+    /// KORREKTUR, without the correction of the start (inc of the slave).
     correction: f64,
     /// STARTKORRREST.
     start_left: f64,
@@ -161,38 +163,39 @@ pub struct Law {
 }
 
 impl Law {
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         let values = [self.correction, self.start_left, self.start_step, self.filters.0, self.filters.1];
         self.master.is_sound() && self.slave.is_sound() && values.iter().all(|value| value.is_finite())
     }
 
-    /// MMarkerDist: the average distance of the master's marks (inc); the nominal one before the first.
+    /// Returns MMarkerDist: average distance between marks of the master (inc); the nominal one before the first mark.
     pub fn distance(&self, asked: &Asked<'_>) -> f64 {
         if self.master.distance > 0.0 { self.master.distance } else { asked.distance().unwrap_or_default() }
     }
 
-    /// MARKERFILTER: tau of the filter of marks at the last mark (marks); 0 without a filter.
+    /// Returns MARKERFILTER: tau of the filter of marks at the last mark (marks); 0 without a filter.
     pub fn filter(&self) -> f64 {
         self.filters.0
     }
 
-    /// KORRTAU: tau of the filter of corrections at the last pair (pairs of marks); 0 without a filter.
+    /// Returns KORRTAU: tau of the filter of corrections at the last pair (pairs of marks); 0 without a filter.
     pub fn correction_filter(&self) -> f64 {
         self.filters.1
     }
 
-    /// STARTKORRREST: what is left of the start correction (inc of the slave).
+    /// Returns STARTKORRREST: remaining start correction (inc of the slave).
     pub fn start_left(&self) -> f64 {
         self.start_left
     }
 
-    /// MMARKERR: sum of the errors of the distances of the master's marks, filtered (inc of the slave); 0 without a filter.
+    /// Returns MMARKERR: filtered sum of the errors of the distances of the master (inc of the slave); 0 without a
+    /// filter.
     pub fn distance_error(&self) -> f64 {
         if self.filters.0 > 0.0 { self.master.slow } else { 0.0 }
     }
 
-    /// MMarkCorr: by what share of the master's velocity the gear is corrected.
+    /// Returns MMarkCorr: correction of the gear as a share of the velocity of the master.
     pub fn gear_correction(&self, asked: &Asked<'_>) -> f64 {
         match asked.distance().filter(|_| asked.corrects_gear() && self.master.distance > 0.0) {
             Some(nominal) => (nominal - self.master.distance) / self.master.distance,
@@ -200,7 +203,7 @@ impl Law {
         }
     }
 
-    /// A mark of the master, so far from the one before (inc).
+    /// Adds a mark of the master at that distance from the one before (inc).
     pub fn take_master(&mut self, measured: f64, asked: &Asked<'_>) {
         let (Some(nominal), Some(time)) = (asked.distance(), asked.filter_time()) else { return };
         self.master.begin(nominal);
@@ -210,7 +213,7 @@ impl Law {
         self.master.take(measured, (tau, nominal), reference, asked.ratio);
     }
 
-    /// A mark of the slave, so far from the one before (inc).
+    /// Adds a mark of the slave at that distance from the one before (inc).
     pub fn take_slave(&mut self, measured: f64, asked: &Asked<'_>) {
         let (time, nominal) = (asked.marks.slave_filter_time as f64, asked.marks.slave_distance as f64);
         if time > 0.0 && nominal > 0.0 && asked.distance().is_some() {
@@ -219,19 +222,20 @@ impl Law {
         }
     }
 
-    /// The start condition: all of its error (inc of the slave), which is split over SYNCOFFTIME. Without a filter it is part of the
-    /// correction as it is.
+    /// Sets the start condition: its whole error (inc of the slave), which is split over SYNCOFFTIME. Without a filter
+    /// it is included in the normal correction.
     pub fn start(&mut self, total: f64, asked: &Asked<'_>) {
         let total = if asked.filter_time().is_some() { asked.bound(total) } else { 0.0 };
         (self.start_left, self.start_step) = (total, total / asked.marks_in_offset_time());
     }
 
-    /// KORREKTUR of a pair whose error (inc of the slave) is `error`, without what was ordered before and not done yet.
+    /// Returns KORREKTUR of a pair with error `error` (inc of the slave), without corrections that are commanded but
+    /// not moved yet.
     pub fn correct(&mut self, error: f64, asked: &Asked<'_>) -> f64 {
         let slave_tau = asked.tau_of(asked.marks.slave_filter_time as f64);
         let slave_jitter = if asked.marks.slave_filter_time > 0 { self.slave.jitter(slave_tau) } else { 0.0 };
         let Some(time) = asked.filter_time() else {
-            // Of a filter that was switched off nothing stays.
+            // A filter that was switched off keeps no state.
             (self.correction, self.start_left, self.start_step) = (0.0, 0.0, 0.0);
             self.filters = (0.0, 0.0);
             return asked.bound(error + slave_jitter);
@@ -243,7 +247,7 @@ impl Law {
         let slowness = if asked.has(option::OWN_FILTER) { tau } else { asked.marks_in_offset_time() };
         self.filters = (tau, slowness);
         self.correction = pt1(self.correction, error, slowness);
-        // The last step takes what is left.
+        // The last step is the rest.
         let step = if self.start_step.abs() >= self.start_left.abs() { self.start_left } else { self.start_step };
         self.start_left -= step;
         asked.bound(self.correction + step)
@@ -254,7 +258,7 @@ impl Law {
 mod tests {
     use super::*;
 
-    /// Marks every 500 inc at 10 inc per ms, filtered over 2000 ms, worked off in 1000 ms.
+    /// Marks every 500 inc at 10 inc per ms, filtered over 2000 ms, corrected in 1000 ms.
     fn sync() -> Synchronization {
         Synchronization { mark_distance: 500, offset_time: 1_000, ..Synchronization::default() }
     }
@@ -272,6 +276,7 @@ mod tests {
     }
 
     /// 10 * 2000 / 1500; constant 2000 / 300; never below 1.
+    ///
     /// Proves: MACS-MARK-09
     #[test]
     fn the_filter_of_marks() {
@@ -283,6 +288,7 @@ mod tests {
     }
 
     /// Start 500, marks at 506: tau 100 / 3.
+    ///
     /// Proves: MACS-MARK-10, MACS-MARK-11, MACS-O-45
     #[test]
     fn distances_are_averaged_over_a_hundred_marks_at_least() {
@@ -313,7 +319,8 @@ mod tests {
         }
     }
 
-    /// 20 marks pass in 1000 ms: 200 inc are 10 a mark, and the last one takes the rest.
+    /// 20 marks pass in 1000 ms: 200 inc are 10 per mark, and the last one gets the rest.
+    ///
     /// Proves: MACS-MARK-12
     #[test]
     fn the_start_is_split() {
@@ -323,12 +330,12 @@ mod tests {
         law.start(205.0, &asked);
         let mut left = 205.0;
         for _ in 0..20 {
-            // Nothing but the start is wrong.
+            // Only the start has an error.
             near(law.correct(left, &asked), 10.25);
             left -= 10.25;
         }
         near(law.correct(0.0, &asked), 0.0);
-        // Without a time all of it comes at once.
+        // Without a time all of it is corrected at once.
         let at_once = Synchronization { offset_time: 0, ..sync };
         law.start(205.0, &Asked { sync: &at_once, ..asked });
         near(law.correct(205.0, &Asked { sync: &at_once, ..asked }), 205.0);
@@ -340,12 +347,13 @@ mod tests {
         let sync = sync();
         near(Law::default().correct(50.0, &asked(&sync, &marks())), 2.5);
         near(Law::default().correct(50.0, &asked(&sync, &Marks { options: 4, ..marks() })), 3.75);
-        // Without a filter it is corrected as it is.
+        // Without a filter the error is corrected unchanged.
         near(Law::default().correct(50.0, &asked(&sync, &Marks { filter_time: 0, ..marks() })), 50.0);
         near(Law::default().correct(50.0, &asked(&sync, &Marks { filter_time: -5, ..marks() })), 50.0);
     }
 
-    /// A mark that comes 15 inc late makes the pair seem 15 inc wrong; of that the filter of marks leaves 15 / tau.
+    /// A mark that is 15 inc late makes the pair appear 15 inc wrong; the filter of marks leaves 15 / tau of it.
+    ///
     /// Proves: MACS-MARK-13, MACS-MARK-08
     #[test]
     fn what_one_mark_trembles_is_no_error() {
@@ -359,7 +367,9 @@ mod tests {
         }
     }
 
-    /// The same where master and slave count down, and where the gear turns round: a late mark of the master leaves 15 inc more then.
+    /// The same for master and slave that count down, and for a negative ratio: there a late mark of the master leaves
+    /// 15 inc more.
+    ///
     /// Proves: MACS-MARK-13
     #[test]
     fn a_side_that_goes_backwards_trembles_the_other_way_round() {
@@ -372,7 +382,9 @@ mod tests {
         }
     }
 
-    /// 13.33 and 20 marks of a filter; 15 inc too far are -15 inc, of which the filter takes 1 / 13.33; of the start 20 parts in 20 pairs.
+    /// 13.33 and 20 marks of a filter; 15 inc too far are -15 inc, of which the filter takes 1 / 13.33; of the start 20
+    /// parts in 20 pairs.
+    ///
     /// Proves: MACS-MARK-09, MACS-MARK-12, MACS-MARK-13
     #[test]
     fn values_of_the_filters_are_those_of_the_last_mark_and_pair() {
@@ -394,13 +406,14 @@ mod tests {
         let own = Marks { options: 4, ..marks };
         law.correct(0.0, &Asked { marks: &own, ..asked });
         near(law.correction_filter(), 13.333_333_333);
-        // Of a filter that was switched off nothing stays.
+        // A filter that was switched off keeps no state.
         let off = Marks { filter_time: 0, ..marks };
         law.correct(0.0, &Asked { marks: &off, ..asked });
         assert_eq!(shown(&law), [0.0; 4]);
     }
 
-    /// Chattering edges, and marks that were passed over, are no distance from mark to mark.
+    /// Bouncing edges, and distances over missed marks, are not between successive marks.
+    ///
     /// Proves: MACS-MARK-10
     #[test]
     fn what_is_no_distance_is_not_averaged() {
@@ -415,7 +428,8 @@ mod tests {
         assert!(law.distance(&asked) > 500.0);
     }
 
-    /// The same of a mark of the slave, the other way round.
+    /// The same for a mark of the slave, with opposite sign.
+    ///
     /// Proves: MACS-MARK-19
     #[test]
     fn what_a_mark_of_the_slave_trembles_is_no_error() {
@@ -440,13 +454,13 @@ mod tests {
             let corrected = [50.0, -50.0].map(|error| Law::default().correct(error, &asked(&sync, &marks)));
             assert_eq!(corrected, expected, "{largest}");
         }
-        // The total of the start, too: what lies beyond is an error like others, with the same bound before its filter.
+        // The total of the start, too: the rest is a normal error, with the same bound before its filter.
         let marks = Marks { largest: 40, ..marks() };
         let asked = asked(&sync, &marks);
         let mut law = Law::default();
         law.start(-200.0, &asked);
         near(law.correct(-200.0, &asked), -2.0 - 40.0 / 20.0);
-        // Both together, too.
+        // The sum of both, too.
         let at_once = Synchronization { offset_time: 0, ..sync };
         let asked = Asked { sync: &at_once, ..asked };
         let mut law = Law::default();
@@ -457,7 +471,8 @@ mod tests {
         assert_eq!(law.gear_correction(&Asked { marks: &none, ..asked }), 0.0);
     }
 
-    /// A distance of 0 is none: there is no filter then, and no time.
+    /// With a distance of 0 there is neither a filter nor a time.
+    ///
     /// Proves: MACS-MARK-03
     #[test]
     fn without_a_distance_there_is_no_time() {

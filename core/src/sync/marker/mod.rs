@@ -1,10 +1,11 @@
-//! Marks of master and slave, brought together (SYNCM).
+//! Matches marks of master and slave (SYNCM).
 //!
-//! Law      error of a pair = ratio * (way of the master since its mark + offset) - way of the slave since its mark; what was ordered before and is
-//!          not done yet is not ordered again (MACS-MARK-13, A-39, A-40). Pairs are the groups that are nearest to each other by what is not
-//!          corrected yet; which is the first one, and what of its error is corrected, says SYNCMSTART
-//! Reads    both sides, what is under way, parameters
-//! Writes   the correction that each pair asks for; how good the pairs are
+//! Law      error of a pair = ratio * (travel of the master since its mark + offset) - travel of the slave since its
+//!          mark. Corrections that are commanded but not moved yet are not commanded again (MACS-MARK-13, A-39, A-40).
+//!          Pairs are the groups that are nearest to each other with respect to the remaining error; SYNCMSTART defines
+//!          the first pair, and the part of its error that is corrected
+//! Reads    both sides, active corrections, parameters
+//! Writes   the correction of each pair; the accuracy of the pairs
 //! Refuses  nothing
 //! Source   MACS-MARK-01, -02, -12 to -14, -20, -21, A-33, A-39, A-40, A-42
 
@@ -18,36 +19,36 @@ use crate::parameter::Marks;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// SYNCMSTART of cams: one begins at its first mark. Whatever it is, their first pair is the nearest one.
+/// SYNCMSTART of cams that begin at their first mark. With any value the first pair of a cam is the nearest one.
 pub const FROM_MARK: i64 = 2_000;
 
-/// Whose marks.
+/// Side of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Of {
-    /// Of what leads.
+    /// Side of the leader.
     Master,
-    /// Of what follows.
+    /// Side of the follower.
     Slave,
 }
 
-/// How the first pair is found (SYNCMSTART without its thousands).
+/// Selection of the first pair (SYNCMSTART without its thousands).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Start {
-    /// The first mark of the slave behind the first one of the master.
+    /// The first mark of the slave after the first one of the master.
     MasterFirst,
-    /// The first mark of the master behind the first one of the slave.
+    /// The first mark of the master after the first one of the slave.
     SlaveFirst,
-    /// The first ones, at once or once the slave has its master's velocity.
+    /// The first marks, at once or once the slave has the velocity of its master.
     First {
         waits: bool,
     },
-    /// The next one of the slave, and the one of the master that is in front, behind, or nearest.
+    /// The next mark of the slave, and the mark of the master ahead, behind, or nearest.
     Forward,
     Backward,
     Nearest,
-    /// None: the curve has brought them together.
+    /// None: the curve has already matched the marks.
     Smooth,
-    /// Those that are nearest to each other, at once (cams).
+    /// The marks nearest to each other, at once (cams).
     Cam,
 }
 
@@ -68,22 +69,23 @@ impl Start {
         }
     }
 
-    /// Does it wait for the velocity of the master?
+    /// Whether it waits for the velocity of the master.
     fn waits(self) -> bool {
         !matches!(self, Self::MasterFirst | Self::SlaveFirst | Self::First { waits: false } | Self::Cam)
     }
 
-    /// Does nearness choose the mark of the master?
+    /// Whether the mark of the master is selected by distance.
     fn goes_by_nearness(self) -> bool {
         matches!(self, Self::Forward | Self::Backward | Self::Nearest)
     }
 
-    /// What of an error is corrected where marks come every `period` (inc of the slave), 0: nobody knows; `sense` is 1 or -1.
+    /// Returns the part of an error that is corrected, for marks every `period` (inc of the slave), 0: unknown; `sense`
+    /// is 1 or -1.
     fn reduce(self, error: f64, period: f64, sense: f64) -> f64 {
         if period <= 0.0 {
             return error;
         }
-        // In the sense in which the slave runs.
+        // In the direction of motion of the slave.
         sense * self.reduce_forward(sense * error, period)
     }
 
@@ -99,54 +101,54 @@ impl Start {
     }
 }
 
-/// What a pair was like.
+/// Result of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// How far the marks were from each other (inc of the slave); positive: the slave is behind.
+    /// Distance between the marks (inc of the slave); positive: the slave is behind.
     pub error: f64,
-    /// What is corrected for it (inc of the slave).
+    /// Correction for it (inc of the slave).
     pub correction: f64,
 }
 
-/// What marks are brought together with.
+/// Inputs for matching marks.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'p> {
-    /// Of the law.
+    /// Inputs of the law.
     pub asked: Asked<'p>,
-    /// The offset that is in force (inc of the master).
+    /// Active offset (inc of the master).
     pub offset: f64,
-    /// What was ordered and is not done yet (inc of the slave).
+    /// Commanded correction that is not moved yet (inc of the slave).
     pub under_way: f64,
-    /// The slave has its master's velocity.
+    /// Whether the slave has the velocity of its master.
     pub runs: bool,
-    /// 1 where the slave counts up with its master, -1 where it counts down.
+    /// 1 if the slave counts up with its master, -1 if it counts down.
     pub sense: f64,
 }
 
-/// A coupling by marks.
+/// State of a coupling by marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Marker {
     master: Side,
     slave: Side,
     law: Law,
-    /// The first pair was found.
+    /// Whether the first pair was found.
     has_begun: bool,
-    /// Pairs in a row that were accurate, and that were not.
+    /// Number of successive accurate pairs, and of inaccurate ones.
     good: i64,
     bad: i64,
     last: Option<(f64, f64)>,
-    /// The error that the next pair will have, if nothing new happens (inc of the slave).
+    /// Expected error of the next pair without new disturbances (inc of the slave).
     expected: f64,
 }
 
 impl Marker {
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         let last = self.last.is_none_or(|(error, correction)| error.is_finite() && correction.is_finite());
         self.master.is_sound() && self.slave.is_sound() && self.law.is_sound() && last && self.expected.is_finite()
     }
 
-    /// One side.
+    /// Returns one side.
     pub fn side(&self, of: Of) -> &Side {
         match of {
             Of::Master => &self.master,
@@ -161,43 +163,43 @@ impl Marker {
         }
     }
 
-    /// Its filters.
+    /// Returns the state of its filters.
     pub fn law(&self) -> &Law {
         &self.law
     }
 
-    /// Was the first pair found?
+    /// Whether the first pair was found.
     pub fn has_begun(&self) -> bool {
         self.has_begun
     }
 
-    /// Error and correction of the last pair (inc of the slave).
+    /// Returns error and correction of the last pair (inc of the slave).
     pub fn last(&self) -> (f64, f64) {
         self.last.unwrap_or_default()
     }
 
-    /// READY: so many accurate pairs have come in a row (MACS-MARK-20).
+    /// Whether enough successive pairs were accurate: READY (MACS-MARK-20).
     pub fn is_ready(&self, marks: &Marks) -> bool {
         self.good > 0 && self.good >= marks.ready
     }
 
-    /// FAULT: more inaccurate ones in a row than are tolerated (MACS-MARK-21).
+    /// Whether more successive pairs were inaccurate than tolerated: FAULT (MACS-MARK-21).
     pub fn is_faulty(&self, marks: &Marks) -> bool {
         self.bad > marks.fault
     }
 
-    /// Both sides move on.
+    /// Advances both sides.
     pub fn advance(&mut self, master: Position, slave: Position) {
         self.master.advance(master);
         self.slave.advance(slave);
     }
 
-    /// A side has passed its last mark so far (inc of it).
+    /// Sets the travel of a side since its last mark (inc of the side).
     pub fn know(&mut self, of: Of, since: Position) {
         self.side_mut(of).know(since);
     }
 
-    /// A mark of a side, so far (inc of it) before where it is now, and when it came.
+    /// Adds a mark of a side, with its distance to the present position (inc of the side) and its time.
     pub fn take(&mut self, of: Of, (before, instant_ns): (Position, u64), asked: &Asked<'_>) -> Found {
         let found = self.side_mut(of).take(before, instant_ns, &judged(of, asked));
         if let Found::Mark { distance: Some(distance) } = found {
@@ -209,33 +211,33 @@ impl Marker {
         found
     }
 
-    /// So many marks of a side are extra.
+    /// Counts extra marks of a side.
     pub fn lose(&mut self, of: Of, count: u32) {
         self.side_mut(of).lose(count);
     }
 
-    /// Looks whether a mark of a side has stayed away in this cycle; true where one has.
+    /// Checks whether a mark of a side was missed in this cycle; returns true if so.
     pub fn look(&mut self, of: Of, asked: &Asked<'_>) -> bool {
         self.side_mut(of).look(&judged(of, asked))
     }
 
-    /// How far a pair is apart (inc of the slave).
+    /// Returns the error of a pair (inc of the slave).
     fn error(&self, master: Position, slave: Position, situation: &Situation<'_>) -> f64 {
         let of_master = (self.master.way() - master).to_f64() + situation.offset;
         of_master * situation.asked.ratio - (self.slave.way() - slave).to_f64() - situation.under_way
     }
 
-    /// From mark to mark of the groups of the master (inc of the slave); 0: nobody knows.
+    /// Returns the distance between marks of groups of the master (inc of the slave); 0: unknown.
     fn period(&self, asked: &Asked<'_>) -> f64 {
         self.law.distance(asked) * asked.marks.per_master.max(1) as f64 * asked.ratio.abs()
     }
 
-    /// The next pair that has come together, if one has, with an accuracy (inc of the slave) that it is held against.
+    /// Returns the next matched pair, if there is one; `accuracy`: limit of an accurate pair (inc of the slave).
     pub fn pair(&mut self, situation: &Situation<'_>, accuracy: i64) -> Option<Pair> {
         let error = if self.has_begun { self.next_error(situation) } else { self.first_error(situation) }?;
         let correction = self.law.correct(error, &situation.asked);
         self.expected = error - correction;
-        // How far the marks are apart, whatever was ordered already.
+        // Distance between the marks, including corrections not moved yet.
         let error = error + situation.under_way;
         if error.abs() <= accuracy.unsigned_abs() as f64 {
             (self.good, self.bad) = (self.good.saturating_add(1), 0);
@@ -246,11 +248,11 @@ impl Marker {
         Some(Pair { error, correction })
     }
 
-    /// The error of the first pair that SYNCMSTART takes, and that is corrected from there on.
+    /// Returns the error of the first pair selected by SYNCMSTART, from which on pairs are corrected.
     fn first_error(&mut self, situation: &Situation<'_>) -> Option<f64> {
         let start = Start::of(situation.asked.marks.start);
         if start.waits() && !situation.runs {
-            // What came before says nothing.
+            // Earlier marks do not count.
             self.master.forget(side::MOST_GROUPS);
             self.slave.forget(side::MOST_GROUPS);
             return None;
@@ -270,7 +272,7 @@ impl Marker {
         let of_master =
             if start.goes_by_nearness() { self.master.groups().last() } else { self.master.groups().first() };
         let (master, slave) = (*of_master?, *self.slave.groups().first()?);
-        // Which one has to come first; the other one's earlier marks are no partners.
+        // SYNCMSTART may require one side first; earlier marks of the other side are no partners.
         match start {
             Start::MasterFirst if slave.instant_ns < master.instant_ns => {
                 self.slave.forget(0);
@@ -291,7 +293,7 @@ impl Marker {
         Some(total)
     }
 
-    /// The error of the groups that are nearest to each other, if these are partners.
+    /// Returns the error of the groups nearest to each other, if they are partners.
     fn next_error(&mut self, situation: &Situation<'_>) -> Option<f64> {
         let mut nearest: Option<(f64, usize, usize)> = None;
         let expected = self.expected;
@@ -305,7 +307,8 @@ impl Marker {
         }
         let (error, master, slave) = nearest?;
         let period = self.period(&situation.asked);
-        // Beyond half of a period the partner of one of them has still to come; where both wait twice, it has slipped so far.
+        // If the distance exceeds half a period, the partner of one of them has not come yet; if both sides have two
+        // groups, the marks have really slipped.
         let waits = self.slave.groups().len() < 2 || self.master.groups().len() < 2;
         if waits && period > 0.0 && (error - expected).abs() > period / 2.0 {
             return None;
@@ -316,7 +319,7 @@ impl Marker {
     }
 }
 
-/// What marks of a side are judged by.
+/// Returns the parameters for checking marks of a side.
 fn judged(of: Of, asked: &Asked<'_>) -> Judged {
     let Asked { sync, marks, .. } = *asked;
     match of {

@@ -1,39 +1,40 @@
-//! The marks of one side of a coupling: which of them count, and where they were.
+//! The marks of one side of a coupling: which of them count, and their positions.
 //!
-//! Law      place of a mark = way of the side until then, in its increments, from where the coupling began. With a window a mark counts from the distance
-//!          less the window to the distance and the window behind the one before; what comes earlier is extra, and where none came by then, one
-//!          is missed, and counts at its place. Only the last of each group matters. Monitoring begins with the first mark
+//! Law      position of a mark = travel of the side until then, in its increments, from the start of the coupling. With
+//!          a window a mark counts from distance - window to distance + window after the one before. An earlier mark is
+//!          extra. If none has come by then, one is missed, and its nominal position is used. Only the last mark of
+//!          each group matters. Monitoring begins with the first mark
 //! Reads    the changes of the side, and its marks in their order
-//! Refuses  nothing: groups that nobody takes are forgotten, the oldest first
+//! Refuses  nothing: unused groups are dropped, the oldest first
 //! Source   MACS-MARK-02, MACS-MARK-03, MACS-MARK-07, A-35
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Groups that may wait for the other side.
+/// Largest number of groups that wait for the other side.
 pub(super) const MOST_GROUPS: usize = 8;
-/// Marks that may be missed in a row before the next one found begins anew.
+/// Number of successive missed marks after which monitoring starts again with the next mark.
 const MOST_MISSED: u32 = 16;
 
-/// What marks of a side are judged by.
+/// Parameters for checking marks of a side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged {
-    /// From mark to mark (inc); 0: unknown.
+    /// Distance between marks (inc); 0: unknown.
     pub distance: i64,
-    /// How far from there they count (inc); 0: anywhere.
+    /// Tolerance around that distance (inc); 0: no check.
     pub window: i64,
-    /// Marks of a group.
+    /// Number of marks in a group.
     pub group: i64,
 }
 
 impl Judged {
-    /// Is a mark so far from the one before (inc) one that counts?
+    /// Whether a mark at that distance from the one before (inc) counts.
     pub(super) fn accepts(&self, way: f64) -> bool {
         let off = way.abs() - self.distance as f64;
         !self.is_watched() || off.abs() <= self.window as f64
     }
 
-    /// Is it behind the window?
+    /// Whether the distance is beyond the window.
     fn is_behind(&self, way: f64) -> bool {
         self.is_watched() && way.abs() > (self.distance.saturating_add(self.window)) as f64
     }
@@ -43,89 +44,89 @@ impl Judged {
     }
 }
 
-/// What became of a mark.
+/// Result of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Found {
-    /// It counts.
+    /// The mark counts.
     Mark {
-        /// From the one before, if that was found, too (inc); below 0 where the side went backwards.
+        /// Distance from the one before, if that was found, too (inc); negative if the side moved backward.
         distance: Option<f64>,
     },
-    /// It came where none should.
+    /// An extra mark, outside the window.
     Extra,
 }
 
 /// The last mark of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Group {
-    /// Way of the side until then.
+    /// Travel of the side until then.
     pub place: Position,
-    /// When it came (ns).
+    /// Time of the mark (ns).
     pub instant_ns: u64,
 }
 
-/// One side.
+/// Marks of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Side {
-    /// From where the coupling began.
+    /// Travel since the start of the coupling.
     way: Position,
-    /// The last mark, or where it should have been.
+    /// Position of the last mark, or its nominal position if it was missed.
     last: Option<Position>,
-    /// The last mark was found.
+    /// Whether the last mark was found.
     is_found: bool,
-    /// Where one was found last.
+    /// Position of the last mark that was found.
     seen: Option<Position>,
-    /// Marks of the group under way.
+    /// Number of marks of the present group.
     count: i64,
-    /// The last marks of groups that the other side has not taken, the oldest first.
+    /// The last marks of groups that the other side has not used, the oldest first.
     groups: [Group; MOST_GROUPS],
     waiting: u8,
-    /// One was missed since the last one that counts.
+    /// Whether a mark was missed since the last one that counts.
     is_missed: bool,
-    /// So far.
+    /// Number of missed marks.
     missed: u64,
-    /// So far.
+    /// Number of extra marks.
     extra: u64,
 }
 
 impl Side {
-    /// Could it have come about?
+    /// Whether the state is possible.
     pub fn is_sound(&self) -> bool {
         usize::from(self.waiting) <= MOST_GROUPS && self.count >= 0
     }
 
-    /// Its way until now.
+    /// Returns its travel until now.
     pub fn way(&self) -> Position {
         self.way
     }
 
-    /// Its way since the last mark that was found.
+    /// Returns its travel since the last mark that was found.
     pub fn since_mark(&self) -> Option<Position> {
         self.seen.map(|place| self.way - place)
     }
 
-    /// Was one missed since the last one that counts?
+    /// Whether a mark was missed since the last one that counts.
     pub fn is_missed(&self) -> bool {
         self.is_missed
     }
 
-    /// Marks that were missed, and that came where none should.
+    /// Returns the numbers of missed and of extra marks.
     pub fn counts(&self) -> (u64, u64) {
         (self.missed, self.extra)
     }
 
-    /// Moves on by the change of a cycle.
+    /// Advances by the change of a cycle.
     pub fn advance(&mut self, change: Position) {
         self.way += change;
     }
 
-    /// The last mark of a group was passed so far (inc) before.
+    /// Sets the travel since the last mark of a group (inc).
     pub fn know(&mut self, since: Position) {
         let place = Some(self.way - since);
         (self.last, self.seen, self.is_found, self.count) = (place, place, true, 0);
     }
 
-    /// A mark, so far (inc) before where the side is now, and when it came.
+    /// Adds a mark with its distance to the present position (inc) and its time.
     pub fn take(&mut self, before: Position, instant_ns: u64, judged: &Judged) -> Found {
         let place = self.way - before;
         self.pass(place, judged);
@@ -140,17 +141,17 @@ impl Side {
         Found::Mark { distance }
     }
 
-    /// So many marks are extra.
+    /// Counts extra marks.
     pub(super) fn lose(&mut self, count: u32) {
         self.extra = self.extra.saturating_add(count.into());
     }
 
-    /// Looks at the end of a cycle whether a mark has stayed away; true where one has.
+    /// Checks at the end of a cycle whether a mark was missed; returns true if so.
     pub fn look(&mut self, judged: &Judged) -> bool {
         self.pass(self.way, judged)
     }
 
-    /// Notes the marks that should have come before `place`.
+    /// Counts the marks that should have come before `place`.
     fn pass(&mut self, place: Position, judged: &Judged) -> bool {
         let mut passed = 0;
         while let Some(last) = self.last {
@@ -161,7 +162,7 @@ impl Side {
             passed += 1;
             (self.missed, self.is_missed, self.is_found) = (self.missed.saturating_add(1), true, false);
             if passed > MOST_MISSED {
-                // Nobody knows where they are.
+                // The positions of the marks are unknown.
                 self.last = None;
                 break;
             }
@@ -172,7 +173,7 @@ impl Side {
         passed > 0
     }
 
-    /// One more of a group; its last one is kept, if it was found.
+    /// Counts a mark of a group; the last one of the group is stored, if it was found.
     fn complete(&mut self, group: Option<Group>, judged: &Judged) {
         self.count = self.count.saturating_add(1);
         if self.count < judged.group.max(1) {
@@ -189,12 +190,12 @@ impl Side {
         }
     }
 
-    /// The groups that wait, the oldest first.
+    /// Returns the waiting groups, the oldest first.
     pub fn groups(&self) -> &[Group] {
         self.groups.get(..usize::from(self.waiting)).unwrap_or(&[])
     }
 
-    /// Forgets the groups up to that one.
+    /// Drops the groups up to that one.
     pub fn forget(&mut self, last: usize) {
         let gone = (last + 1).min(usize::from(self.waiting));
         self.groups.rotate_left(gone.min(MOST_GROUPS));
@@ -229,14 +230,15 @@ mod tests {
         }
         assert_eq!(at(28_999, &EACH).1, Found::Extra);
         let (side, found) = at(31_001, &EACH);
-        // It is before the place of the second one.
+        // It is before the nominal position of the second one.
         assert_eq!((found, side.is_missed(), side.counts()), (Found::Extra, true, (1, 1)));
-        // Without a window all count.
+        // Without a window all marks count.
         let (side, found) = at(28_999, &Judged { window: 0, ..EACH });
         assert_eq!((found, side.counts()), (Found::Mark { distance: Some(28_999.0) }, (0, 0)));
     }
 
-    /// After one that stayed away the next is looked for where it would be, and its distance says nothing.
+    /// After a missed mark the next one is expected at its nominal position, and its distance does not count.
+    ///
     /// Proves: MACS-MARK-07
     #[test]
     fn the_next_pair_goes_on_after_a_missed_mark() {
@@ -251,7 +253,9 @@ mod tests {
         assert_eq!((side.is_missed(), side.counts(), side.groups().len()), (false, (1, 0), 2));
     }
 
-    /// Of three only the last matters, one that was missed counts among them, and a group whose last one was missed is none.
+    /// Of three marks only the last matters; a missed mark is counted, too, and a group whose last mark was missed is
+    /// dropped.
+    ///
     /// Proves: MACS-MARK-02
     #[test]
     fn groups_are_counted() {
@@ -259,7 +263,7 @@ mod tests {
         let mut side = Side::default();
         for place in 1..=9 {
             side.advance(Position::whole(30_000));
-            // The second and the sixth stay away.
+            // The second and the sixth are missing.
             if place != 2 && place != 6 {
                 side.take(Position::ZERO, 0, &judged);
             }
@@ -269,7 +273,7 @@ mod tests {
         assert_eq!(places(&side), [270_000]);
     }
 
-    /// A value of 0 is 1.
+    /// A value of 0 counts as 1.
     #[test]
     fn a_group_has_at_least_one_mark() {
         let (side, _) = at(30_000, &Judged { group: 0, ..EACH });
@@ -288,7 +292,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever comes, however far in a cycle: no more groups than there is room for, in their order, and missed marks end.
+        /// With any input and distance in a cycle: the groups stay within their number and order, and missed marks end.
         #[test]
         fn it_survives_anything(
             steps in prop::collection::vec((-(1_i64 << 33)..(1_i64 << 33), prop::option::of(0_i64..1_000)), 1..100),

@@ -1,4 +1,4 @@
-//! Pairs of marks, and what comes of them.
+//! Pairs of marks and their corrections.
 
 use super::*;
 use crate::parameter::Synchronization;
@@ -29,7 +29,7 @@ impl Bench {
         Situation { asked, offset: 0.0, under_way: self.under_way, runs: self.runs, sense: self.sense }
     }
 
-    /// So much of the master passes, and twice that of the slave; marks of either side come at the end of that.
+    /// Moves the master by `way`, and the slave by twice that; the marks of `of` come at the end.
     fn pass(&mut self, way: i64, of: &[Of]) -> Option<Pair> {
         self.now += T;
         let mut marker = self.marker;
@@ -42,14 +42,16 @@ impl Bench {
         pair
     }
 
-    /// The error of the first pair of these marks, each with the way of the master before it.
+    /// Returns the error of the first pair of these marks, each with the travel of the master before it.
     fn first(start: i64, marks: &[(i64, Of)]) -> Option<f64> {
         let mut bench = Self::new(start);
         marks.iter().find_map(|(way, of)| bench.pass(*way, &[*of])).map(|pair| pair.error)
     }
 }
 
-/// Master, 100 later slave, 400 later master, slave, ..: the slave is 100 inc of the master late, or 400 early; 200 or 800 of its own.
+/// Master, 100 later slave, 400 later master, slave, ..: the slave is 100 inc of the master late, or 400 early; 200 or
+/// 800 of its own.
+///
 /// Proves: MACS-MARK-14, MACS-MARK-12
 #[test]
 fn the_start_chooses_the_first_pair() {
@@ -67,7 +69,8 @@ fn the_start_chooses_the_first_pair() {
     }
 }
 
-/// Forwards is the way in which the slave runs with its master: counting down, the same marks lie the other way round.
+/// Forward is the direction of the slave with its master: counting down, the same marks are in the opposite order.
+///
 /// Proves: MACS-MARK-14
 #[test]
 fn forwards_is_where_the_slave_runs() {
@@ -82,17 +85,18 @@ fn forwards_is_where_the_slave_runs() {
     }
 }
 
-/// Of a start that may not be corrected at once, what is left is expected, and its partners stay.
+/// If a start cannot be corrected at once, the rest is expected, and its partners remain.
+///
 /// Proves: MACS-MARK-18, MACS-MARK-14
 #[test]
 fn a_start_beyond_the_bound_keeps_its_way() {
     let mut bench = Bench::new(3);
     bench.marks.largest = 50;
     let mut error = bench.pass(0, &[Of::Slave]).or(bench.pass(170, &[Of::Master])).map(|pair| pair.error);
-    // 170 of the master behind: 340 back, or 660 on.
+    // 170 of the master behind: 340 back, or 660 forward.
     assert_eq!(error, Some(660.0));
     for k in 1..=13 {
-        // 50 inc are done by the next pair, whose mark of the slave comes by half of that earlier.
+        // 50 inc are moved by the next pair, whose mark of the slave comes earlier by half of that.
         bench.marker.advance(Position::ZERO, Position::whole(50));
         let pair = bench.pass(330 - 25 * k, &[Of::Slave]).or(bench.pass(170 + 25 * k, &[Of::Master]));
         error = pair.map(|pair| pair.error);
@@ -100,19 +104,21 @@ fn a_start_beyond_the_bound_keeps_its_way() {
     assert_eq!(error, Some(660.0 - 13.0 * 50.0));
 }
 
-/// Whose marks slip by more than half of a distance, they find new partners.
+/// Marks that slip by more than half of a distance find new partners.
+///
 /// Proves: MACS-MARK-02
 #[test]
 fn marks_that_have_slipped_find_partners_again() {
     let mut bench = Bench::new(6);
     assert!(bench.pass(500, &[Of::Master, Of::Slave]).is_some());
-    // The distance is said to be 500, and is 2000: 600 beside are more than half of what is said.
+    // The distance is set to 500 but is 2000: an error of 600 is more than half of the set distance.
     let errors: Vec<_> =
         (0..6).filter_map(|_| bench.pass(600, &[Of::Slave]).or(bench.pass(1_400, &[Of::Master]))).collect();
     assert!(!errors.is_empty(), "they never meet");
 }
 
-/// Starts 2 to 5 take no mark from before the slave runs as its master does.
+/// Starts 2 to 5 use no mark from before the slave has the velocity of its master.
+///
 /// Proves: MACS-MARK-14
 #[test]
 fn some_starts_wait_for_the_velocity() {
@@ -126,6 +132,7 @@ fn some_starts_wait_for_the_velocity() {
 }
 
 /// Every second mark of the master, and every third of the slave.
+///
 /// Proves: MACS-MARK-01, MACS-MARK-02
 #[test]
 fn only_the_last_of_each_group_is_evaluated() {
@@ -137,7 +144,8 @@ fn only_the_last_of_each_group_is_evaluated() {
     assert_eq!(pairs[4].map(|pair| pair.error), Some(20.0));
 }
 
-/// A pair whose partner stays away is no pair, and the next one is.
+/// A mark without partner makes no pair, and the next one does.
+///
 /// Proves: MACS-MARK-07
 #[test]
 fn without_a_partner_a_mark_corrects_nothing() {
@@ -147,12 +155,13 @@ fn without_a_partner_a_mark_corrects_nothing() {
     let pair = bench.pass(500, &[Of::Master, Of::Slave]);
     assert_eq!(pair, Some(Pair { error: 0.0, correction: 0.0 }));
     assert_eq!(bench.pass(500, &[Of::Slave]), None);
-    // The mark of the axis comes 3 inc of the master behind its own.
+    // The mark of the axis comes 3 inc of the master after that of the master.
     assert_eq!(bench.pass(503, &[Of::Master]), None);
     assert_eq!(bench.pass(3, &[Of::Slave]).map(|pair| pair.error), Some(6.0));
 }
 
-/// What was ordered and is not done yet is ordered once.
+/// A correction that is commanded but not moved yet is commanded once.
+///
 /// Proves: MACS-MARK-13
 #[test]
 fn what_is_under_way_is_no_error() {
@@ -161,11 +170,12 @@ fn what_is_under_way_is_no_error() {
     assert_eq!(first, Some(Pair { error: 100.0, correction: 100.0 }));
     bench.under_way = 60.0;
     let next = bench.pass(450, &[Of::Master]).or(bench.pass(50, &[Of::Slave]));
-    // They are 100 inc apart, and for 60 of that nothing is corrected anew.
+    // They are 100 inc apart, and for 60 of that no new correction is commanded.
     assert_eq!(next, Some(Pair { error: 100.0, correction: 40.0 }));
 }
 
-/// Consecutive pairs: ready with the second accurate one, a fault with the second inaccurate one where one is tolerated.
+/// Successive pairs: ready with the second accurate one, a fault with the second inaccurate one if one is tolerated.
+///
 /// Proves: MACS-MARK-20, MACS-MARK-21
 #[test]
 fn pairs_in_a_row_make_ready_and_fault() {

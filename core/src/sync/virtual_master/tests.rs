@@ -11,7 +11,7 @@ fn running(pulsvel: i64, pulsacc: i64) -> (VirtualMaster, MachineParameters, Lea
     (master, parameters, lead)
 }
 
-/// 1 inc/s more in each ms: after 1 s it has gone 1 + 2 + .. + 1000 inc/s, a ms each.
+/// 1 inc/s more in each ms: after 1 s the distance is that of 1 + 2 + .. + 1000 inc/s, one ms each.
 ///
 /// Proves: MACS-VM-02, MACS-VM-08
 #[test]
@@ -54,13 +54,13 @@ fn parameters_say_whose_velocity_it_has() {
         assert_eq!(before.after(&of(1, 100_200), true), Axis(1));
         let goes_on = if before == Direct { Off } else { before };
         assert_eq!(before.after(&of(1, 200), false), goes_on);
-        // A layer starts nothing, and an axis is followed by a start alone.
+        // A layer starts nothing, and only a start makes it follow an axis.
         let after_reset = if before == Axis(3) { Own } else { goes_on };
         assert_eq!([-1, 0, 1].map(|pulsacc| before.after_reset(&of(pulsacc, 200))), [Direct, Off, after_reset]);
     }
 }
 
-/// It stands in that moment, where it is, and begins anew from rest.
+/// It stops at once at its position, and starts again from rest.
 #[test]
 fn off_it_stands() {
     let (mut master, parameters, mut lead) = running(1_000_000, 1_000_000_000);
@@ -89,21 +89,21 @@ fn counted(distance: i64, places: &[i64]) -> (i64, i64) {
     (master.count, master.mark.floor())
 }
 
-/// Places in thousandths of an inc.
+/// Positions in thousandths of an inc.
 ///
 /// Proves: MACS-VM-06
 #[test]
 fn pulses_are_come_to_from_either_side() {
-    // From 0 on, which it does not come to, up to the first one, beyond it, and back.
+    // From 0, which is not reached but left, to the first pulse, beyond it, and back.
     assert_eq!(counted(500, &[0, 499_999]), (0, 0));
     assert_eq!(counted(500, &[0, 500_000]), (1, 500));
     assert_eq!(counted(500, &[0, 500_000, 500_500]), (1, 500));
     assert_eq!(counted(500, &[0, 500_500, 499_500]), (2, 500));
     assert_eq!(counted(500, &[0, 500_500, 500_000, 499_500]), (2, 500));
-    // Two of them, then 0 and -500.
+    // Two pulses, then 0 and -500.
     assert_eq!(counted(500, &[0, 1_200_000]), (2, 1_000));
     assert_eq!(counted(500, &[0, 1_200_000, -600_000]), (2 + 4, -500));
-    // It turns on the pulse: it has come to it once.
+    // It reverses on the pulse, which is reached once.
     assert_eq!(counted(500, &[100, 500_000, 100]), (1, 500));
     assert_eq!(counted(0, &[0, 1_000_000]), (0, 0));
 }
@@ -123,7 +123,7 @@ fn edges_and_latches_count_where_it_was() {
     assert_eq!(counted(12, &[true, false, true, true]), (1, 100));
     assert_eq!(counted(13, &[true, false, true, false]), (2, 100));
     assert_eq!(counted(0, &[true, false, true]), (0, 0));
-    // Of another input, no more is it.
+    // Nor is the first level of another input.
     let mut master = VirtualMaster::default();
     let of = |vmencmtyp| MachineParameters { vmencmtyp, ..MachineParameters::default() };
     master.count_level(&of(12), false, &lead);
@@ -138,7 +138,7 @@ fn edges_and_latches_count_where_it_was() {
     assert_eq!((master.count, master.mark), (2, Position::whole(98)));
 }
 
-/// Whatever their order is: the newest one, 1 inc before the end of the cycle, is the last.
+/// In any order: the newest latch, 1 inc before the end of the cycle, is the last mark.
 ///
 /// Proves: MACS-VM-07
 #[test]
@@ -152,8 +152,8 @@ fn of_several_latches_the_newest_is_the_mark() {
 }
 
 proptest! {
-    /// In no cycle does the velocity change by more than pulsacc T, it comes nearer to what is asked for by just that much, and the position is the sum
-    /// of all that it moved, rounded once.
+    /// In each cycle the velocity approaches the setpoint by exactly pulsacc T at most, and the position is the sum of
+    /// all changes, rounded once.
     ///
     /// Proves: MACS-VM-02
     #[test]
@@ -162,7 +162,7 @@ proptest! {
         cycle_ns in prop::sample::select(vec![125_000_u64, 333_333, 1_000_000, 20_000_000]),
     ) {
         let (mut master, _, mut lead) = running(0, 1);
-        // Velocities in 10^-9 inc/s, ways in 10^-18 inc.
+        // Velocities in 10^-9 inc/s, distances in 10^-18 inc.
         let (mut velocity, mut way) = (0_i128, 0_i128);
         for (pulsvel, pulsacc, cycles) in asked {
             let parameters = MachineParameters { pulsvel, pulsacc, ..MachineParameters::default() };
@@ -184,7 +184,7 @@ proptest! {
         prop_assert!(master.is_sound(&parameters, 0));
     }
 
-    /// What an axis moves is moved, to the unit, once the ramp has come up to it; what it has lost by then is lost.
+    /// Once the ramp has reached the axis, it is followed exactly, to the unit; the distance lost before remains lost.
     ///
     /// Proves: MACS-VM-03
     #[test]
@@ -209,7 +209,7 @@ proptest! {
         }
     }
 
-    /// Whatever it is given, it ends in a state that is one.
+    /// With any input the resulting state is valid.
     #[test]
     fn nothing_makes_it_panic(raw: i128, position: i128, pulsvel: i64, distance in 0_i64..=65_535, age: u32) {
         let (mut master, parameters, mut lead) = running(pulsvel.clamp(-(1 << 30), 1 << 30), 1 << 30);

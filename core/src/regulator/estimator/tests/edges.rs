@@ -17,7 +17,7 @@ fn method() -> impl Strategy<Value = VelocityMethod> {
 }
 
 proptest! {
-    /// Bit by bit, wherever the coordinate begins.
+    /// Identical bits, at any start of the coordinate.
     #[test]
     fn a_motion_is_the_same_everywhere(
         method in method(), from in -(1_i64 << 61)..1 << 61, far in any::<bool>(),
@@ -27,7 +27,7 @@ proptest! {
         let from = if far { Position::LIMIT - 1 } else { from };
         let (mut position, side) = (0, if far { -1 } else { 1 });
         for change in changes {
-            // From the last legal position only back.
+            // From the last legal position only backward.
             position += if far { change.abs() * side } else { change };
             prop_assert_eq!(here.step(position), there.step(from + position));
         }
@@ -65,7 +65,7 @@ proptest! {
     }
 }
 
-/// The worst that 64 bits do to a filter whose pole is near -1.
+/// The worst case of 64 bits for a filter with a pole near -1.
 #[test]
 fn ends_of_the_range_in_turn_stay_sound() {
     let most = VelocityMethod::Kalman { model: MotionModel::ConstantVelocity { acceleration: 2.88e8 } };
@@ -78,7 +78,7 @@ fn ends_of_the_range_in_turn_stay_sound() {
     }
 }
 
-/// All that legal positions differ by is 2^63 - 2; more than 64 bits hold keeps its sign.
+/// The largest difference of legal positions is 2^63 - 2; a difference beyond 64 bits keeps its sign.
 #[test]
 fn the_longest_way_keeps_its_sign() {
     let mut estimator = estimator(VelocityMethod::Difference);
@@ -104,7 +104,7 @@ fn an_estimator_begins_at_rest_wherever_it_is() {
     }
 }
 
-/// 1000 inc and 1e-10 inc of the index are 1000/(sqrt(12) 1e-6) and 1e-10/(sqrt(12) 1e-6) inc/s^2 at 1 ms.
+/// Indices of 1000 inc and 1e-10 inc are 1000/(sqrt(12) 1e-6) and 1e-10/(sqrt(12) 1e-6) inc/s^2 at 1 ms.
 #[test]
 fn settings_beyond_their_range_are_refused() {
     let velocity = |acceleration| VelocityMethod::Kalman { model: MotionModel::ConstantVelocity { acceleration } };

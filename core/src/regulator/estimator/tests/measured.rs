@@ -1,22 +1,22 @@
-//! What each method makes of the same motions at 1 ms, for the documents.
+//! Results of each method for the same motions at 1 ms, for the documents.
 //!
-//! Noise: the position is the floor of a motion at constant velocity; the error of the estimate behind 2 s, over 10 s. Lag: of
-//! a ramp of 2e6 inc/s^2. Rise: until 90 % of a step of 1e6 inc/s is passed. Overshoot: of that step.
+//! Noise: the position is the floor of a motion at constant velocity; error of the estimate after 2 s, over 10 s.
+//! Delay: for a ramp of 2e6 inc/s^2. Rise: time until 90 % of a step of 1e6 inc/s. Overshoot: of that step.
 
 use super::*;
 
-/// Velocities (inc/cycle): one increment in ten cycles, nearly one in one, and many with a rest.
+/// Velocities (inc/cycle): one increment in ten cycles, nearly one per cycle, and many with a fraction.
 const VELOCITIES: [f64; 3] = [0.1, 0.97, 10.3];
 
 #[derive(Debug)]
 struct Row {
-    /// Root of the mean square of the error at each velocity (inc/s).
+    /// Root mean square of the error at each velocity (inc/s).
     noise: [f64; 3],
-    /// ms
+    /// Delay (ms).
     late: f64,
-    /// ms
+    /// Rise time (ms).
     rise: f64,
-    /// %
+    /// Overshoot (%).
     overshoot: f64,
 }
 
@@ -68,7 +68,7 @@ fn table() {
     }
 }
 
-/// A change of 1 inc in a share f of the cycles, else 0: sqrt(f (1 - f)), and the rest of 10.3 likewise.
+/// A change of 1 inc in a share f of the cycles, otherwise 0: sqrt(f (1 - f)), and the same for the fraction of 10.3.
 #[test]
 fn the_noise_of_the_difference_is_that_of_a_coin() {
     let [slow, one, fast] = row(VelocityMethod::Difference).noise;
@@ -77,7 +77,8 @@ fn the_noise_of_the_difference_is_that_of_a_coin() {
     near(fast, 1000.0 * (0.3_f64 * 0.7).sqrt(), 1e-6);
 }
 
-/// One increment in ten cycles leaves the lag s / (1 - q^10) high and lets it fall by q = 1 - s = e^(-1/5) each cycle.
+/// One increment in ten cycles raises the lag by s to s / (1 - q^10), which decreases by q = 1 - s = e^(-1/5) each
+/// cycle.
 #[test]
 fn the_noise_of_the_lag_is_that_of_its_pulses() {
     let q: f64 = libm::exp(-0.2);
@@ -86,7 +87,7 @@ fn the_noise_of_the_lag_is_that_of_its_pulses() {
     near(row(FILTERED).noise[0], 1000.0 * (mean_square - 0.01).sqrt(), 1e-6);
 }
 
-/// Two poles leave less of the noise than one, where both are as late.
+/// With the same delay two poles leave less noise than one.
 #[test]
 fn an_observer_is_quieter_than_the_lag_and_both_than_the_difference() {
     let [plain, lag, observer] = [VelocityMethod::Difference, FILTERED, ALPHA_BETA].map(row);
