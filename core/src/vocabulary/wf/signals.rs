@@ -29,7 +29,7 @@ signal_block! {
 }
 
 impl State {
-    /// Number of the state in signal `x.wf.state`.
+    /// Returns the number of the state in signal `x.wf.state`.
     pub(super) fn word(self) -> u64 {
         self as u64
     }
