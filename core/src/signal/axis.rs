@@ -1,4 +1,4 @@
-//! The signals of an axis (contract section 4).
+//! Signals of an axis (contract section 4).
 
 use super::Type::{Bit, Enum, Int, Real, Word};
 use super::signal_block;

@@ -1,4 +1,4 @@
-//! What an axis with two drives shows beside the signals of every axis.
+//! Additional signals of an axis with two drives.
 
 use super::Type::{Bit, Enum, Int};
 use super::signal_block;
