@@ -3,9 +3,9 @@
 //! Law      x = source + offset (ba 0); (sum of differences + offset) mod M (ba 1); time since START mod M (ba 2), M = last point;
 //!          k: point(k-1) <= x + lead < point(k); bits = a_value(k); lead = mean(dx) * dead_time / call (ba 1)
 //! Reads    the source; E1.. per track; Tab0: points + 1 in DW0, from DW4 on 4 words per point: point, A-value, A time;
-//!          the word of the offset where there is one
+//!          the word of the offset, if any
 //! Writes   A1.. of the tracks in use that are not disabled; no sink
-//! Refuses  points that do not rise, a modulo below 1, times beyond 32767, a dead time where nothing compensates it
+//! Refuses  points that do not rise, a modulo below 1, times beyond 32767, a dead time that is not compensated
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use super::field::{Field, Words, number, place};
@@ -140,7 +140,7 @@ impl Binea {
             Base::Incremental => {
                 let travel = seen.source.travel;
                 let change = travel.wrapping_sub(std::mem::replace(&mut self.course.travel, travel));
-                // Both terms lie within the modulo, which is below 2^31.
+                // Both terms are within the modulo, which is below 2^31.
                 self.course.x = wrapped(self.course.x.wrapping_add(change % points.modulo()), points.modulo());
                 if self.course.compensates {
                     self.window.push(change);

@@ -5,7 +5,7 @@ use super::signal_block;
 use crate::state::DRIVE_STATES;
 
 signal_block! {
-    /// A signal of a gantry, by its place in its block.
+    /// A signal of a gantry, by its index in its block.
     GantrySignal;
 
     Skew "skew" Int, Position; "how far the second drive is ahead of square"

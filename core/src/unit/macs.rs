@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(spindle.increments(&Fraction::from(1)), Ok(1000));
     }
 
-    /// A master of 512 counts, one turn of which is 360 MU: 256 qc are 45 MU, whichever way the fraction was found.
+    /// A master of 512 counts, one turn of which is 360 MU: 256 qc are 45 MU, however the fraction was calculated.
     ///
     /// Proves: MACS-UNIT-07
     #[test]

@@ -291,7 +291,7 @@ mod tests {
         near(at.frequency, angle / (2.0 * PI * 1e-3));
         near(at.open_phase, -90.0 - 1.5 * angle * 180.0 / PI);
         near(bode.margins.phase, 90.0 - 1.5 * angle * 180.0 / PI);
-        // Where a + a/2 is 90 deg the magnitude is 0.1.
+        // At a + a/2 = 90 deg the magnitude is 0.1.
         let at = bode.at_gain_margin().unwrap();
         near(at.frequency, 1000.0 / 6.0);
         near(at.open_gain, -20.0);

@@ -6,7 +6,7 @@ use crate::signal::Type::{Bit, Enum, Int, Real};
 use crate::signal::signal_block;
 
 signal_block! {
-    /// A signal of the vocabulary, by its place in the block.
+    /// A signal of the vocabulary, by its index in the block.
     WfSignal;
 
     Active "wf.active" Bit, None; "the vocabulary commands the axis"
